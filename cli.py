@@ -1,0 +1,5 @@
+"""The same program as the installed `pam-ident` command, from the checkout."""
+
+from pam_ident.cli import main
+
+main()

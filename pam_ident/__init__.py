@@ -1,0 +1,33 @@
+"""Find out how a pneumatic artificial muscle really behaves.
+
+Compare a force model with an isobaric test-rig record, see where it fails, learn which physical
+effect is missing, add it and watch the error fall.
+"""
+
+from importlib import import_module
+from typing import Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Specimen": "pam_ident.core",
+    "Record": "pam_ident.records",
+    "read_record": "pam_ident.records",
+    "laws": "pam_ident.laws",
+    "effects": "pam_ident.effects",
+    "Model": "pam_ident.model",
+    "fit": "pam_ident.fitting",
+    "compare": "pam_ident.diagnosis",
+    "diagnose": "pam_ident.diagnosis",
+    "climb": "pam_ident.diagnosis",
+}
+
+__all__ = ["__version__", *_HOME]
+
+
+def __getattr__(name: str) -> Any:
+    """Import on first use: `pam-ident --help` must not pay for numpy."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'pam_ident' has no attribute {name!r}")
+    home = import_module(_HOME[name])
+    return home if home.__name__ == f"pam_ident.{name}" else getattr(home, name)

@@ -1,0 +1,110 @@
+"""What a force law is given: the specimen's geometry and the state of the muscle, sample by sample.
+
+Internal units: pressure MPa (gauge), length mm, force N, time s, temperature degrees Celsius, so that
+MPa times mm² is N. Contraction is positive when the muscle shortens.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from .errors import DataError
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """Geometry of a muscle at rest: length and radius in mm, braid angle in degrees to the axis.
+
+    Raises DataError for lengths that are not positive or an angle outside 5 to 54 degrees (at
+    54.7 degrees a braided muscle no longer contracts).
+    """
+
+    name: str = "unnamed"
+    initial_length_mm: float = 200.0
+    initial_radius_mm: float = 10.0
+    braid_angle_deg: float = 25.0
+    wall_thickness_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("initial_length_mm", "initial_radius_mm", "wall_thickness_mm"):
+            value = getattr(self, key)
+            if value is not None and not (math.isfinite(value) and value > 0):
+                raise DataError(f"specimen {self.name}: {key} = {value}; expected a length above 0 mm")
+        if not 5.0 <= self.braid_angle_deg <= 54.0:
+            raise DataError(
+                f"specimen {self.name}: braid_angle_deg = {self.braid_angle_deg}; expected 5 to 54 degrees "
+                "between thread and axis"
+            )
+
+    @property
+    def a(self) -> float:
+        """3 / tan²θ0 (Chou & Hannaford 1996)."""
+        return 3.0 / math.tan(math.radians(self.braid_angle_deg)) ** 2
+
+    @property
+    def b(self) -> float:
+        """1 / sin²θ0 (Chou & Hannaford 1996)."""
+        return 1.0 / math.sin(math.radians(self.braid_angle_deg)) ** 2
+
+    def radius_ratio(self, contraction: Array) -> Array:
+        """r / r0 of the ideal braid at a contraction ratio (any shape), from cosθ = (1−ε) cosθ0."""
+        square = (3.0 * self.b - self.a * (1.0 - contraction) ** 2) / 3.0
+        return np.sqrt(np.maximum(square, 1e-9))
+
+    def log_volume_slope(self, contraction: Array) -> Array:
+        """d ln V / dε of the braid's cylinder V = π r² L (any shape, dimensionless)."""
+        ratio = self.radius_ratio(contraction)
+        return 2.0 * self.a * (1.0 - contraction) / (3.0 * ratio**2) - 1.0 / (1.0 - contraction)
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The state of the muscle at n samples, in the order of time.
+
+    `velocity` is dx/dt of the contraction in mm/s; `direction` is +1 on the contraction branch, −1 on
+    extension, 0 where a static table knows no branch; a hold keeps the direction of the motion before
+    it and has `moving` False. `stroke_speed` is the median speed of the stroke a sample belongs to.
+    `segment` numbers the runs between changes of pressure or gaps in time.
+    Fields that a record lacks are None.
+    """
+
+    pressure: Array
+    contraction: Array
+    specimen: Specimen
+    direction: Array
+    time: Array | None = None
+    velocity: Array | None = None
+    stroke_speed: Array | None = None
+    moving: Array | None = None
+    cycle: Array | None = None
+    temperature: Array | None = None
+    segment: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.pressure)
+
+    @cached_property
+    def displacement_mm(self) -> Array:
+        """Contraction in mm, shape (n,)."""
+        return self.contraction * self.specimen.initial_length_mm
+
+    def has(self, need: str) -> bool:
+        """Whether the record holds what `need` names: branch, motion, time, cycle or temperature."""
+        if need == "branch":
+            return bool(np.any(self.direction != 0))
+        field = {
+            "motion": self.velocity,
+            "time": self.time,
+            "cycle": self.cycle,
+            "temperature": self.temperature,
+        }
+        return field[need] is not None
+
+    def with_geometry(self, radius_mm: float, angle_deg: float) -> "Inputs":
+        """The same samples on a specimen of another radius (mm) and braid angle (degrees)."""
+        geometry = replace(self.specimen, initial_radius_mm=radius_mm, braid_angle_deg=angle_deg)
+        return replace(self, specimen=geometry)

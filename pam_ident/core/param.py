@@ -1,0 +1,40 @@
+"""One parameter of a law or of an effect."""
+
+import math
+from dataclasses import dataclass
+
+from .errors import UsageError
+
+
+@dataclass(frozen=True)
+class Param:
+    """A named physical quantity with unit and bounds.
+
+    `start` is where a fit begins and, for the size of an effect, `neutral` is the value at which
+    the effect vanishes. `grid` lists values of a shape parameter from which fits are started,
+    because the error has several minima in it. `scale` is a typical magnitude in `unit`.
+
+    Raises UsageError when the bounds are empty or do not hold `start`.
+    """
+
+    name: str
+    unit: str
+    doc: str
+    lower: float = -math.inf
+    upper: float = math.inf
+    start: float = 0.0
+    neutral: float = 0.0
+    scale: float = 1.0
+    symbol: str = ""
+    grid: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.start <= self.upper or self.lower >= self.upper:
+            raise UsageError(
+                f"parameter {self.name}: start {self.start} must lie in the bounds "
+                f"[{self.lower}, {self.upper}], and the bounds must not be empty"
+            )
+
+    def clip(self, value: float) -> float:
+        """`value` moved into the bounds."""
+        return min(max(value, self.lower), self.upper)

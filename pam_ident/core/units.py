@@ -1,0 +1,66 @@
+"""Units at the border: what a file may be written in, and the factor to the internal unit."""
+
+import re
+
+from .errors import DataError
+
+TO_INTERNAL: dict[str, dict[str, tuple[float, float]]] = {
+    "time": {"s": (1.0, 0.0), "ms": (1e-3, 0.0), "min": (60.0, 0.0)},
+    "pressure": {
+        "MPa": (1.0, 0.0),
+        "kPa": (1e-3, 0.0),
+        "Pa": (1e-6, 0.0),
+        "bar": (0.1, 0.0),
+        "mbar": (1e-4, 0.0),
+        "psi": (6.894757293168361e-3, 0.0),
+    },
+    "length": {"mm": (1.0, 0.0), "cm": (10.0, 0.0), "m": (1000.0, 0.0), "um": (1e-3, 0.0), "in": (25.4, 0.0)},
+    "force": {
+        "N": (1.0, 0.0),
+        "kN": (1000.0, 0.0),
+        "mN": (1e-3, 0.0),
+        "lbf": (4.4482216152605, 0.0),
+        "kgf": (9.80665, 0.0),
+    },
+    "temperature": {"C": (1.0, 0.0), "degC": (1.0, 0.0), "K": (1.0, -273.15)},
+    "ratio": {"1": (1.0, 0.0), "-": (1.0, 0.0), "pct": (0.01, 0.0), "%": (0.01, 0.0)},
+}
+"""Dimension → unit → (factor, offset): internal = factor · value + offset."""
+
+_BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*)\s*[\])]\s*$")
+
+
+def split_header(header: str) -> tuple[str, str | None]:
+    """Name (lower case, words joined by _) and unit of a column header such as `Pressure [bar]` or `force_N`."""
+    text = header.strip()
+    found = _BRACKETS.match(text)
+    if found:
+        return _snake(found["name"]), found["unit"].replace("°", "") or None
+    name, _, last = text.rpartition("_")
+    if name and any(last in units for units in TO_INTERNAL.values()):
+        return _snake(name), last
+    return _snake(text), None
+
+
+def conversion(dimension: str, unit: str | None, where: str) -> tuple[float, float]:
+    """Factor and offset from `unit` to the internal unit of `dimension`; `where` names the column in errors.
+
+    Raises DataError for a unit that is missing or not of that dimension.
+    """
+    table = TO_INTERNAL[dimension]
+    if unit is None and dimension == "ratio":
+        return (1.0, 0.0)
+    if unit in table:
+        return table[unit]
+    folded = {key.lower(): value for key, value in table.items() if key not in ("mN", "MPa", "mbar")}
+    folded |= {"mpa": table["MPa"]} if dimension == "pressure" else {}
+    if unit is not None and unit.lower() in folded:
+        return folded[unit.lower()]
+    given = "no unit given" if unit is None else f"unknown unit {unit!r}"
+    raise DataError(
+        f"{where}: {given}; expected one of {', '.join(table)} for a {dimension} (as suffix or in brackets)"
+    )
+
+
+def _snake(text: str) -> str:
+    return re.sub(r"[\s_]+", "_", text.strip().lower())

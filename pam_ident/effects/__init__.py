@@ -1,0 +1,81 @@
+"""Physical effects a law may lack, one a file.
+
+A file that defines EFFECT brings everything with it: listing, candidacy in the diagnosis, contract
+tests. Other packages add theirs by the entry point group `pam_ident.effects`, a user by
+`--effect-file FILE.py`.
+"""
+
+import importlib.util
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from ..core import UsageError
+from ..core.discover import instances
+from .base import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure
+
+__all__ = [
+    "AddsForce",
+    "Effect",
+    "Form",
+    "ScalesForce",
+    "TransformsContraction",
+    "TransformsPressure",
+    "catalogue",
+    "get_effect",
+    "load_effect_file",
+]
+
+
+@cache
+def _packaged() -> dict[str, Effect]:
+    found = {effect.name: effect for effect in instances(__name__, __path__, Effect)}
+    for point in entry_points(group="pam_ident.effects"):
+        effect = point.load()
+        if isinstance(effect, Effect):
+            found[effect.name] = effect
+    return found
+
+
+def catalogue(extra: tuple[Effect, ...] = ()) -> dict[str, Effect]:
+    """Every effect by name: the package's, installed packages', and `extra`."""
+    return _packaged() | {effect.name: effect for effect in extra}
+
+
+def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]:
+    """Effect and form of `name` or `name:form`; the simplest form where none is named.
+
+    Raises UsageError listing what is known.
+    """
+    base, _, form = name.partition(":")
+    known = catalogue(extra)
+    if base not in known:
+        raise UsageError(f"unknown effect {base!r}; expected one of {', '.join(sorted(known))}")
+    effect = known[base]
+    if not form:
+        return effect, effect.forms[0]
+    for item in effect.forms:
+        if item.name == form:
+            return effect, item
+    raise UsageError(
+        f"effect {base} has no form {form!r}; expected one of {', '.join(f.name for f in effect.forms)}"
+    )
+
+
+def load_effect_file(path: str | Path) -> tuple[Effect, ...]:
+    """Effects defined in a user's Python file. Raises UsageError when it cannot be run or defines none."""
+    path = Path(path)
+    spec = importlib.util.spec_from_file_location(f"pam_ident_user_{path.stem}", path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise UsageError(f"{path}: not a Python file; expected a file that defines EFFECT")
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise UsageError(
+            f"{path}: fails on import ({type(error).__name__}: {error}); mend the file"
+        ) from None
+    found = tuple(v for k, v in vars(module).items() if k.isupper() and isinstance(v, Effect))
+    if not found:
+        raise UsageError(f"{path}: defines no effect; expected EFFECT = Effect(...)")
+    return found

@@ -1,0 +1,82 @@
+"""Memory along a record: relaxation in time and elements that slip."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..core import Inputs
+
+Array = np.ndarray
+
+
+def relax(time: Array, drive: Array, tau: float) -> Array:
+    """Response q of a Maxwell element, q̇ = ḋ − q/τ, q = 0 at the first sample; d linear between samples.
+
+    `time` in s and `drive` in any unit, shape (n,); exact for the piecewise linear drive. The recursion is
+    summed in stretches short enough that the decay inside one stays within the range of a float.
+    """
+    step = np.diff(time)
+    decay = step / tau
+    gain = np.diff(drive) * np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
+    out = np.zeros(len(time))
+    start = 0
+    total = np.r_[0.0, np.cumsum(decay)]
+    while start < len(step):
+        stop = max(start + 1, int(np.searchsorted(total, total[start] + 300.0)) - 1)
+        stop = min(stop, len(step))
+        if stop == start + 1:
+            out[stop] = out[start] * np.exp(-decay[start]) + gain[start]
+        else:
+            since = total[start + 1 : stop + 1] - total[start]
+            out[start + 1 : stop + 1] = np.exp(-since) * (
+                out[start] + np.cumsum(gain[start:stop] * np.exp(since))
+            )
+        start = stop
+    return out
+
+
+def follow(time: Array, drive: Array, tau: float) -> Array:
+    """First-order lag y of a drive, ẏ = (d − y)/τ, y = d at the first sample."""
+    return drive - relax(time, drive, tau)
+
+
+def runs(inputs: Inputs) -> list[slice]:
+    """Stretches of one direction within a segment, holds included, in order."""
+    turns = np.diff(inputs.direction) != 0.0
+    if inputs.segment is not None:
+        turns |= np.diff(inputs.segment) != 0
+    bounds = [0, *(np.flatnonzero(turns) + 1).tolist(), len(inputs)]
+    return [slice(begin, end) for begin, end in zip(bounds[:-1], bounds[1:], strict=True)]
+
+
+def stop_operator(inputs: Inputs, width_mm: float) -> Array:
+    """Deflection of an elastic element that slips at ±width, divided by the width, shape (n,), within ±1.
+
+    Prandtl's stop operator driven by the displacement; the element starts wound up by the contraction that
+    inflated the muscle.
+    """
+    return _slide(inputs, lambda state, moved: np.clip(state + moved / width_mm, -1.0, 1.0))
+
+
+def dahl_operator(inputs: Inputs, width_mm: float) -> Array:
+    """Dahl's friction state, dz/dx = (1 − z sgn ẋ)/width: exponential return after each reversal, within ±1."""
+
+    def step(state: float, moved: Array) -> Array:
+        goal = np.sign(moved)
+        return goal + (state - goal) * np.exp(-np.abs(moved) / width_mm)
+
+    return _slide(inputs, step)
+
+
+def _slide(inputs: Inputs, step: Callable[[float, Array], Array]) -> Array:
+    """Carry a rate-independent state from reversal to reversal; `step(state, moved)` is exact for one-way travel."""
+    x = inputs.displacement_mm
+    out = np.empty(len(x))
+    state, last = 1.0, x[0]
+    for run in runs(inputs):
+        sign = inputs.direction[run.start]
+        state = float(step(state, np.array([x[run.start] - last]))[0])
+        travel = np.maximum.accumulate(np.maximum(sign * (x[run] - x[run.start]), 0.0))
+        out[run] = step(state, sign * travel)
+        state, last = float(out[run.stop - 1]), x[run.stop - 1]
+    return out

@@ -1,0 +1,108 @@
+"""What an effect is: a name with forms from simplest to richest, each with its role by type."""
+
+from abc import ABC
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core import Inputs, Param, UsageError
+
+Array = np.ndarray
+Shape = Mapping[str, float]
+Columns = Callable[[Inputs, Shape, Array], Array]
+"""(inputs, shape values, force of the model in N, shape (n,)) → shape (n, number of sizes)."""
+
+
+@dataclass(frozen=True)
+class Form(ABC):
+    """One way to write an effect down: linear in its sizes, curved in its shapes.
+
+    What `columns` · (sizes − their neutral values) does is the form's role, told by its type.
+    `uses_force` marks columns that depend on the force itself, so that the model is solved implicitly.
+    """
+
+    name: str
+    formula: str
+    sizes: tuple[Param, ...]
+    columns: Columns
+    shapes: tuple[Param, ...] = ()
+    uses_force: bool = False
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        """Sizes, then shapes."""
+        return self.sizes + self.shapes
+
+
+@dataclass(frozen=True)
+class AddsForce(Form):
+    """columns · sizes is a force in N, added to the law's."""
+
+
+@dataclass(frozen=True)
+class ScalesForce(Form):
+    """The law's force is multiplied by 1 + columns · sizes."""
+
+
+@dataclass(frozen=True)
+class TransformsPressure(Form):
+    """The law is given p + columns · sizes, in MPa, never below zero."""
+
+
+@dataclass(frozen=True)
+class TransformsContraction(Form):
+    """The law is given ε + columns · (sizes − neutral)."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect that a static law leaves out; its forms go from the simplest to the richest.
+
+    `needs` names what a record must hold (branch, motion, time, cycle, temperature); `levers` what must be
+    varied on the rig to see it, in the words of the contract; `same_as` other names of the same physics
+    whose richer forms coincide with this one's; `stateful` that it remembers the record's past.
+    `candidate` False keeps an effect out of the diagnosis. Raises UsageError without a form or a source.
+    """
+
+    name: str
+    title: str
+    source: str
+    forms: tuple[Form, ...]
+    test: str
+    needs: tuple[str, ...] = ()
+    levers: tuple[str, ...] = ()
+    same_as: tuple[str, ...] = ()
+    stateful: bool = False
+    candidate: bool = True
+    warning: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.forms or not self.source or not self.name.isidentifier():
+            raise UsageError(f"effect {self.name!r}: expected a Python name, at least one form and a source")
+        if any(type(form) is Form for form in self.forms):
+            raise UsageError(
+                f"effect {self.name}: write each form as AddsForce, ScalesForce, TransformsPressure or TransformsContraction"
+            )
+
+    def missing(self, inputs: Inputs) -> list[str]:
+        """What the record lacks for this effect to be computed at all."""
+        return [need for need in self.needs if not inputs.has(need)]
+
+
+def one(values: Array) -> Array:
+    """A single column, shape (n, 1)."""
+    return np.asarray(values, float)[:, None]
+
+
+def slip(inputs: Inputs) -> tuple[Array, Array]:
+    """Sign of sliding where the muscle moves (0 in holds), and the sign kept through holds (0 in motion)."""
+    if inputs.moving is None:
+        return inputs.direction, np.zeros(len(inputs))
+    return inputs.direction * inputs.moving, inputs.direction * ~inputs.moving
+
+
+def speed(inputs: Inputs) -> Array:
+    """|dx/dt| in mm/s, shape (n,)."""
+    assert inputs.velocity is not None
+    return np.abs(inputs.velocity)

@@ -1,0 +1,67 @@
+"""The bladder resists being stretched around the hoop and shortened along the axis."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, Shape, one
+
+E_MOD = Param("E", "MPa", "Young's modulus of the bladder", 0.0, 200.0, scale=1.0)
+C1 = Param("C1", "MPa", "first Mooney–Rivlin constant", 0.0, 200.0, scale=0.2)
+C2 = Param("C2", "MPa", "second Mooney–Rivlin constant", -200.0, 200.0, scale=0.2)
+G = Param("G", "MPa", "shear modulus of the bladder", 0.0, 200.0, scale=0.3)
+J_M = Param(
+    "J_m", "1", "limit of I1 − 3 at which the rubber locks", 0.3, 100.0, start=3.0, grid=(1.0, 3.0, 12.0)
+)
+
+
+def wall(inputs: Inputs) -> float:
+    """Wall thickness in mm; 1 mm where the specimen does not give it, so that moduli come out times thickness."""
+    return inputs.specimen.wall_thickness_mm or 1.0
+
+
+def hoop_force(inputs: Inputs) -> Array:
+    """Force in N per MPa of modulus of a bladder that only stretches around the hoop, shape (n,), ≤ 0 in contraction."""
+    s, shortened = inputs.specimen, 1.0 - inputs.contraction
+    stretch = 1.0 - 1.0 / s.radius_ratio(inputs.contraction)
+    return -2.0 * s.a / 3.0 * np.pi * s.initial_radius_mm * wall(inputs) * shortened * stretch
+
+
+def _hoop(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(hoop_force(inputs))
+
+
+def invariant_slopes(inputs: Inputs) -> tuple[Array, Array, Array]:
+    """I1 − 3, dI1/dε and dI2/dε of an incompressible thin tube on the braid, λ_z = 1 − ε, λ_θ = r/r0."""
+    z, g = 1.0 - inputs.contraction, inputs.specimen.radius_ratio(inputs.contraction) ** 2
+    dg = 2.0 * inputs.specimen.a * z / 3.0
+    product, d_product = z**2 * g, -2.0 * z * g + z**2 * dg
+    i1 = z**2 + g + 1.0 / product - 3.0
+    d1 = -2.0 * z + dg - d_product / product**2
+    d2 = 2.0 / z**3 - dg / g**2 + d_product
+    return i1, d1, d2
+
+
+def _mooney_rivlin(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    _, d1, d2 = invariant_slopes(inputs)
+    section = 2.0 * np.pi * inputs.specimen.initial_radius_mm * wall(inputs)
+    return -section * np.column_stack([d1, d2])
+
+
+def _gent(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    i1, d1, _ = invariant_slopes(inputs)
+    section = 2.0 * np.pi * inputs.specimen.initial_radius_mm * wall(inputs)
+    return one(-section * 0.5 * d1 / np.maximum(1.0 - i1 / shape["J_m"], 0.02))
+
+
+EFFECT = Effect(
+    name="bladder_elasticity",
+    title="Elasticity of the bladder",
+    source="hoop energy by virtual work; Klute & Hannaford 2000, ASME J. Dyn. Syst. Meas. Control 122, 386–388 (Mooney–Rivlin); Gent 1996",
+    forms=(
+        AddsForce("textbook", "−(2a/3) π r0 t E (1−ε)(1 − r0/r)", (E_MOD,), _hoop),
+        AddsForce("mooney_rivlin", "−2π r0 t (C1 dI1/dε + C2 dI2/dε)", (C1, C2), _mooney_rivlin),
+        AddsForce("gent", "−π r0 t G (dI1/dε)/(1 − (I1−3)/J_m)", (G,), _gent, (J_M,)),
+    ),
+    test="a sweep at low pressure, down to none: the force that is left is the bladder's",
+    levers=("pressure",),
+)

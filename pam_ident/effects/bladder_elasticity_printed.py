@@ -1,0 +1,37 @@
+"""The bladder's force in the form printed in the paper, kept for comparison only."""
+
+import math
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, Shape, one
+from .bladder_elasticity import wall
+
+E_MOD = Param(
+    "E_printed", "MPa·mm⁻¹", "modulus by the printed form: not a Young's modulus", 0.0, 5000.0, scale=1.0
+)
+
+
+def _printed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    s, shortened = inputs.specimen, 1.0 - inputs.contraction
+    stretch = 1.0 - 1.0 / s.radius_ratio(inputs.contraction)
+    factor = (
+        2.0 * math.sqrt(3.0 * s.a) / 3.0 * np.pi * s.initial_radius_mm * s.initial_length_mm * wall(inputs)
+    )
+    return one(-factor * shortened**2 * stretch)
+
+
+EFFECT = Effect(
+    name="bladder_elasticity_printed",
+    title="Elasticity of the bladder, as printed",
+    source="equation (2) of the heterogeneous-leg paper, as printed",
+    forms=(AddsForce("textbook", "−(2√(3a)/3) π r0 L0 t E (1−ε)² (1 − r0/r)", (E_MOD,), _printed),),
+    test="use bladder_elasticity",
+    levers=("pressure",),
+    candidate=False,
+    warning=(
+        "the printed form has units N·m, not N: a modulus fitted with it is no Young's modulus and, taken for one, is off by a factor of 11 "
+        "to 13 and L0; use bladder_elasticity"
+    ),
+)

@@ -1,0 +1,27 @@
+"""Threads stretch under pressure."""
+
+import math
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, Shape, one
+
+SOFTNESS = Param("inv_EA", "1/kN", "compliance of all threads, 1/EA", 0.0, 10.0, scale=0.01)
+
+
+def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    s = inputs.specimen
+    cos = (1.0 - inputs.contraction) * math.cos(math.radians(s.braid_angle_deg))
+    sin2 = np.maximum(1.0 - cos**2, 1e-3)
+    return one(-4e-3 * np.pi**2 * s.initial_radius_mm**4 * inputs.pressure**2 * cos / sin2**2)
+
+
+EFFECT = Effect(
+    name="braid_extensibility",
+    title="Extensible threads",
+    source="Davis, Tsagarakis, Canderle & Caldwell 2003, Int. J. Robotics Research 22(3–4), 213–227",
+    forms=(AddsForce("textbook", "−4π² r0⁴ p² cosθ/(sin⁴θ EA)", (SOFTNESS,), _columns),),
+    test="high pressures: the loss grows with the square of pressure",
+    levers=("pressure",),
+)

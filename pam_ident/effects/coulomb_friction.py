@@ -1,0 +1,57 @@
+"""Dry friction between braid, bladder and threads."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, Shape, one, slip, speed
+
+F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
+F_HOLD = Param("F_hold", "N", "friction force left in holds", -2000.0, 2000.0, scale=10.0)
+F_BREAK = Param("F_s_minus_F_c", "N", "what friction gains towards rest", -2000.0, 2000.0, scale=10.0)
+V_S = Param("v_s", "mm/s", "Stribeck speed", 0.2, 100.0, start=5.0, grid=(1.5, 5.0, 15.0))
+V_0 = Param(
+    "v_0", "mm/s", "speed at which friction is fully developed", 0.05, 50.0, start=1.0, grid=(0.5, 2.0, 6.0)
+)
+
+
+def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-slip(inputs)[0])
+
+
+def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -np.column_stack(slip(inputs))
+
+
+def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    moving, held = slip(inputs)
+    ramp = np.tanh(speed(inputs) / shape["v_0"]) if inputs.velocity is not None else 1.0
+    return -np.column_stack([moving * ramp, held])
+
+
+def _stribeck(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    moving, held = slip(inputs)
+    dip = np.exp(-((speed(inputs) / shape["v_s"]) ** 2)) if inputs.velocity is not None else 0.0
+    return -np.column_stack([moving, moving * dip, held])
+
+
+EFFECT = Effect(
+    name="coulomb_friction",
+    title="Coulomb friction",
+    source="Tondu & Lopez 2000, IEEE Control Systems 20(2), 15–38; Armstrong-Hélouvry 1991 for the Stribeck form",
+    forms=(
+        AddsForce("textbook", "−F_c sgn(ε̇)", (F_C,), _sliding),
+        AddsForce("held", "−F_c sgn(ε̇), F_hold in holds", (F_C, F_HOLD), _held),
+        AddsForce("smooth", "−F_c tanh(v/v_0), F_hold in holds", (F_C, F_HOLD), _smooth, (V_0,)),
+        AddsForce(
+            "stribeck",
+            "−[F_c + (F_s−F_c) exp(−(v/v_s)²)] sgn(ε̇), F_hold in holds",
+            (F_C, F_BREAK, F_HOLD),
+            _stribeck,
+            (V_S,),
+        ),
+    ),
+    test="slow reversals at several pressures: the gap between the branches keeps its width",
+    needs=("branch",),
+    levers=("speed", "pressure"),
+    same_as=("stribeck_friction",),
+)

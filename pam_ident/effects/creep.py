@@ -1,0 +1,56 @@
+"""The bladder's rubber relaxes after each change of length."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from ._history import relax
+from .base import AddsForce, Array, Effect, Shape, one
+
+G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
+TAU = Param("tau", "s", "relaxation time", 0.05, 3000.0, start=10.0, grid=(0.3, 1.0, 3.0, 10.0, 30.0, 100.0))
+THREE = tuple(
+    Param(f"G_{k}", "N", f"relaxing force per contraction, {word} term", 0.0, 1e5, scale=100.0)
+    for k, word in enumerate(("fastest", "middle", "slowest"), 1)
+)
+SHARE = Param("share", "1", "share of a change of force that relaxes", -2.0, 2.0, scale=0.02)
+DECADES = np.logspace(-1.0, 3.0, 9)
+
+
+def _drive(inputs: Inputs, drive: Array, tau: float) -> Array:
+    assert inputs.time is not None
+    return -relax(inputs.time, drive, tau)
+
+
+def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(_drive(inputs, inputs.contraction, shape["tau"]))
+
+
+def _prony(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return np.column_stack(
+        [_drive(inputs, inputs.contraction, shape["tau"] * ratio) for ratio in (0.1, 1.0, 10.0)]
+    )
+
+
+def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(np.sum([_drive(inputs, inputs.contraction, tau) for tau in DECADES], axis=0) / len(DECADES))
+
+
+def _force(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-_drive(inputs, force, shape["tau"]))
+
+
+EFFECT = Effect(
+    name="creep",
+    title="Creep and stress relaxation",
+    source="standard linear solid and Prony series; Kosaki & Sano 2011, IEEE/RSJ IROS (creep of McKibben muscles)",
+    forms=(
+        AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,)),
+        AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic),
+        AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (TAU,)),
+        AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True),
+    ),
+    test="holds over three decades of time",
+    needs=("motion", "time"),
+    levers=("hold", "speed"),
+    stateful=True,
+)

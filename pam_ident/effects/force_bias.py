@@ -1,0 +1,22 @@
+"""The load cell reads a force where there is none."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, Shape, one
+
+BIAS = Param("F_b", "N", "force read at no load", -2000.0, 2000.0, scale=10.0)
+
+
+def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(np.ones(len(inputs)))
+
+
+EFFECT = Effect(
+    name="force_bias",
+    title="Bias of the load cell",
+    source="tare error of a load cell, F_b constant",
+    forms=(AddsForce("textbook", "+F_b", (BIAS,), _columns),),
+    test="tare before and after",
+    levers=("pressure",),
+)

@@ -1,0 +1,45 @@
+"""The load cell's zero wanders with time."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, Shape, one
+
+RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0)
+LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0)
+TAU = Param(
+    "tau", "s", "settling time of the drift", 5.0, 1e5, start=200.0, grid=(60.0, 200.0, 600.0, 2000.0)
+)
+
+
+def elapsed(inputs: Inputs) -> Array:
+    """Seconds since the first sample, shape (n,)."""
+    assert inputs.time is not None
+    return inputs.time - inputs.time[0]
+
+
+def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(elapsed(inputs) / 60.0)
+
+
+def _settling(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-np.expm1(-elapsed(inputs) / shape["tau"]))
+
+
+def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(np.log1p(elapsed(inputs) / shape["tau"]))
+
+
+EFFECT = Effect(
+    name="force_drift",
+    title="Drift of the force",
+    source="zero drift of strain-gauge load cells: linear, settling and logarithmic in time",
+    forms=(
+        AddsForce("textbook", "+rate · t", (RATE,), _linear),
+        AddsForce("settling", "+F_d (1 − exp(−t/τ))", (LEVEL,), _settling, (TAU,)),
+        AddsForce("logarithmic", "+F_d ln(1 + t/τ)", (LEVEL,), _logarithmic, (TAU,)),
+    ),
+    test="tare before and after; pressures in random order",
+    needs=("time",),
+    levers=("hold",),
+)

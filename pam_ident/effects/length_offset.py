@@ -1,0 +1,22 @@
+"""The length called initial is not the length of no contraction."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import Array, Effect, Shape, TransformsContraction, one
+
+OFFSET = Param("e_off", "1", "contraction read where there is none", -0.2, 0.2, scale=0.01)
+
+
+def _constant(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-np.ones(len(inputs)))
+
+
+EFFECT = Effect(
+    name="length_offset",
+    title="Offset of the initial length",
+    source="ε → ε − ε_off; see Martens & Boblan 2017, Actuators 6(4), 33 on the definition of the initial length",
+    forms=(TransformsContraction("textbook", "ε → ε − e_off", (OFFSET,), _constant),),
+    test="a gauge block in place of the muscle's length",
+    levers=("pressure",),
+)

@@ -1,0 +1,48 @@
+"""The rubber is stiffer in its first cycles."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
+from .bladder_elasticity import hoop_force
+
+EXTRA = Param("s", "1", "extra force in the first cycle, as a share", -1.0, 1.0, scale=0.02)
+E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", -200.0, 200.0, scale=1.0)
+F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.0, scale=10.0)
+G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)
+N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 60.0, start=1.5, grid=(0.7, 1.5, 4.0))
+
+
+def _fading(inputs: Inputs, shape: Shape) -> Array:
+    assert inputs.cycle is not None
+    return np.exp(-(inputs.cycle - 1.0) / shape["n_0"])
+
+
+def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(_fading(inputs, shape))
+
+
+def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(_fading(inputs, shape) * hoop_force(inputs))
+
+
+def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    fading = _fading(inputs, shape)
+    return np.column_stack([fading, -fading * inputs.contraction])
+
+
+EFFECT = Effect(
+    name="mullins_softening",
+    title="Mullins softening",
+    source="Mullins 1969, Rubber Chemistry and Technology 42, 339–362",
+    forms=(
+        ScalesForce("textbook", "F (1 + s exp(−(n−1)/n_0))", (EXTRA,), _whole, (N0,)),
+        AddsForce(
+            "elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)
+        ),
+        AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
+    ),
+    test="at least three cycles, and a re-run of the first after rest",
+    needs=("cycle",),
+    levers=("cycles",),
+)

@@ -1,0 +1,50 @@
+"""Elastic micro-slip before full sliding: corners of the loop rounded after each reversal."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from ._history import dahl_operator, stop_operator
+from .base import AddsForce, Array, Effect, Shape, one
+
+W = Param("W", "N", "friction force when fully slid", 0.0, 2000.0, scale=10.0)
+WIDTH = Param(
+    "x_s",
+    "mm",
+    "travel after a reversal until sliding",
+    0.05,
+    80.0,
+    start=3.0,
+    grid=(0.4, 1.0, 2.5, 6.0, 15.0),
+)
+THREE = tuple(
+    Param(f"W_{k}", "N", f"friction force of the {word} element", 0.0, 2000.0, scale=10.0)
+    for k, word in enumerate(("shortest", "middle", "longest"), 1)
+)
+
+
+def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-stop_operator(inputs, shape["x_s"]))
+
+
+def _dahl(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-dahl_operator(inputs, shape["x_s"]))
+
+
+def _three(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -np.column_stack([stop_operator(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)])
+
+
+EFFECT = Effect(
+    name="presliding_hysteresis",
+    title="Presliding hysteresis",
+    source="Vo-Minh, Tjahjowidodo, Ramon & Van Brussel 2011, IEEE/ASME Trans. Mechatronics 16(1), 177–186 (Maxwell slip); Dahl 1968",
+    forms=(
+        AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,)),
+        AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,)),
+        AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,)),
+    ),
+    test="reversals and minor loops at one slow speed",
+    needs=("branch", "motion"),
+    levers=("reversal",),
+    stateful=True,
+)

@@ -1,0 +1,49 @@
+"""Dry friction in proportion to the contact pressure of the braid."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, Shape, slip
+
+MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
+MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
+GROWTH = Param(
+    "growth",
+    "1",
+    "exponent of the contact area over contraction",
+    -6.0,
+    6.0,
+    start=1.0,
+    grid=(1.0, -2.0, 3.0),
+)
+
+
+def _constant(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -slip(inputs)[0][:, None] * inputs.pressure[:, None]
+
+
+def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -np.column_stack(slip(inputs)) * inputs.pressure[:, None]
+
+
+def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Contact area of the bladder's cylinder over its area at rest, to a power."""
+    area = inputs.specimen.radius_ratio(inputs.contraction) * (1.0 - inputs.contraction)
+    return _held(inputs, shape, force) * area[:, None] ** shape["growth"]
+
+
+EFFECT = Effect(
+    name="pressure_friction",
+    title="Friction in proportion to pressure",
+    source="Davis & Caldwell 2006, Int. J. Robotics Research 25(4), 359–369 (thread contact area under pressure)",
+    forms=(
+        AddsForce("textbook", "−μ_f p sgn(ε̇)", (MU,), _constant),
+        AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
+        AddsForce(
+            "contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)
+        ),
+    ),
+    test="pressures over 4:1: the gap between the branches grows in proportion",
+    needs=("branch",),
+    levers=("pressure",),
+)

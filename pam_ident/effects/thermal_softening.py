@@ -1,0 +1,42 @@
+"""The rubber softens as it warms."""
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
+from .bladder_elasticity import hoop_force
+
+ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the start", -0.1, 0.1, scale=0.001)
+E_LOSS = Param("E_loss", "MPa/K", "loss of the bladder's modulus per kelvin", -20.0, 20.0, scale=0.01)
+G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvin", -1e4, 1e4, scale=1.0)
+
+
+def warming(inputs: Inputs) -> Array:
+    """Temperature above that of the first sample in K, shape (n,)."""
+    assert inputs.temperature is not None
+    return inputs.temperature - inputs.temperature[0]
+
+
+def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-warming(inputs))
+
+
+def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-hoop_force(inputs) * warming(inputs))
+
+
+def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(inputs.contraction * warming(inputs))
+
+
+EFFECT = Effect(
+    name="thermal_softening",
+    title="Thermal softening",
+    source="temperature dependence of rubber elasticity, first order in ΔT",
+    forms=(
+        ScalesForce("textbook", "F (1 − α ΔT)", (ALPHA,), _whole),
+        AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
+        AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
+    ),
+    test="temperature logged and varied while the protocol is repeated",
+    needs=("temperature",),
+    levers=("temperature",),
+)

@@ -1,0 +1,32 @@
+"""Pressure that is spent before the bladder touches the braid."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import Array, Effect, Shape, TransformsPressure, one
+
+P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01)
+WIDTH = Param(
+    "w", "MPa", "pressure over which the threshold is reached", 0.005, 2.0, start=0.1, grid=(0.03, 0.1, 0.3)
+)
+
+
+def _hard(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-np.ones(len(inputs)))
+
+
+def _soft(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(np.expm1(-np.maximum(inputs.pressure, 0.0) / shape["w"]))
+
+
+EFFECT = Effect(
+    name="threshold_pressure",
+    title="Threshold pressure",
+    source="Chou & Hannaford 1996, IEEE Trans. Robotics and Automation 12(1), 90–102",
+    forms=(
+        TransformsPressure("textbook", "p → max(p − p_th, 0)", (P_TH,), _hard),
+        TransformsPressure("soft", "p → p − p_th (1 − exp(−p/w))", (P_TH,), _soft, (WIDTH,)),
+    ),
+    test="low pressures in small steps, and the pressure gauge against a second one",
+    levers=("pressure",),
+)

@@ -1,0 +1,40 @@
+"""Force against the speed of motion."""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from .base import AddsForce, Array, Effect, Shape, one, speed
+
+B = Param("B", "N·s/m", "damping (for n ≠ 1 at 10 mm/s)", 0.0, 1e5, scale=100.0)
+B_P = Param("B_p", "N·s/(m·MPa)", "damping per pressure", -1e5, 1e5, scale=100.0)
+N = Param("n", "1", "exponent of the speed", 0.2, 2.5, start=0.7, grid=(0.4, 0.7, 1.5))
+
+
+def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.velocity is not None
+    return one(-inputs.velocity * 1e-3)
+
+
+def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.velocity is not None
+    return one(-np.sign(inputs.velocity) * 0.01 * (speed(inputs) / 10.0) ** shape["n"])
+
+
+def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    column = _power(inputs, shape, force)
+    return np.hstack([column, column * inputs.pressure[:, None]])
+
+
+EFFECT = Effect(
+    name="viscous_damping",
+    title="Viscous damping",
+    source="Reynolds et al. 2003, Annals of Biomedical Engineering 31, 310–317",
+    forms=(
+        AddsForce("textbook", "−B ε̇ L0", (B,), _linear),
+        AddsForce("power", "−B |ẋ|^n sgn(ẋ)", (B,), _power, (N,)),
+        AddsForce("pressure", "−(B + B_p p) |ẋ|^n sgn(ẋ)", (B, B_P), _pressure, (N,)),
+    ),
+    test="at least two speeds: the gap between the branches grows with speed",
+    needs=("branch", "motion"),
+    levers=("speed",),
+)

@@ -1,0 +1,19 @@
+"""The ideal braid: a thin cylinder, no friction, no wall."""
+
+import numpy as np
+
+from ..core import Specimen
+from .base import Array, Law, Shape
+
+
+def _force(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+    return np.pi * specimen.initial_radius_mm**2 * p * (specimen.a * (1.0 - e) ** 2 - specimen.b)
+
+
+LAW = Law(
+    name="chou_hannaford",
+    title="Ideal law of Chou and Hannaford",
+    formula="F = π r0² p [a(1−ε)² − b],  a = 3/tan²θ0,  b = 1/sin²θ0",
+    source="Chou & Hannaford 1996, IEEE Trans. Robotics and Automation 12(1), 90–102",
+    fixed=_force,
+)

@@ -1,0 +1,41 @@
+"""The empirical law of the paper: a line and a decaying exponential in contraction, each linear in pressure."""
+
+import numpy as np
+
+from ..core import Param, Specimen
+from .base import Array, Law, Shape
+
+
+def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+    decay = np.exp(-shape["mu"] * e)
+    return np.column_stack([np.ones_like(p), p, -e, -e * p, decay, decay * p])
+
+
+LAW = Law(
+    name="exponential_law",
+    title="Exponential law a(p) − b(p) ε + c(p) exp(−μ ε)",
+    formula="F = (a0 + a1 p) − (b0 + b1 p) ε + (c0 + c1 p) exp(−μ ε)",
+    source="equations (3) to (5) of the heterogeneous-leg paper; μ = 45 there",
+    linear=(
+        Param("a0", "N", "intercept", scale=100.0),
+        Param("a1", "N/MPa", "intercept per pressure", scale=1000.0),
+        Param("b0", "N", "slope over contraction", scale=1000.0),
+        Param("b1", "N/MPa", "slope per pressure", scale=1000.0),
+        Param("c0", "N", "initial peak", scale=100.0),
+        Param("c1", "N/MPa", "initial peak per pressure", scale=100.0),
+    ),
+    shape=(
+        Param(
+            "mu",
+            "1",
+            "decay of the initial peak over contraction",
+            3.0,
+            400.0,
+            start=45.0,
+            symbol="μ",
+            grid=(15.0, 45.0, 120.0),
+        ),
+    ),
+    columns=_columns,
+    min_levels=2,
+)

@@ -1,0 +1,142 @@
+"""Strokes, reversals and holds, found from the motion alone."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Per sample, shape (n,): velocity in mm/s (0 in a hold), direction ±1, moving, the number of the
+    stroke a sample belongs to, and that stroke's median speed in mm/s."""
+
+    velocity: Array
+    direction: Array
+    moving: Array
+    stroke: Array
+    stroke_speed: Array
+
+
+def position_noise(x: Array) -> float:
+    """Standard deviation of the noise on a smooth track, from the median of second differences."""
+    if len(x) < 5:
+        return 0.0
+    return float(np.median(np.abs(np.diff(x, 2))) / 0.6745 / np.sqrt(6.0))
+
+
+def find_motion(time: Array, x: Array, segment: Array) -> Motion:
+    """Cut a displacement track (mm over s) into strokes and holds, segment by segment.
+
+    A reversal counts when it goes beyond the noise and 0.4 % of the range; a hold is a stretch that
+    stays within the noise for far longer than the stroke around it would take to cross it.
+    """
+    n = len(x)
+    velocity, direction = np.zeros(n), np.zeros(n)
+    moving, stroke, speed = np.zeros(n, bool), np.zeros(n, int), np.zeros(n)
+    span = float(np.ptp(x)) if n else 0.0
+    noise = position_noise(x)
+    edges = np.flatnonzero(np.diff(segment)) + 1
+    count = 0
+    for part in np.split(np.arange(n), edges):
+        pivots = _pivots(x[part], max(6.0 * noise, 0.004 * span)) if span else [0, len(part) - 1]
+        held = _holds(time[part], x[part], pivots, max(6.0 * noise, 5e-4 * span))
+        for begin, end in zip(pivots[:-1], pivots[1:], strict=True):
+            inside = np.arange(begin, end + 1)
+            inside = inside[~held[begin : end + 1] & ~moving[part[begin : end + 1]]]
+            if len(inside) < 2:
+                continue
+            count += 1
+            rows = part[inside]
+            slope = _stroke_velocity(time[rows], x[rows], noise)
+            velocity[rows], moving[rows], stroke[rows] = slope, True, count
+            direction[rows] = np.sign(x[part[end]] - x[part[begin]])
+            speed[rows] = np.median(np.abs(slope))
+        _carry(direction, moving, stroke, speed, part)
+    return Motion(velocity, direction, moving, stroke, speed)
+
+
+def _pivots(x: Array, threshold: float) -> list[int]:
+    """Indices of the turning points of x, ends included, ignoring reversals below the threshold."""
+    pivots, low, high, heading = [0], 0, 0, 0
+    for i in range(1, len(x)):
+        if x[i] > x[high]:
+            high = i
+        if x[i] < x[low]:
+            low = i
+        if heading >= 0 and x[high] - x[i] > threshold:
+            if heading > 0 or high > 0:
+                pivots.append(high)
+            heading, low, high = -1, i, i
+        elif heading <= 0 and x[i] - x[low] > threshold:
+            if heading < 0 or low > 0:
+                pivots.append(low)
+            heading, low, high = 1, i, i
+    if pivots[-1] != len(x) - 1:
+        pivots.append(len(x) - 1)
+    return pivots
+
+
+def _holds(time: Array, x: Array, pivots: list[int], band: float) -> Array:
+    """Mask of the samples at rest, shape of x."""
+    held = np.zeros(len(x), bool)
+    if band <= 0.0:
+        return held
+    pace = np.zeros(len(x))
+    for begin, end in zip(pivots[:-1], pivots[1:], strict=True):
+        seconds = np.diff(time[begin : end + 1])
+        steps = np.abs(np.diff(x[begin : end + 1]))
+        live = steps > band
+        if live.any():
+            fast = steps[live].sum() / max(seconds[live].sum(), 1e-12)
+        else:
+            fast = abs(x[end] - x[begin]) / max(time[end] - time[begin], 1e-12)
+        pace[begin : end + 1] = np.maximum(pace[begin : end + 1], fast)
+    start = 0
+    while start < len(x):
+        low = high = x[start]
+        stop = start + 1
+        while stop < len(x):
+            low, high = min(low, x[stop]), max(high, x[stop])
+            if high - low > band:
+                break
+            stop += 1
+        lasts = time[stop - 1] - time[start]
+        if stop - start >= 4 and lasts * max(pace[start:stop].min(), 1e-12) > 3.0 * band:
+            held[start:stop] = True
+            start = stop
+        else:
+            start += 1
+    return held
+
+
+def _stroke_velocity(time: Array, x: Array, noise: float) -> Array:
+    """dx/dt along one stroke: a polynomial where it describes the stroke to the noise, else local slopes."""
+    n, width = len(x), float(np.ptp(time))
+    if width <= 0.0:
+        return np.zeros(n)
+    if n >= 12:
+        centred = 2.0 * (time - time[0]) / width - 1.0
+        curve = np.polynomial.Chebyshev.fit(centred, x, min(7, n // 6), domain=[-1.0, 1.0])
+        if np.std(x - curve(centred)) < max(3.0 * noise, 2e-4 * np.ptp(x)):
+            return curve.deriv()(centred) * 2.0 / width
+    half = max(1, min(6, n // 4))
+    index = np.arange(n)
+    low, high = np.maximum(index - half, 0), np.minimum(index + half, n - 1) + 1
+    shifted_t, shifted_x = time - time.mean(), x - x.mean()
+    sums = [np.r_[0.0, np.cumsum(v)] for v in (shifted_t, shifted_x, shifted_t**2, shifted_t * shifted_x)]
+    st, sx, stt, stx = (s[high] - s[low] for s in sums)
+    m = high - low
+    return (stx - st * sx / m) / np.maximum(stt - st**2 / m, 1e-15)
+
+
+def _carry(direction: Array, moving: Array, stroke: Array, speed: Array, part: Array) -> None:
+    """Give each hold to the stroke before it; a hold that begins a segment to the opposite branch of the next."""
+    active = np.flatnonzero(moving[part])
+    if not len(active):
+        return
+    previous = np.searchsorted(active, np.arange(len(part)), side="right") - 1
+    source = part[active[np.maximum(previous, 0)]]
+    direction[part], stroke[part], speed[part] = direction[source], stroke[source], speed[source]
+    direction[part[: active[0]]] *= -1.0

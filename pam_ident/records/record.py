@@ -1,0 +1,156 @@
+"""A measured record, ready to be fitted."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..core import DataError, Inputs, Specimen
+from .motion import find_motion
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Record:
+    """Measured force (N, shape (n,)) with the inputs of a force law at the same samples.
+
+    `level` is the nominal pressure of a sample's isobar in MPa, `stroke` the number of its stroke (0 in a
+    table), `block` the unit that is held out whole: a cycle of a record in time, a length or an isobar of
+    a table. `source` and `sha256` say where it came from, `columns` what was read as what.
+    """
+
+    name: str
+    inputs: Inputs
+    force: Array
+    level: Array
+    stroke: Array
+    block: Array
+    source: str = ""
+    sha256: str = ""
+    columns: dict[str, str] = field(default_factory=dict)
+    block_kind: str = "cycle"
+    masked: int = 0
+
+    def __len__(self) -> int:
+        return len(self.force)
+
+    @property
+    def specimen(self) -> Specimen:
+        """Geometry of the muscle."""
+        return self.inputs.specimen
+
+    @property
+    def levels(self) -> Array:
+        """The isobars' nominal pressures in MPa, ascending."""
+        return np.unique(self.level)
+
+    def branch_rows(self, branch: str) -> Array:
+        """Mask of the samples of `contraction`, `extension` or `together` (all).
+
+        Raises DataError when the record does not hold that branch.
+        """
+        if branch == "together":
+            return np.ones(len(self), bool)
+        rows = self.inputs.direction == {"contraction": 1.0, "extension": -1.0}[branch]
+        if not rows.any():
+            raise DataError(
+                f"{self.source or self.name}: no {branch} branch in the record; give a `branch` or `time_s` column, "
+                "or fit with --branch together"
+            )
+        return rows
+
+
+def build_record(
+    name: str,
+    specimen: Specimen,
+    pressure: Array,
+    contraction: Array,
+    force: Array,
+    *,
+    time: Array | None = None,
+    level: Array | None = None,
+    cycle: Array | None = None,
+    direction: Array | None = None,
+    temperature: Array | None = None,
+    **origin: object,
+) -> Record:
+    """Find strokes, holds, cycles and isobars in measured columns (all of shape (n,), internal units).
+
+    `direction` overrides the branch found from the motion. Raises DataError when time runs backwards.
+    """
+    level = _levels(pressure) if level is None else np.round(level, 6)
+    if time is None:
+        return _table(name, specimen, pressure, contraction, force, level, direction, temperature, origin)
+    segment = _segments(time, level)
+    motion = find_motion(time, contraction * specimen.initial_length_mm, segment)
+    if cycle is None:
+        cycle = _count_cycles(motion.direction, segment)
+    inputs = Inputs(
+        pressure=pressure,
+        contraction=contraction,
+        specimen=specimen,
+        direction=motion.direction if direction is None else direction,
+        time=time,
+        velocity=motion.velocity,
+        stroke_speed=motion.stroke_speed,
+        moving=motion.moving,
+        cycle=cycle.astype(float),
+        temperature=temperature,
+        segment=segment,
+    )
+    _, block = np.unique(segment * 100_000 + cycle.astype(int), return_inverse=True)
+    return Record(name, inputs, force, level, motion.stroke, block, **origin)  # type: ignore[arg-type]
+
+
+def _table(
+    name: str,
+    specimen: Specimen,
+    pressure: Array,
+    contraction: Array,
+    force: Array,
+    level: Array,
+    direction: Array | None,
+    temperature: Array | None,
+    origin: dict[str, object],
+) -> Record:
+    """A static table: no time, so no speed; blocks are its lengths, or its isobars where each length is its own."""
+    inputs = Inputs(
+        pressure=pressure,
+        contraction=contraction,
+        specimen=specimen,
+        direction=np.zeros(len(force)) if direction is None else direction,
+        temperature=temperature,
+    )
+    lengths = np.unique(np.round(contraction, 4))
+    by_length = len(lengths) <= max(12, len(force) // 6)
+    _, block = np.unique(np.round(contraction, 4) if by_length else level, return_inverse=True)
+    kind = "length" if by_length else "isobar"
+    return Record(name, inputs, force, level, np.zeros(len(force), int), block, block_kind=kind, **origin)  # type: ignore[arg-type]
+
+
+def _levels(pressure: Array) -> Array:
+    """Nominal pressure of each sample: its own value in a short list, else the median of its cluster (5 kPa gaps)."""
+    values, inverse = np.unique(np.round(pressure, 6), return_inverse=True)
+    if len(values) <= max(2, len(pressure) // 8):
+        return values[inverse]
+    edges = np.flatnonzero(np.diff(values) > 0.005) + 1
+    cluster = np.searchsorted(edges, np.arange(len(values)), side="right")[inverse]
+    return np.array([np.median(pressure[cluster == k]) for k in range(len(edges) + 1)])[cluster].round(4)
+
+
+def _segments(time: Array, level: Array) -> Array:
+    """Number of the run a sample belongs to: a new one at each change of isobar and each long gap in time."""
+    steps = np.diff(time)
+    usual = np.quantile(steps, 0.95) if len(steps) else 0.0
+    breaks = (np.diff(level) != 0.0) | (steps > max(5.0 * usual, 2.0))
+    return np.r_[0, np.cumsum(breaks)]
+
+
+def _count_cycles(direction: Array, segment: Array) -> Array:
+    """Cycles from reversals: within a segment each second reversal begins a new cycle, counted from 1."""
+    cycle = np.ones(len(direction))
+    for k in np.unique(segment):
+        rows = segment == k
+        reversals = np.r_[0, np.cumsum(np.diff(direction[rows]) != 0.0)]
+        cycle[rows] = reversals // 2 + 1
+    return cycle

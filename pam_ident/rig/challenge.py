@@ -1,0 +1,201 @@
+"""Sealed challenge sets: many records with the answers kept apart in truth.json."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from .hidden import EFFECTS, UNKNOWNS, TooSmall
+from .record import Plan, Secret, make_record, write_case
+
+EXPONENTIAL = (
+    "coulomb_friction",
+    "stribeck_friction",
+    "pressure_friction",
+    "viscous_damping",
+    "presliding_hysteresis",
+    "pressure_lag",
+    "force_drift",
+    "creep",
+    "mullins_softening",
+    "thermal_softening",
+)
+# What each law leaves visible; the exponential law with free coefficients takes up most static effects.
+VISIBLE = {
+    "exponential_law": EXPONENTIAL,
+    "modified_chou_hannaford": (
+        *EXPONENTIAL,
+        "bladder_elasticity",
+        "threshold_pressure",
+        "series_compliance",
+    ),
+}
+FAMILY = {
+    "coulomb_friction": "friction",
+    "stribeck_friction": "friction",
+    "pressure_friction": "friction",
+    "presliding_hysteresis": "friction",
+    "viscous_damping": "rate",
+    "pressure_lag": "rate",
+}
+SHARES = {
+    "tier1": 0.25,
+    "tier2": 0.25,
+    "tier3": 0.10,
+    "pair": 0.15,
+    "null": 0.10,
+    "unknown": 0.08,
+    "blunt": 0.07,
+}
+COLOURED = ("ar1", "ou", "slow")
+SHARP = (
+    "standard",
+    "standard",
+    "standard",
+    "standard",
+    "other_speeds",
+    "four_speeds",
+    "slow_to_fast",
+    "six_pressures",
+    "four_pressures",
+    "long_holds",
+)
+RATIO = (0.7, 6.0)
+
+
+def _rounds(items: list[tuple[str, str]], rng: np.random.Generator) -> Iterator[tuple[str, str]]:
+    """Endless rounds through all items, shuffled anew each round, so that small sets stay even."""
+    while True:
+        yield from (items[i] for i in rng.permutation(len(items)))
+
+
+def _ratio(rng: np.random.Generator, low: float = RATIO[0]) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(RATIO[1]))))
+
+
+def _form(name: str, textbook: bool, rng: np.random.Generator) -> str:
+    catalogue = {**EFFECTS, **UNKNOWNS}[name]
+    others = [f for f in catalogue if f != "textbook"]
+    return "textbook" if textbook or not others else str(rng.choice(others))
+
+
+def _secret(name: str, textbook: bool, rng: np.random.Generator) -> Secret:
+    return Secret(name, _form(name, textbook, rng), _ratio(rng))
+
+
+class _Drawer:
+    """Draws plans of each kind from one stream."""
+
+    def __init__(self, seed: int) -> None:
+        self.seed, self.rng, self.made, self.nulls = seed, np.random.default_rng([seed, 77]), 0, 0
+        subjects = [(law, name) for law, names in VISIBLE.items() for name in names]
+        self.subjects = {kind: _rounds(subjects, self.rng) for kind in ("tier1", "tier2", "tier3", "pair")}
+        self.subjects["unknown"] = _rounds([(law, u) for law in VISIBLE for u in UNKNOWNS], self.rng)
+        self.subjects["blunt"] = _rounds(
+            [(law, e) for law in VISIBLE for e in ("coulomb_friction", "viscous_damping")], self.rng
+        )
+        self.subjects["null"] = _rounds([(law, "") for law in VISIBLE], self.rng)
+        self.kinds: dict[str, Callable[[Plan, str], Plan]] = {
+            "tier1": lambda p, e: replace(p, secrets=(_secret(e, True, self.rng),)),
+            "tier2": lambda p, e: replace(p, secrets=(_secret(e, False, self.rng),), tier=2),
+            "tier3": self._coloured,
+            "pair": self._pair,
+            "null": self._null,
+            "unknown": self._unknown,
+            "blunt": lambda p, e: replace(p, secrets=(_secret(e, True, self.rng),), protocol="blunt"),
+        }
+
+    def plan(self, kind: str) -> Plan:
+        """The next plan of a kind."""
+        law, effect = next(self.subjects[kind])
+        self.made += 1
+        rng = self.rng
+        plan = Plan(
+            seed=self.seed * 100_000 + self.made,
+            law=law,
+            protocol=str(rng.choice(SHARP)),
+            sigma_N=float(rng.choice([1.0, 2.0, 4.0])),
+            warming=bool(rng.random() < 0.5),
+            other_specimen=bool(rng.random() < 0.4),
+        )
+        plan = self.kinds[kind](plan, effect)
+        if any(s.name == "thermal_softening" for s in plan.secrets):
+            plan = replace(plan, warming=True)
+        return plan
+
+    def _coloured(self, plan: Plan, effect: str) -> Plan:
+        textbook = bool(self.rng.random() < 0.5)
+        return replace(
+            plan, secrets=(_secret(effect, textbook, self.rng),), tier=3, noise=str(self.rng.choice(COLOURED))
+        )
+
+    def _pair(self, plan: Plan, effect: str) -> Plan:
+        others = [e for e in VISIBLE[plan.law] if FAMILY.get(e, e) != FAMILY.get(effect, effect)]
+        textbook = bool(self.rng.random() < 0.5)
+        names = (effect, str(self.rng.choice(others)))
+        return replace(
+            plan, secrets=tuple(_secret(n, textbook, self.rng) for n in names), tier=1 if textbook else 2
+        )
+
+    def _null(self, plan: Plan, effect: str) -> Plan:
+        self.nulls += 1
+        coloured = self.nulls % 2 == 0
+        return replace(
+            plan, noise=str(self.rng.choice(COLOURED)) if coloured else "white", tier=3 if coloured else 1
+        )
+
+    def _unknown(self, plan: Plan, effect: str) -> Plan:
+        form = str(self.rng.choice(list(UNKNOWNS[effect])))
+        return replace(
+            plan, unknown=Secret(effect, form, _ratio(self.rng, 1.0)), tier=1 if form == "textbook" else 2
+        )
+
+
+def quotas(n: int, only: str | None = None) -> list[str]:
+    """Kinds of n cases by the largest remainders of SHARES, or all of one kind."""
+    if n < 1:
+        raise ValueError(f"n = {n}: a set needs a case")
+    if only is not None:
+        if only not in SHARES:
+            raise ValueError(f"only {only!r}: one of {', '.join(SHARES)}")
+        return [only] * n
+    counts = {k: int(n * s) for k, s in SHARES.items()}
+    for kind in sorted(SHARES, key=lambda k: counts[k] - n * SHARES[k])[: n - sum(counts.values())]:
+        counts[kind] += 1
+    return [k for k, c in counts.items() for _ in range(c)]
+
+
+def make_challenge(
+    folder: str | Path,
+    n: int = 60,
+    seed: int = 1,
+    only: str | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> list[dict[str, object]]:
+    """Writes n cases cNNN and truth.json into a folder; returns the truth.
+
+    A draw whose effect cannot be as large as asked is drawn anew.
+    """
+    folder = Path(folder)
+    kinds = quotas(n, only)
+    drawer = _Drawer(seed)
+    truth: list[dict[str, object]] = []
+    for i, at in enumerate(drawer.rng.permutation(n)):
+        kind = kinds[at]
+        while True:
+            plan = drawer.plan(kind)
+            try:
+                record = make_record(plan)
+                break
+            except TooSmall as problem:
+                if tell:
+                    tell(f"drawn anew: {problem}")
+        truth.append(write_case(folder / f"c{i:03d}", record))
+        if tell:
+            tell(f"c{i:03d} {kind}")
+    (folder / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
+    return truth

@@ -1,0 +1,97 @@
+"""The catalogue of what the rig can hide, and the sizing of an effect against the noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import friction, memory, statics, unknowns
+from .friction import Force, Form, Settings
+from .muscle import Array, Muscle
+from .protocol import Course
+from .refit import law_residual, rms
+
+EFFECTS: dict[str, dict[str, Form]] = {**friction.FORMS, **memory.FORMS, **statics.FORMS}
+UNKNOWNS: dict[str, dict[str, Form]] = unknowns.FORMS
+
+# The largest size that is still physics; where none is given 150 N at any one row is the limit.
+LARGEST = {
+    "pressure_lag": 0.1,
+    "threshold_pressure": 0.08,
+    "series_compliance": 20.0,
+    "end_taper": 0.5,
+    "length_offset": 0.05,
+    "wall_thickness": 3.0,
+    "braid_extensibility": 1e3,
+    "bladder_elasticity": 10.0,
+    "mount_slip/textbook": 5.0,
+    "thermal_softening/elastic_part": 12.0,
+}
+LARGEST_FORCE_N = 150.0
+
+
+class TooSmall(ValueError):
+    """The effect cannot leave as much as was asked for."""
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """One hidden effect: catalogue name, form, the constants drawn and its size.
+
+    `force` (m,) is what it adds on the fine grid (N); `left_N` the rms of what is left of it at the logged
+    rows after the law was refitted.
+    """
+
+    name: str
+    form: str
+    settings: Settings
+    size: float
+    force: Array
+    left_N: float
+
+
+def draw_hidden(
+    name: str, form: str, course: Course, muscle: Muscle, rng: np.random.Generator, left_N: float
+) -> Hidden:
+    """Draws the form's constants and sets its size so that it leaves `left_N` after the law is refitted."""
+    known = {**EFFECTS, **UNKNOWNS}
+    if name not in known:
+        raise ValueError(f"effect {name!r}: the rig can hide {', '.join(known)}")
+    if form not in known[name]:
+        raise ValueError(f"form {form!r} of {name}: the rig has {', '.join(known[name])}")
+    if not left_N > 0:
+        raise ValueError(f"left_N = {left_N}: ask for something above zero")
+    settings, force = known[name][form](course, muscle, rng)
+    size, left = _fit_size(force, course, muscle, left_N, LARGEST.get(f"{name}/{form}", LARGEST.get(name)))
+    return Hidden(name, form, settings, size, force(size), left)
+
+
+def left_after_refit(force: Array, course: Course, muscle: Muscle) -> float:
+    """rms (N) at the rows of what the refitted law cannot take up of an added force (m,)."""
+    p, eps = course.pressure[course.rows], course.eps[course.rows]
+    return rms(law_residual(muscle, p, eps, muscle.force(p, eps) + force[course.rows]))
+
+
+def _fit_size(
+    force: Force, course: Course, muscle: Muscle, target: float, largest: float | None
+) -> tuple[float, float]:
+    """Finds the size by repeated proportion; every effect leaves more the larger it is."""
+    size = 1e-3 if largest is None else largest / 100
+    left = 0.0
+    for _ in range(14):
+        now = force(size)
+        left = left_after_refit(now, course, muscle)
+        top = float(np.max(np.abs(now[course.rows])))
+        if not np.isfinite(top) or top == 0.0 or left < 1e-9:
+            raise TooSmall("the law takes the effect up, or the record does not excite it")
+        if abs(left / target - 1) < 0.01:
+            return size, left
+        ceiling = size * LARGEST_FORCE_N / top if largest is None else largest
+        wanted = size * float(np.clip(target / left, 0.02, 500.0))
+        if size >= 0.999 * ceiling and wanted > size:
+            break
+        size = min(wanted, ceiling)
+    if left < 0.7 * target or left > 1.4 * target:
+        raise TooSmall(f"leaves {left:.2f} N where {target:.2f} N were asked for")
+    return size, left

@@ -1,0 +1,180 @@
+"""From a plan to a record: one muscle, one run, what is hidden in it, what the sensors make of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from .hidden import Hidden, TooSmall, draw_hidden
+from .muscle import Array, Muscle, draw_muscle, draw_specimen
+from .protocol import PROTOCOLS, Course
+from .refit import law_residual, rms
+from .sensors import Sensors, temperature_course
+
+COLUMNS = (
+    "time_s",
+    "cycle",
+    "pressure_set_MPa",
+    "pressure_MPa",
+    "displacement_mm",
+    "force_N",
+    "temperature_C",
+)
+DECIMALS = (4, 0, 3, 5, 4, 3, 2)
+ATTEMPTS = 8
+
+
+@dataclass(frozen=True)
+class Secret:
+    """What to hide: catalogue name, form of it, and what it shall leave, in multiples of the force noise."""
+
+    name: str
+    form: str = "textbook"
+    ratio: float = 3.0
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything a record follows from; the same plan gives the same record."""
+
+    seed: int
+    law: str = "exponential_law"
+    secrets: tuple[Secret, ...] = ()
+    unknown: Secret | None = None
+    protocol: str = "standard"
+    sigma_N: float = 2.0
+    noise: str = "white"
+    warming: bool = False
+    other_specimen: bool = False
+    tier: int = 1
+
+    def __post_init__(self) -> None:
+        if self.protocol not in PROTOCOLS:
+            raise ValueError(f"protocol {self.protocol!r}: the rig has {', '.join(PROTOCOLS)}")
+        if not self.sigma_N > 0:
+            raise ValueError(
+                f"sigma_N = {self.sigma_N}: sizes are multiples of the noise, so there must be some"
+            )
+
+
+@dataclass(frozen=True)
+class Record:
+    """A finished record: table (n, 7) in the order of COLUMNS, muscle, what was hidden, key figures (N).
+
+    noise_rms is what the true model leaves at the measured pressure and length, rmse_base what the law
+    alone leaves at its best fit.
+    """
+
+    plan: Plan
+    table: Array
+    muscle: Muscle
+    hidden: tuple[Hidden, ...]
+    noise_rms: float
+    rmse_base: float
+
+    def column(self, name: str) -> Array:
+        """One column by its name."""
+        return self.table[:, COLUMNS.index(name)]
+
+
+def _stream(seed: int, *path: int) -> np.random.Generator:
+    """Streams that do not disturb each other: with or without an effect, the noise stays the same."""
+    return np.random.default_rng([seed, *path])
+
+
+def _hide(secret: Secret, place: int, plan: Plan, course: Course, muscle: Muscle) -> Hidden:
+    for attempt in range(ATTEMPTS):
+        rng = _stream(plan.seed, 3, place, attempt)
+        try:
+            return draw_hidden(secret.name, secret.form, course, muscle, rng, secret.ratio * plan.sigma_N)
+        except TooSmall:
+            if attempt == ATTEMPTS // 2 - 1:
+                secret = replace(secret, ratio=max(secret.ratio / 2, 0.7))
+    raise TooSmall(
+        f"{secret.name} ({secret.form}) cannot leave {secret.ratio:.2g} times the noise in this record"
+    )
+
+
+def make_record(plan: Plan) -> Record:
+    """Runs the rig; effects that act together are added up (their interplay is of second order)."""
+    protocol = PROTOCOLS[plan.protocol]
+    muscle = draw_muscle(
+        _stream(plan.seed, 0), plan.law, draw_specimen(_stream(plan.seed, 1), plan.other_specimen)
+    )
+    course = protocol.run(muscle, _stream(plan.seed, 2))
+    course = replace(course, temperature=temperature_course(course.time, _stream(plan.seed, 4), plan.warming))
+    secrets = plan.secrets + ((plan.unknown,) if plan.unknown else ())
+    hidden = tuple(_hide(s, i, plan, course, muscle) for i, s in enumerate(secrets))
+
+    rows, rng = course.rows, _stream(plan.seed, 5)
+    time, p, eps = course.time[rows], course.pressure[rows], course.eps[rows]
+    sensors = Sensors(plan.sigma_N, plan.noise)
+    added = np.zeros(len(rows))
+    for h in hidden:
+        added += h.force[rows]
+    force = muscle.force(p, eps) + added + sensors.force_noise(time, rng)
+    columns = (
+        time,
+        course.cycle[rows],
+        p,
+        p + sensors.pressure_MPa * rng.standard_normal(len(p)),
+        eps * course.length_mm + sensors.displacement_mm * rng.standard_normal(len(p)),
+        force,
+        course.temperature[rows] + 0.01 * rng.standard_normal(len(p)),
+    )
+    table = np.column_stack([np.round(c, d) for c, d in zip(columns, DECIMALS, strict=True)])
+    p_seen, eps_seen, force_seen = table[:, 3], table[:, 4] / course.length_mm, table[:, 5]
+    return Record(
+        plan,
+        table,
+        muscle,
+        hidden,
+        rms(force_seen - muscle.force(p_seen, eps_seen) - added),
+        rms(law_residual(muscle, p_seen, eps_seen, force_seen)),
+    )
+
+
+def write_case(folder: str | Path, record: Record) -> dict[str, object]:
+    """Writes FOLDER/record.csv and FOLDER/specimen.toml; returns the line for truth.json."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    formats = ",".join(f"%.{d}f" for d in DECIMALS)
+    lines = [",".join(COLUMNS)] + [formats % tuple(row) for row in record.table.tolist()]
+    (folder / "record.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    s, plan = record.muscle.specimen, record.plan
+    (folder / "specimen.toml").write_text(
+        f'[specimen]\nname = "{folder.name}"\ninitial_length_mm = {s.initial_length_mm}\n'
+        f"initial_radius_mm = {s.initial_radius_mm}\nbraid_angle_deg = {s.braid_angle_deg}\n"
+        f"wall_thickness_mm = {s.wall_thickness_mm}\n",
+        encoding="utf-8",
+    )
+    return {
+        "case": folder.name,
+        "law": plan.law,
+        "truth": sorted(x.name for x in plan.secrets),
+        "unknown": plan.unknown.name if plan.unknown else None,
+        "tier": plan.tier,
+        "blunt": plan.protocol == "blunt",
+        "sigma": plan.sigma_N,
+        "noise_rms": record.noise_rms,
+        "rmse_base": record.rmse_base,
+        "n": len(record.table),
+        "forms": {h.name: h.form for h in record.hidden},
+        "noise": plan.noise,
+        "size_ratio": {h.name: h.left_N / plan.sigma_N for h in record.hidden},
+        "sizes": {h.name: h.size for h in record.hidden},
+        "settings": {h.name: h.settings for h in record.hidden},
+        "protocol": plan.protocol,
+        "seed": plan.seed,
+    }
+
+
+def demo_plans(seed: int = 20, ratio: float = 3.0) -> tuple[Plan, Plan]:
+    """A record with friction that follows pressure and contact area, and its twin with nothing hidden.
+
+    Same muscle, same run, same noise; standard protocol, exponential law.
+    """
+    twin = Plan(seed, noise="white", sigma_N=2.0)
+    return replace(twin, secrets=(Secret("pressure_friction", "contact_area", ratio),), tier=2), twin

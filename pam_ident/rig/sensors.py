@@ -1,0 +1,68 @@
+"""Sensor noise of several colours, the temperature of the day, and the rounding of the log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+
+from .muscle import Array
+
+COLOURS = ("white", "ar1", "ou", "slow")
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """rms of the force noise (N) and its colour; pressure noise (MPa), displacement noise (mm)."""
+
+    sigma_N: float = 2.0
+    colour: str = "white"
+    pressure_MPa: float = 0.0002
+    displacement_mm: float = 0.01
+
+    def __post_init__(self) -> None:
+        if self.colour not in COLOURS:
+            raise ValueError(f"colour {self.colour!r}: one of {', '.join(COLOURS)}")
+        if min(self.sigma_N, self.pressure_MPa, self.displacement_mm) < 0:
+            raise ValueError("noise cannot be negative")
+
+    def force_noise(self, time: Array, rng: np.random.Generator) -> Array:
+        """Force noise (N) at the logged instants (n,), of rms sigma whatever its colour."""
+        return self.sigma_N * _colour(self.colour, time, rng)
+
+
+def ornstein_uhlenbeck(time: Array, tau: float, rng: np.random.Generator) -> Array:
+    """Unit-variance Ornstein-Uhlenbeck noise at uneven instants (n,)."""
+    keep = np.exp(-np.diff(time, prepend=time[0] - 50 * tau) / tau)
+    kicks = rng.standard_normal(len(time)) * np.sqrt(1 - keep**2)
+    out, now = np.empty(len(time)), 0.0
+    for i, (k, w) in enumerate(zip(keep.tolist(), kicks.tolist(), strict=True)):
+        now = k * now + w
+        out[i] = now
+    return out
+
+
+def _colour(colour: str, time: Array, rng: np.random.Generator) -> Array:
+    n = len(time)
+    if colour == "white":
+        return rng.standard_normal(n)
+    if colour == "ar1":
+        rho = rng.uniform(0.5, 0.95)
+        kicks = rng.standard_normal(n) * np.sqrt(1 - rho**2)
+        kicks[0] /= np.sqrt(1 - rho**2)
+        return np.asarray(lfilter([1.0], [1.0, -rho], kicks))
+    if colour == "ou":
+        return ornstein_uhlenbeck(time, float(np.exp(rng.uniform(np.log(0.5), np.log(10.0)))), rng)
+    share = rng.uniform(0.1, 0.3)
+    slow = ornstein_uhlenbeck(time, rng.uniform(20.0, 100.0), rng)
+    return np.sqrt(1 - share) * rng.standard_normal(n) + np.sqrt(share) * slow
+
+
+def temperature_course(time: Array, rng: np.random.Generator, warming: bool) -> Array:
+    """Temperature (deg C): a slow ripple of the room, and a run-in of 12 to 18 K where warming."""
+    start, ripple, period = rng.uniform(22.0, 25.0), rng.uniform(0.05, 0.25), rng.uniform(60.0, 400.0)
+    out = start + ripple * np.sin(2 * np.pi * time / period + rng.uniform(0, 2 * np.pi))
+    if warming:
+        out += -rng.uniform(12.0, 18.0) * np.expm1(-(time - time[0]) / rng.uniform(150.0, 400.0))
+    return out

@@ -1,0 +1,138 @@
+"""What no catalogue of muscle effects holds: faults of the rig, in three kinds that a record can show.
+
+`screw_ripple` repeats itself, `rub` sits at one place of the stroke, `mount_slip` happens at one moment.
+Same signature as in friction.py; sizes in N.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .friction import Force, Form, Settings, direction, scaled
+from .muscle import Array, Muscle
+from .protocol import Course
+
+
+def _phase(rng: np.random.Generator) -> float:
+    return rng.uniform(0.0, 2 * np.pi)
+
+
+def ripple_sine(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Once a turn of the spindle, pitch 2..10 mm."""
+    pitch, at = rng.uniform(2.0, 10.0), _phase(rng)
+    return {"pitch_mm": pitch}, scaled(np.sin(2 * np.pi * c.eps * c.length_mm / pitch + at))
+
+
+def ripple_loaded(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The same, growing with the load."""
+    pitch, at = rng.uniform(2.0, 10.0), _phase(rng)
+    load = m.force(c.pressure, c.eps)
+    return {"pitch_mm": pitch}, scaled(
+        np.sin(2 * np.pi * c.eps * c.length_mm / pitch + at) * load / np.max(load)
+    )
+
+
+def ripple_harmonics(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """A worn thread: the pitch and its second harmonic."""
+    pitch, at, more = rng.uniform(4.0, 10.0), _phase(rng), rng.uniform(0.3, 0.7)
+    turn = 2 * np.pi * c.eps * c.length_mm / pitch + at
+    return {"pitch_mm": pitch, "second": more}, scaled(np.sin(turn) + more * np.sin(2 * turn + 1.0))
+
+
+def beat_in_time(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Mains beating against the sampling: periodic in time, whatever the muscle does."""
+    period, at = rng.uniform(5.0, 40.0), _phase(rng)
+    return {"period_s": period}, scaled(np.sin(2 * np.pi * c.time / period + at))
+
+
+def pump_ripple(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The compressor starts and stops: a pressure wave in the muscle that the damped gauge hides."""
+    period, at = rng.uniform(10.0, 60.0), _phase(rng)
+    slope = m.pressure_slope(c.pressure, c.eps)
+    return {"period_s": period}, scaled(
+        slope / np.max(np.abs(slope)) * np.sin(2 * np.pi * c.time / period + at)
+    )
+
+
+def _place(c: Course, rng: np.random.Generator) -> tuple[float, float]:
+    """Centre and half width (contraction) of a bump inside the middle strokes."""
+    top = float(np.median([c.eps[c.isobar == i].max() for i in np.unique(c.isobar)]))
+    return top * rng.uniform(0.3, 0.7), top * rng.uniform(0.05, 0.12)
+
+
+def _bump(c: Course, centre: float, width: float, shape: str) -> Array:
+    u = (c.eps - centre) / width
+    if shape == "gaussian":
+        return np.exp(-0.5 * u**2)
+    inside = np.abs(u) < 1
+    return inside * (1.0 if shape == "box" else 0.5 * (1 + np.cos(np.pi * u)))
+
+
+def _rub(shape: str, odd: bool) -> Form:
+    def form(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+        centre, width = _place(c, rng)
+        way = -direction(c, 0.5) if odd else -1.0
+        return {"centre": centre, "width": width}, scaled(way * _bump(c, centre, width, shape))
+
+    form.__doc__ = f"Something rubs or catches at one place: {shape}, {'odd' if odd else 'even'}."
+    return form
+
+
+def two_rubs(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """A second place, weaker."""
+    first, width = _place(c, rng)
+    second, weight = 0.4 * first, rng.uniform(0.4, 0.8)
+    shape = _bump(c, first, width, "gaussian") + weight * _bump(c, second, width, "gaussian")
+    return {"centre": first, "second": second, "width": width}, scaled(-shape)
+
+
+def end_stop(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """A soft stop met late in the longest strokes: a kink, then a slope."""
+    at = float(c.eps.max()) * rng.uniform(0.7, 0.85)
+    return {"from": at}, scaled(-np.maximum(c.eps - at, 0.0) / 0.01)
+
+
+def _moment(c: Course, rng: np.random.Generator) -> float:
+    return float(c.time[c.rows[int(rng.uniform(0.25, 0.75) * len(c.rows))]])
+
+
+def slip_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The mount slips: from then on the true contraction differs from the measured; size in mm."""
+    when = _moment(c, rng)
+    after = c.time >= when
+    return {
+        "time_s": when
+    }, lambda size: after * (m.force(c.pressure, c.eps - size / c.length_mm) - m.force(c.pressure, c.eps))
+
+
+def slip_load(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The load cell's zero jumps."""
+    when = _moment(c, rng)
+    return {"time_s": when}, scaled((c.time >= when) * float(rng.choice([-1.0, 1.0])))
+
+
+def slip_and_back(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The zero jumps and jumps back after a tenth to a quarter of the record."""
+    when = _moment(c, rng)
+    until = when + rng.uniform(0.1, 0.25) * float(c.time[-1])
+    return {"time_s": when, "until_s": until}, scaled(1.0 * ((c.time >= when) & (c.time < until)))
+
+
+FORMS: dict[str, dict[str, Form]] = {
+    "screw_ripple": {
+        "textbook": ripple_sine,
+        "loaded": ripple_loaded,
+        "harmonics": ripple_harmonics,
+        "beat_in_time": beat_in_time,
+        "pump": pump_ripple,
+    },
+    "rub": {
+        "textbook": _rub("gaussian", False),
+        "gaussian_odd": _rub("gaussian", True),
+        "box": _rub("box", False),
+        "cosine_odd": _rub("cosine", True),
+        "two_places": two_rubs,
+        "end_stop": end_stop,
+    },
+    "mount_slip": {"textbook": slip_length, "load": slip_load, "and_back": slip_and_back},
+}

@@ -1,0 +1,300 @@
+"""The virtual rig: its physics against closed forms, its records against the contract, its sizes against orders."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pam_ident.rig import (
+    PROTOCOLS,
+    Plan,
+    Protocol,
+    Secret,
+    demo_plans,
+    make_challenge,
+    make_record,
+    write_case,
+)
+from pam_ident.rig.__main__ import main
+from pam_ident.rig.challenge import SHARES, VISIBLE, quotas
+from pam_ident.rig.friction import FORMS as FRICTION
+from pam_ident.rig.friction import maxwell_slip
+from pam_ident.rig.hidden import EFFECTS, UNKNOWNS
+from pam_ident.rig.integrate import follow
+from pam_ident.rig.memory import FORMS as MEMORY
+from pam_ident.rig.muscle import ChouHannaford, Exponential, Muscle, Specimen
+from pam_ident.rig.record import COLUMNS
+from pam_ident.rig.sensors import Sensors, ornstein_uhlenbeck
+from pam_ident.rig.statics import bladder_hoop, elastic_force, hoop_energy
+
+SPECIMEN = Specimen()
+EXPONENTIAL = Muscle(SPECIMEN, Exponential())
+CHOU = Muscle(SPECIMEN, ChouHannaford(SPECIMEN))
+SMALL = Protocol(pressures_MPa=(0.2, 0.4), cycles_per_speed=1)
+
+
+def rng(seed=0):
+    return np.random.default_rng(seed)
+
+
+@pytest.fixture(scope="module")
+def course():
+    return SMALL.run(CHOU, rng())
+
+
+def loop_work(course, force):
+    """Work (N per unit contraction) taken from the drive over all closed cycles: -sum F d(eps)."""
+    logged = course.count > 0
+    step = np.diff(course.eps, prepend=course.eps[0])
+    step[~logged] = 0.0
+    middle = 0.5 * (force + np.concatenate([force[:1], force[:-1]]))
+    return -np.sum(middle * step)
+
+
+def test_zero_force_ends_the_stroke():
+    reach = EXPONENTIAL.stroke_mm(0.3) / 200.0
+    assert EXPONENTIAL.force(np.array([0.3]), np.array([reach]))[0] == pytest.approx(0.0, abs=1e-6)
+    assert CHOU.stroke_mm(0.5) == pytest.approx(56.0)
+
+
+def test_braid_keeps_its_thread_length():
+    eps = np.linspace(0, 0.3, 7)
+    radius, length = SPECIMEN.radius(eps), SPECIMEN.initial_length_mm * (1 - eps)
+    theta0 = np.radians(25.4)
+    turns = SPECIMEN.initial_length_mm * np.tan(theta0) / (2 * np.pi * SPECIMEN.initial_radius_mm)
+    thread = np.hypot(length, 2 * np.pi * radius * turns)
+    np.testing.assert_allclose(thread, thread[0], rtol=1e-12)
+    slope = np.gradient(np.log(SPECIMEN.volume(np.linspace(0, 0.3, 3001))), 1e-4)
+    np.testing.assert_allclose(
+        SPECIMEN.log_volume_slope(eps)[1:-1], slope[[500, 1000, 1500, 2000, 2500]], rtol=1e-5
+    )
+
+
+def test_course_is_what_the_protocol_says(course):
+    rows = course.rows
+    assert len(rows) == SMALL.n_rows == 2 * 3 * 2 * 52
+    assert PROTOCOLS["standard"].n_rows == 4680 and PROTOCOLS["blunt"].n_rows == 1200
+    assert np.all(np.diff(course.time) > 0)
+    assert course.time[rows[0]] == pytest.approx(20.0)
+    np.testing.assert_array_equal(np.unique(course.cycle[rows]), [1, 2, 3])
+    moving = course.moving != 0
+    inside = moving[1:] & moving[:-1] & (course.moving[1:] == course.moving[:-1])
+    rise = np.diff(course.eps)[inside]
+    area = (0.5 * (course.rate[1:] + course.rate[:-1]) * np.diff(course.time))[inside]
+    np.testing.assert_allclose(area, rise, atol=2e-6)
+    assert np.abs(course.rate[moving]).max() * 200 == pytest.approx(40 * 1.14, rel=1e-3)
+
+
+def test_pressures_come_in_random_order():
+    orders = {tuple(np.round(Protocol(substeps=1).run(CHOU, rng(s)).pressure[::5000], 2)) for s in range(6)}
+    assert len(orders) > 3
+
+
+@pytest.mark.parametrize("name", list(FRICTION))
+def test_friction_takes_energy_out(course, name):
+    for form in FRICTION[name].values():
+        _, force = form(course, CHOU, rng(1))
+        assert loop_work(course, force(1.0)) > 0, form.__doc__
+        np.testing.assert_allclose(force(3.0), 3 * force(1.0))
+
+
+@pytest.mark.parametrize("form", ["textbook", "first_order", "orifice"])
+def test_lagging_pressure_takes_energy_out(course, form):
+    """Squeezed gas pushes back: a lag can only widen the loop in the passive sense."""
+    _, force = MEMORY["pressure_lag"][form](course, CHOU, rng(1))
+    assert loop_work(course, force(0.01)) > 0
+
+
+def test_fast_valve_makes_gas_balance_quasi_steady(course):
+    """For a short time constant the gas balance goes over into p - T p_abs V'/V eps' V/V0."""
+    settings, force = MEMORY["pressure_lag"]["first_order"](course, CHOU, rng(1))
+    size, n = 1e-4, settings["polytropic"]
+    share = SPECIMEN.volume(course.eps) / SPECIMEN.volume(course.eps[:1])
+    drop = size * n * share * (course.pressure + 0.1013) * SPECIMEN.log_volume_slope(course.eps) * course.rate
+    expected = -drop * CHOU.pressure_slope(course.pressure, course.eps)
+    steady = (np.abs(course.moving) > 0) & (np.abs(np.roll(course.moving, 40)) > 0) & (course.count > 0)
+    np.testing.assert_allclose(force(size)[steady], expected[steady], atol=0.02 * np.abs(expected).max())
+
+
+def test_maxwell_slip_closes_its_loop():
+    x = np.concatenate([np.linspace(0, 1, 301), np.linspace(1, 0, 301), np.linspace(0, 1, 301)])
+    force = maxwell_slip(x, np.array([0.05, 0.2]), np.array([0.6, 0.4]))
+    assert force[300] == pytest.approx(1.0) and force[601] == pytest.approx(-1.0)
+    assert force[-1] == pytest.approx(force[300], abs=1e-12)
+    # Dissipated over a closed loop by each element: 4 w (reach of the stroke - its own reach / ...) in closed form.
+    area = np.sum(0.5 * (force[301:] + force[300:-1]) * np.diff(x[300:]))
+    assert area == pytest.approx(
+        2 * (0.6 * (1 - 2 * 0.05 / 2 - 0.05) + 0.4 * (1 - 2 * 0.2 / 2 - 0.2)), rel=1e-3
+    )
+
+
+def test_arm_relaxes_with_its_time_constant():
+    time = np.concatenate([np.linspace(0, 1, 21), np.linspace(1.3, 9, 12)])
+    drive = np.minimum(time, 1.0)
+    behind = drive - follow(time, drive, 2.5)
+    np.testing.assert_allclose(behind[:21], 2.5 * -np.expm1(-time[:21] / 2.5), rtol=1e-12)
+    np.testing.assert_allclose(behind[20:], behind[20] * np.exp(-(time[20:] - 1) / 2.5), rtol=1e-10)
+
+
+def test_numerical_energy_equals_hoop_formula(course):
+    _, force = bladder_hoop(course, CHOU, rng())
+    numerical = -1.3 * elastic_force(SPECIMEN, hoop_energy, course.eps)
+    np.testing.assert_allclose(numerical, force(1.3), atol=1e-6)
+    thick = replace(SPECIMEN, wall_thickness_mm=2.0, braid_angle_deg=25.0)
+    assert elastic_force(thick, hoop_energy, np.array([0.2]))[0] == pytest.approx(178.6, abs=0.1)
+
+
+@pytest.mark.parametrize("form", ["mooney_rivlin", "gent"])
+def test_rubber_is_at_ease_at_rest_and_pulls_less_when_blown_up(course, form):
+    _, force = EFFECTS["bladder_elasticity"][form](course, CHOU, rng())
+    at = np.argsort(course.eps)
+    change = force(1.0)[at]
+    assert change[0] == pytest.approx(0.0, abs=1e-6)
+    assert np.all(np.diff(change) < 1e-9) and change[-1] < -20
+
+
+def test_fixture_gives_way(course):
+    _, force = EFFECTS["series_compliance"]["textbook"](course, CHOU, rng())
+    total = CHOU.force(course.pressure, course.eps) + force(2.0)
+    inside = course.eps + total / (500.0 * 200.0)
+    np.testing.assert_allclose(CHOU.force(course.pressure, inside), total, rtol=1e-8)
+
+
+def test_null_leaves_the_noise():
+    record = make_record(Plan(4, law="modified_chou_hannaford", sigma_N=2.0))
+    assert record.noise_rms == pytest.approx(2.0, rel=0.06)
+    assert record.rmse_base == pytest.approx(record.noise_rms, rel=0.003)
+
+
+@pytest.mark.parametrize("law", list(VISIBLE))
+def test_every_form_can_be_sized(law):
+    for i, name in enumerate(VISIBLE[law]):
+        for j, form in enumerate(EFFECTS[name]):
+            secret = Secret(name, form, 2.0)
+            record = make_record(Plan(100 * i + j, law, (secret,), sigma_N=2.0, warming=True))
+            assert record.hidden[0].left_N == pytest.approx(4.0, rel=0.4), (name, form)
+            asked = np.sqrt(record.noise_rms**2 + record.hidden[0].left_N ** 2)
+            assert record.rmse_base == pytest.approx(asked, rel=0.05), (name, form)
+
+
+def test_textbook_sizes_are_as_ordered():
+    for ratio in (0.7, 5.0):
+        plan = Plan(9, "exponential_law", (Secret("coulomb_friction", "textbook", ratio),), sigma_N=1.0)
+        assert make_record(plan).hidden[0].left_N == pytest.approx(ratio, rel=0.011)
+
+
+def test_every_unknown_can_be_drawn():
+    for name, forms in UNKNOWNS.items():
+        for j, form in enumerate(forms):
+            record = make_record(Plan(300 + j, unknown=Secret(name, form, 2.0)))
+            assert record.rmse_base > 1.5 * record.noise_rms, (name, form)
+
+
+def test_effect_and_twin_share_run_and_noise():
+    with_effect, without = (make_record(p) for p in demo_plans())
+    for name in COLUMNS:
+        same = np.array_equal(with_effect.column(name), without.column(name))
+        assert same == (name != "force_N"), name
+    gap = with_effect.column("force_N") - without.column("force_N")
+    np.testing.assert_allclose(gap, with_effect.hidden[0].force[_rows(with_effect)], atol=2e-3)
+    assert with_effect.rmse_base == pytest.approx(np.hypot(without.rmse_base, 6.0), rel=0.03)
+
+
+def _rows(record):
+    """Logged rows of the fine grid of a standard run (the grid is the same for every muscle)."""
+    return (
+        PROTOCOLS[record.plan.protocol].run(record.muscle, np.random.default_rng([record.plan.seed, 2])).rows
+    )
+
+
+@pytest.mark.parametrize("colour", ["white", "ar1", "ou", "slow"])
+def test_noise_has_its_rms(colour):
+    time = np.arange(20000) * 0.1
+    noise = Sensors(3.0, colour).force_noise(time, rng(2))
+    assert np.std(noise) == pytest.approx(3.0, rel=0.12)
+    neighbour = np.corrcoef(noise[1:], noise[:-1])[0, 1]
+    assert (abs(neighbour) < 0.03) == (colour == "white")
+
+
+def test_ornstein_uhlenbeck_forgets_with_its_time():
+    noise = ornstein_uhlenbeck(np.arange(100000) * 0.5, 2.0, rng(3))
+    for lag in (1, 4):
+        expected = np.exp(-lag * 0.5 / 2.0)
+        assert np.corrcoef(noise[lag:], noise[:-lag])[0, 1] == pytest.approx(expected, abs=0.02)
+
+
+def test_challenge_follows_contract_and_seed(tmp_path):
+    truth = make_challenge(tmp_path / "a", n=14, seed=3)
+    again = make_challenge(tmp_path / "b", n=14, seed=3)
+    assert truth == again == json.loads((tmp_path / "a" / "truth.json").read_text())
+    for case in truth:
+        here = (tmp_path / "a" / str(case["case"]) / "record.csv").read_text()
+        assert here == (tmp_path / "b" / str(case["case"]) / "record.csv").read_text()
+        assert here.splitlines()[0] == ",".join(COLUMNS) and len(here.splitlines()) == case["n"] + 1
+        assert list(case)[:10] == [
+            "case",
+            "law",
+            "truth",
+            "unknown",
+            "tier",
+            "blunt",
+            "sigma",
+            "noise_rms",
+            "rmse_base",
+            "n",
+        ]
+        assert {"forms", "noise", "size_ratio"} <= set(case)
+        assert set(case["truth"]) <= set(VISIBLE[case["law"]])
+        assert not (case["truth"] and case["unknown"])
+    assert make_challenge(tmp_path / "c", n=1, seed=4)[0]["rmse_base"] != truth[0]["rmse_base"]
+
+
+def test_specimen_file_is_read_back(tmp_path):
+    import tomllib
+
+    record = make_record(Plan(8, other_specimen=True, protocol="blunt"))
+    write_case(tmp_path / "x", record)
+    table = tomllib.loads((tmp_path / "x" / "specimen.toml").read_text())["specimen"]
+    assert table.pop("name") == "x"
+    assert Specimen(**table) == record.muscle.specimen != SPECIMEN
+
+
+def test_quotas_add_up():
+    for n in (1, 7, 60, 200):
+        assert len(quotas(n)) == n
+    assert [quotas(200).count(k) for k in SHARES] == [50, 50, 20, 30, 20, 16, 14]
+    assert quotas(3, "pair") == ["pair"] * 3
+
+
+@pytest.mark.parametrize(
+    "nonsense",
+    [
+        lambda: Specimen(initial_radius_mm=0.0),
+        lambda: Specimen(braid_angle_deg=60.0),
+        lambda: Protocol(pressures_MPa=()),
+        lambda: Protocol(speeds_mm_s=(0.0,)),
+        lambda: Protocol(hold_s=0.0),
+        lambda: Plan(1, protocol="none"),
+        lambda: Plan(1, sigma_N=0.0),
+        lambda: Sensors(colour="pink"),
+        lambda: make_record(Plan(1, law="cubic")),
+        lambda: make_record(Plan(1, secrets=(Secret("gravity"),))),
+        lambda: make_record(Plan(1, secrets=(Secret("creep", "none"),))),
+        lambda: make_record(Plan(1, secrets=(Secret("creep", ratio=-1.0),))),
+        lambda: make_record(Plan(1, secrets=(Secret("force_bias"),))),
+        lambda: EXPONENTIAL.stroke_mm(0.05),
+        lambda: quotas(0),
+        lambda: quotas(4, "tier9"),
+    ],
+)
+def test_nonsense_is_refused(nonsense):
+    with pytest.raises(ValueError):
+        nonsense()
+
+
+def test_command_line(tmp_path, capsys):
+    assert main([str(tmp_path), "--n", "2", "--seed", "1", "--only", "blunt", "--quiet"]) == 0
+    assert all(c["blunt"] for c in json.loads((tmp_path / "truth.json").read_text()))
+    assert "2 cases" in capsys.readouterr().out
+    assert main([str(tmp_path), "--n", "0"]) == 2
