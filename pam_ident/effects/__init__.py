@@ -57,9 +57,7 @@ def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]
     for item in effect.forms:
         if item.name == form:
             return effect, item
-    raise UsageError(
-        f"effect {base} has no form {form!r}; expected one of {', '.join(f.name for f in effect.forms)}"
-    )
+    raise UsageError(f"effect {base} has no form {form!r}; expected one of {', '.join(f.name for f in effect.forms)}")
 
 
 def load_effect_file(path: str | Path) -> tuple[Effect, ...]:
@@ -72,9 +70,7 @@ def load_effect_file(path: str | Path) -> tuple[Effect, ...]:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise UsageError(
-            f"{path}: fails on import ({type(error).__name__}: {error}); mend the file"
-        ) from None
+        raise UsageError(f"{path}: fails on import ({type(error).__name__}: {error}); mend the file") from None
     found = tuple(v for k, v in vars(module).items() if k.isupper() and isinstance(v, Effect))
     if not found:
         raise UsageError(f"{path}: defines no effect; expected EFFECT = Effect(...)")

@@ -9,35 +9,37 @@ from ..core import Inputs
 Array = np.ndarray
 
 
-def relax(time: Array, drive: Array, tau: float) -> Array:
-    """Response q of a Maxwell element, q̇ = ḋ − q/τ, q = 0 at the first sample; d linear between samples.
+def relax(inputs: Inputs, drive: Array, tau: float) -> Array:
+    """Response q of a Maxwell element, q̇ = ḋ − q/τ, q = 0 at the first sample, shape of `drive` (n,).
 
-    `time` in s and `drive` in any unit, shape (n,); exact for the piecewise linear drive. The recursion is
-    summed in stretches short enough that the decay inside one stays within the range of a float.
+    Exact for a drive that is linear between samples; between segments it jumps at once and then rests, as a
+    rig does that goes to its next start and settles there. The recursion is summed in stretches short enough
+    that the decay inside one stays within the range of a float.
     """
-    step = np.diff(time)
-    decay = step / tau
-    gain = np.diff(drive) * np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
+    assert inputs.time is not None and inputs.segment is not None
+    time = inputs.time
+    decay = np.diff(time) / tau
+    answer = np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
+    answer = np.where(np.diff(inputs.segment) != 0, np.exp(-decay), answer)
+    gain = np.diff(drive) * answer
     out = np.zeros(len(time))
     start = 0
     total = np.r_[0.0, np.cumsum(decay)]
-    while start < len(step):
+    while start < len(decay):
         stop = max(start + 1, int(np.searchsorted(total, total[start] + 300.0)) - 1)
-        stop = min(stop, len(step))
+        stop = min(stop, len(decay))
         if stop == start + 1:
             out[stop] = out[start] * np.exp(-decay[start]) + gain[start]
         else:
             since = total[start + 1 : stop + 1] - total[start]
-            out[start + 1 : stop + 1] = np.exp(-since) * (
-                out[start] + np.cumsum(gain[start:stop] * np.exp(since))
-            )
+            out[start + 1 : stop + 1] = np.exp(-since) * (out[start] + np.cumsum(gain[start:stop] * np.exp(since)))
         start = stop
     return out
 
 
-def follow(time: Array, drive: Array, tau: float) -> Array:
-    """First-order lag y of a drive, ẏ = (d − y)/τ, y = d at the first sample."""
-    return drive - relax(time, drive, tau)
+def follow(inputs: Inputs, drive: Array, tau: float) -> Array:
+    """First-order lag y of a drive (n,), ẏ = (d − y)/τ, y = d at the first sample."""
+    return drive - relax(inputs, drive, tau)
 
 
 def runs(inputs: Inputs) -> list[slice]:
@@ -52,8 +54,7 @@ def runs(inputs: Inputs) -> list[slice]:
 def stop_operator(inputs: Inputs, width_mm: float) -> Array:
     """Deflection of an elastic element that slips at ±width, divided by the width, shape (n,), within ±1.
 
-    Prandtl's stop operator driven by the displacement; the element starts wound up by the contraction that
-    inflated the muscle.
+    Prandtl's stop operator driven by the displacement; the element starts at rest.
     """
     return _slide(inputs, lambda state, moved: np.clip(state + moved / width_mm, -1.0, 1.0))
 
@@ -72,7 +73,7 @@ def _slide(inputs: Inputs, step: Callable[[float, Array], Array]) -> Array:
     """Carry a rate-independent state from reversal to reversal; `step(state, moved)` is exact for one-way travel."""
     x = inputs.displacement_mm
     out = np.empty(len(x))
-    state, last = 1.0, x[0]
+    state, last = 0.0, x[0]
     for run in runs(inputs):
         sign = inputs.direction[run.start]
         state = float(step(state, np.array([x[run.start] - last]))[0])

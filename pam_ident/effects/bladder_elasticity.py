@@ -9,9 +9,7 @@ E_MOD = Param("E", "MPa", "Young's modulus of the bladder", 0.0, 200.0, scale=1.
 C1 = Param("C1", "MPa", "first Mooney–Rivlin constant", 0.0, 200.0, scale=0.2)
 C2 = Param("C2", "MPa", "second Mooney–Rivlin constant", -200.0, 200.0, scale=0.2)
 G = Param("G", "MPa", "shear modulus of the bladder", 0.0, 200.0, scale=0.3)
-J_M = Param(
-    "J_m", "1", "limit of I1 − 3 at which the rubber locks", 0.3, 100.0, start=3.0, grid=(1.0, 3.0, 12.0)
-)
+J_M = Param("J_m", "1", "limit of I1 − 3 at which the rubber locks", 0.3, 100.0, start=3.0, grid=(1.0, 3.0, 12.0))
 
 
 def wall(inputs: Inputs) -> float:

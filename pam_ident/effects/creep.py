@@ -17,8 +17,7 @@ DECADES = np.logspace(-1.0, 3.0, 9)
 
 
 def _drive(inputs: Inputs, drive: Array, tau: float) -> Array:
-    assert inputs.time is not None
-    return -relax(inputs.time, drive, tau)
+    return -relax(inputs, drive, tau)
 
 
 def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -26,9 +25,7 @@ def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _prony(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return np.column_stack(
-        [_drive(inputs, inputs.contraction, shape["tau"] * ratio) for ratio in (0.1, 1.0, 10.0)]
-    )
+    return np.column_stack([_drive(inputs, inputs.contraction, shape["tau"] * ratio) for ratio in (0.1, 1.0, 10.0)])
 
 
 def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:

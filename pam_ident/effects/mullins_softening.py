@@ -37,9 +37,7 @@ EFFECT = Effect(
     source="Mullins 1969, Rubber Chemistry and Technology 42, 339–362",
     forms=(
         ScalesForce("textbook", "F (1 + s exp(−(n−1)/n_0))", (EXTRA,), _whole, (N0,)),
-        AddsForce(
-            "elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)
-        ),
+        AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
     ),
     test="at least three cycles, and a re-run of the first after rest",

@@ -39,9 +39,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−μ_f p sgn(ε̇)", (MU,), _constant),
         AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
-        AddsForce(
-            "contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)
-        ),
+        AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
     ),
     test="pressures over 4:1: the gap between the branches grows in proportion",
     needs=("branch",),

@@ -24,11 +24,7 @@ def _rate(inputs: Inputs) -> Array:
     """p_abs · d ln V/dt in MPa/s, V the braid's cylinder, shape (n,)."""
     assert inputs.velocity is not None
     stroke_rate = inputs.velocity / inputs.specimen.initial_length_mm
-    return (
-        (inputs.pressure + ATMOSPHERE_MPA)
-        * inputs.specimen.log_volume_slope(inputs.contraction)
-        * stroke_rate
-    )
+    return (inputs.pressure + ATMOSPHERE_MPA) * inputs.specimen.log_volume_slope(inputs.contraction) * stroke_rate
 
 
 def _quasi_steady(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -36,8 +32,7 @@ def _quasi_steady(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    assert inputs.time is not None
-    return one(-follow(inputs.time, _rate(inputs), shape["tau"]))
+    return one(-follow(inputs, _rate(inputs), shape["tau"]))
 
 
 def _orifice(inputs: Inputs, shape: Shape, force: Array) -> Array:

@@ -3,9 +3,7 @@
 from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsContraction, one
 
-COMPLIANCE = Param(
-    "compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0
-)
+COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0)
 
 
 def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:

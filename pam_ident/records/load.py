@@ -54,9 +54,7 @@ def read_record(path: str | Path, specimen: str | Path | Specimen | None = None)
     else:
         contraction = 1.0 - values["length"] / length
     _check_ranges(path, where, values, contraction)
-    direction = (
-        _directions(path, frame[where["branch"]], where["branch"])[keep] if "branch" in where else None
-    )
+    direction = _directions(path, frame[where["branch"]], where["branch"])[keep] if "branch" in where else None
     optional = {key: values[key][keep] if key in values else None for key in ("time", "cycle", "temperature")}
     return build_record(
         path.stem if path.stem != "record" else specimen.name,
@@ -151,9 +149,7 @@ def _find_columns(path: Path, headers: list[str]) -> dict[str, str]:
             f"among {', '.join(map(str, headers))}; name one of them so"
         )
     if len(shapes) > 1:
-        raise DataError(
-            f"{path}, row 1: columns {' and '.join(found[k] for k in shapes)} say the same thing; keep one"
-        )
+        raise DataError(f"{path}, row 1: columns {' and '.join(found[k] for k in shapes)} say the same thing; keep one")
     return found
 
 
@@ -185,9 +181,7 @@ def _directions(path: Path, cells: pd.Series, column: str) -> np.ndarray:
     return numbers
 
 
-def _check_ranges(
-    path: Path, where: dict[str, str], values: dict[str, np.ndarray], contraction: np.ndarray
-) -> None:
+def _check_ranges(path: Path, where: dict[str, str], values: dict[str, np.ndarray], contraction: np.ndarray) -> None:
     if "time" in values:
         back = np.flatnonzero(np.diff(values["time"]) < 0.0)
         if len(back):

@@ -1,6 +1,7 @@
 """Strokes, reversals and holds, found from the motion alone."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -42,13 +43,13 @@ def find_motion(time: Array, x: Array, segment: Array) -> Motion:
     for part in np.split(np.arange(n), edges):
         pivots = _pivots(x[part], max(6.0 * noise, 0.004 * span)) if span else [0, len(part) - 1]
         held = _holds(time[part], x[part], pivots, max(6.0 * noise, 5e-4 * span))
-        for begin, end in zip(pivots[:-1], pivots[1:], strict=True):
+        for begin, end in pairwise(pivots):
             inside = np.arange(begin, end + 1)
             inside = inside[~held[begin : end + 1] & ~moving[part[begin : end + 1]]]
             if len(inside) < 2:
                 continue
             count += 1
-            rows = part[inside]
+            rows = part[_square_ends(time[part], x[part], inside, moving[part], noise)]
             slope = _stroke_velocity(time[rows], x[rows], noise)
             velocity[rows], moving[rows], stroke[rows] = slope, True, count
             direction[rows] = np.sign(x[part[end]] - x[part[begin]])
@@ -84,7 +85,7 @@ def _holds(time: Array, x: Array, pivots: list[int], band: float) -> Array:
     if band <= 0.0:
         return held
     pace = np.zeros(len(x))
-    for begin, end in zip(pivots[:-1], pivots[1:], strict=True):
+    for begin, end in pairwise(pivots):
         seconds = np.diff(time[begin : end + 1])
         steps = np.abs(np.diff(x[begin : end + 1]))
         live = steps > band
@@ -109,6 +110,40 @@ def _holds(time: Array, x: Array, pivots: list[int], band: float) -> Array:
         else:
             start += 1
     return held
+
+
+def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: float) -> Array:
+    """Indices of a stroke with its ends set right: a sample at a corner belongs to the stroke whose line runs
+    through it, which the distance from the stroke's own extrapolation tells where one step exceeds the noise."""
+    if len(inside) < 6:
+        return inside
+    first, last = int(inside[0]), int(inside[-1])
+    tolerance = 3.0 * noise + 0.02 * abs(x[last] - x[first]) / len(inside)
+
+    def off(at: int, near: Array) -> float:
+        t0, scale = time[near[0]], max(float(np.ptp(time[near])), 1e-12)
+        curve = np.polyfit((time[near] - t0) / scale, x[near], 1)
+        return abs(float(x[at] - np.polyval(curve, (time[at] - t0) / scale)))
+
+    for _ in range(2):
+        if last - first > 6 and off(last, np.arange(last - 3, last)) > 2.0 * tolerance + _bend(x, last - 3, last - 1):
+            last -= 1
+        if last - first > 6 and off(first, np.arange(first + 1, first + 4)) > 2.0 * tolerance + _bend(
+            x, first + 1, first + 3
+        ):
+            first += 1
+    for _ in range(2):
+        if last + 1 < len(x) and not taken[last + 1] and abs(x[last] - x[last - 1]) > 1.5 * tolerance:
+            last += off(last + 1, np.arange(last - 2, last + 1)) < tolerance + _bend(x, last - 2, last)
+        if first > 0 and not taken[first - 1] and abs(x[first + 1] - x[first]) > 1.5 * tolerance:
+            first -= off(first - 1, np.arange(first, first + 3)) < tolerance + _bend(x, first, first + 2)
+    return np.arange(first, last + 1)
+
+
+def _bend(x: Array, begin: int, end: int) -> float:
+    """How far three neighbouring samples leave a straight line, doubled."""
+    middle = (begin + end) // 2
+    return 4.0 * abs(float(x[begin] - 2.0 * x[middle] + x[end])) / max(middle - begin, 1) ** 2
 
 
 def _stroke_velocity(time: Array, x: Array, noise: float) -> Array:

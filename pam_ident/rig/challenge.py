@@ -137,22 +137,16 @@ class _Drawer:
         others = [e for e in VISIBLE[plan.law] if FAMILY.get(e, e) != FAMILY.get(effect, effect)]
         textbook = bool(self.rng.random() < 0.5)
         names = (effect, str(self.rng.choice(others)))
-        return replace(
-            plan, secrets=tuple(_secret(n, textbook, self.rng) for n in names), tier=1 if textbook else 2
-        )
+        return replace(plan, secrets=tuple(_secret(n, textbook, self.rng) for n in names), tier=1 if textbook else 2)
 
     def _null(self, plan: Plan, effect: str) -> Plan:
         self.nulls += 1
         coloured = self.nulls % 2 == 0
-        return replace(
-            plan, noise=str(self.rng.choice(COLOURED)) if coloured else "white", tier=3 if coloured else 1
-        )
+        return replace(plan, noise=str(self.rng.choice(COLOURED)) if coloured else "white", tier=3 if coloured else 1)
 
     def _unknown(self, plan: Plan, effect: str) -> Plan:
         form = str(self.rng.choice(list(UNKNOWNS[effect])))
-        return replace(
-            plan, unknown=Secret(effect, form, _ratio(self.rng, 1.0)), tier=1 if form == "textbook" else 2
-        )
+        return replace(plan, unknown=Secret(effect, form, _ratio(self.rng, 1.0)), tier=1 if form == "textbook" else 2)
 
 
 def quotas(n: int, only: str | None = None) -> list[str]:

@@ -92,9 +92,7 @@ def pressure_plain(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Sett
 def pressure_contact_area(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """S = lateral surface of the braid, growing with contraction."""
     share = rng.uniform(0.3, 1.0)
-    return {"hold_share": share}, scaled(
-        -c.pressure / 0.5 * m.specimen.lateral_area(c.eps) * direction(c, share)
-    )
+    return {"hold_share": share}, scaled(-c.pressure / 0.5 * m.specimen.lateral_area(c.eps) * direction(c, share))
 
 
 def pressure_radius(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:

@@ -18,6 +18,7 @@ UNKNOWNS: dict[str, dict[str, Form]] = unknowns.FORMS
 # The largest size that is still physics; where none is given 150 N at any one row is the limit.
 LARGEST = {
     "pressure_lag": 0.1,
+    "pressure_lag/orifice": 1.0,
     "threshold_pressure": 0.08,
     "series_compliance": 20.0,
     "end_taper": 0.5,
@@ -76,22 +77,23 @@ def left_after_refit(force: Array, course: Course, muscle: Muscle) -> float:
 def _fit_size(
     force: Force, course: Course, muscle: Muscle, target: float, largest: float | None
 ) -> tuple[float, float]:
-    """Finds the size by repeated proportion; every effect leaves more the larger it is."""
-    size = 1e-3 if largest is None else largest / 100
-    left = 0.0
-    for _ in range(14):
+    """Finds the size by a secant on logarithms: what is left grows about as a power of the size."""
+    size, last, power = (1e-3 if largest is None else largest / 100), None, 1.0
+    for _ in range(16):
         now = force(size)
         left = left_after_refit(now, course, muscle)
         top = float(np.max(np.abs(now[course.rows])))
-        if not np.isfinite(top) or top == 0.0 or left < 1e-9:
-            raise TooSmall("the law takes the effect up, or the record does not excite it")
+        if not np.isfinite(left) or left < 1e-9:
+            break
         if abs(left / target - 1) < 0.01:
             return size, left
+        if last is not None and last[0] != size:
+            power = float(np.clip(np.log(left / last[1]) / np.log(size / last[0]), 0.4, 4.0))
         ceiling = size * LARGEST_FORCE_N / top if largest is None else largest
-        wanted = size * float(np.clip(target / left, 0.02, 500.0))
-        if size >= 0.999 * ceiling and wanted > size:
+        if size >= 0.999 * ceiling and left < target:
+            if left > 0.7 * target:
+                return size, left
             break
-        size = min(wanted, ceiling)
-    if left < 0.7 * target or left > 1.4 * target:
-        raise TooSmall(f"leaves {left:.2f} N where {target:.2f} N were asked for")
-    return size, left
+        last = (size, left)
+        size = min(size * float(np.clip((target / left) ** (1 / power), 0.02, 500.0)), ceiling)
+    raise TooSmall(f"the effect does not leave {target:.2f} N: taken up by the law, not excited, or too weak")

@@ -20,6 +20,12 @@ def _by_gas(c: Course, m: Muscle, gas: Array) -> Array:
     return m.force(gas, c.eps) - m.force(c.pressure, c.eps)
 
 
+def _growth(c: Course, m: Muscle) -> list[float]:
+    """V'/V (1/s) over the step that ends at each grid point, from the volumes themselves."""
+    steps = np.diff(np.log(m.specimen.volume(c.eps))) / np.diff(c.time)
+    return [0.0, *steps.tolist()]
+
+
 def lag_quasi_steady(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p_m = p - T p_abs (V'/V) eps'; size T in s."""
     fall = (c.pressure + AMBIENT_MPA) * m.specimen.log_volume_slope(c.eps) * c.rate
@@ -32,7 +38,7 @@ def lag_first_order(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Set
     n = rng.uniform(1.0, KAPPA)
     volume = m.specimen.volume(c.eps)
     opening = (volume[0] / volume).tolist()
-    growth = (m.specimen.log_volume_slope(c.eps) * c.rate).tolist()
+    growth = _growth(c, m)
     valve = c.pressure.tolist()
 
     def force(size: float) -> Array:
@@ -53,25 +59,24 @@ def lag_orifice(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Setting
     critical, laminar = rng.uniform(0.3, 0.5), 0.995
     volume = m.specimen.volume(c.eps)
     opening = (volume[0] / volume).tolist()
-    growth = (m.specimen.log_volume_slope(c.eps) * c.rate).tolist()
+    growth = _growth(c, m)
     valve = (c.pressure + AMBIENT_MPA).tolist()
     at_laminar = float(np.sqrt(1 - ((laminar - critical) / (1 - critical)) ** 2)) / (1 - laminar)
 
-    def flow(up: float, down: float) -> float:
+    def conductance(up: float, down: float) -> float:
         ratio = down / up
         if ratio > laminar:
-            return up * at_laminar * (1 - ratio)
-        if ratio <= critical:
-            return up
-        return up * float((1 - ((ratio - critical) / (1 - critical)) ** 2) ** 0.5)
+            return at_laminar
+        choked = ratio <= critical
+        omega = 1.0 if choked else (1 - ((ratio - critical) / (1 - critical)) ** 2) ** 0.5
+        return omega / (1 - ratio)
 
     def force(size: float) -> Array:
+        # Flow written as conductance times difference: a step then never runs past the valve's pressure.
         def slope(i: int, p: float) -> tuple[float, float]:
-            def rate(q: float) -> float:
-                through = flow(valve[i], q) if q < valve[i] else -flow(q, valve[i])
-                return opening[i] * through / size - KAPPA * q * growth[i]
-
-            return rate(p), min((rate(p + 1e-6) - rate(p - 1e-6)) / 2e-6, 0.0)
+            v = valve[i]
+            g = opening[i] * conductance(max(v, p), min(v, p)) / size
+            return g * (v - p) - KAPPA * p * growth[i], -g - KAPPA * growth[i]
 
         return _by_gas(c, m, stiff_path(c.time, valve[0], slope) - AMBIENT_MPA)
 

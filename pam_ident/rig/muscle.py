@@ -39,11 +39,7 @@ class Specimen:
 
     def radius(self, eps: Array) -> Array:
         """Braid radius (mm): thread length and turns fixed, so r/r0 = sin(theta)/sin(theta0)."""
-        return (
-            self.initial_radius_mm
-            * np.sqrt(1 - self.cosine(eps) ** 2)
-            / np.sin(np.radians(self.braid_angle_deg))
-        )
+        return self.initial_radius_mm * np.sqrt(1 - self.cosine(eps) ** 2) / np.sin(np.radians(self.braid_angle_deg))
 
     def volume(self, eps: Array) -> Array:
         """Gas volume L pi r^2 (mm^3)."""
@@ -152,9 +148,7 @@ def draw_muscle(rng: np.random.Generator, law: str, specimen: Specimen) -> Muscl
     if law == "modified_chou_hannaford":
         return Muscle(
             specimen,
-            ChouHannaford(
-                specimen, rng.uniform(0.75, 1.0), rng.uniform(1.05, 1.25), rng.uniform(-20.0, 20.0)
-            ),
+            ChouHannaford(specimen, rng.uniform(0.75, 1.0), rng.uniform(1.05, 1.25), rng.uniform(-20.0, 20.0)),
         )
     if law != "exponential_law":
         raise ValueError(f"law {law!r}: the rig knows exponential_law and modified_chou_hannaford")
@@ -162,9 +156,7 @@ def draw_muscle(rng: np.random.Generator, law: str, specimen: Specimen) -> Muscl
     spread = {"a0": 0.12, "a1": 0.10, "b0": 0.12, "b1": 0.08, "c0": 0.20, "c1": 0.10, "mu": 0.20}
     base = asdict(Exponential())
     for _ in range(100):
-        values = {
-            k: base[k] * (1 + rng.uniform(-s, s)) * (1.0 if k == "mu" else area) for k, s in spread.items()
-        }
+        values = {k: base[k] * (1 + rng.uniform(-s, s)) * (1.0 if k == "mu" else area) for k, s in spread.items()}
         law_drawn = Exponential(**values)
         if law_drawn.force(np.array([0.1]), np.array([0.012]))[0] > 0:
             return Muscle(specimen, law_drawn)

@@ -54,9 +54,7 @@ class Plan:
         if self.protocol not in PROTOCOLS:
             raise ValueError(f"protocol {self.protocol!r}: the rig has {', '.join(PROTOCOLS)}")
         if not self.sigma_N > 0:
-            raise ValueError(
-                f"sigma_N = {self.sigma_N}: sizes are multiples of the noise, so there must be some"
-            )
+            raise ValueError(f"sigma_N = {self.sigma_N}: sizes are multiples of the noise, so there must be some")
 
 
 @dataclass(frozen=True)
@@ -92,17 +90,13 @@ def _hide(secret: Secret, place: int, plan: Plan, course: Course, muscle: Muscle
         except TooSmall:
             if attempt == ATTEMPTS // 2 - 1:
                 secret = replace(secret, ratio=max(secret.ratio / 2, 0.7))
-    raise TooSmall(
-        f"{secret.name} ({secret.form}) cannot leave {secret.ratio:.2g} times the noise in this record"
-    )
+    raise TooSmall(f"{secret.name} ({secret.form}) cannot leave {secret.ratio:.2g} times the noise in this record")
 
 
 def make_record(plan: Plan) -> Record:
     """Runs the rig; effects that act together are added up (their interplay is of second order)."""
     protocol = PROTOCOLS[plan.protocol]
-    muscle = draw_muscle(
-        _stream(plan.seed, 0), plan.law, draw_specimen(_stream(plan.seed, 1), plan.other_specimen)
-    )
+    muscle = draw_muscle(_stream(plan.seed, 0), plan.law, draw_specimen(_stream(plan.seed, 1), plan.other_specimen))
     course = protocol.run(muscle, _stream(plan.seed, 2))
     course = replace(course, temperature=temperature_course(course.time, _stream(plan.seed, 4), plan.warming))
     secrets = plan.secrets + ((plan.unknown,) if plan.unknown else ())

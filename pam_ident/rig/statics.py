@@ -110,9 +110,7 @@ def compliance_linear(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[S
 
 def compliance_contact(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Hertzian seat: the give goes with F^(2/3)."""
-    return {}, lambda size: _given_way(
-        c, m, lambda f: size * (np.maximum(f, 0.0) / 1e3) ** (2 / 3) / c.length_mm
-    )
+    return {}, lambda size: _given_way(c, m, lambda f: size * (np.maximum(f, 0.0) / 1e3) ** (2 / 3) / c.length_mm)
 
 
 def compliance_stiffening(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:

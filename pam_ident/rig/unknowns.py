@@ -27,9 +27,7 @@ def ripple_loaded(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Setti
     """The same, growing with the load."""
     pitch, at = rng.uniform(2.0, 10.0), _phase(rng)
     load = m.force(c.pressure, c.eps)
-    return {"pitch_mm": pitch}, scaled(
-        np.sin(2 * np.pi * c.eps * c.length_mm / pitch + at) * load / np.max(load)
-    )
+    return {"pitch_mm": pitch}, scaled(np.sin(2 * np.pi * c.eps * c.length_mm / pitch + at) * load / np.max(load))
 
 
 def ripple_harmonics(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
@@ -49,9 +47,7 @@ def pump_ripple(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Setting
     """The compressor starts and stops: a pressure wave in the muscle that the damped gauge hides."""
     period, at = rng.uniform(10.0, 60.0), _phase(rng)
     slope = m.pressure_slope(c.pressure, c.eps)
-    return {"period_s": period}, scaled(
-        slope / np.max(np.abs(slope)) * np.sin(2 * np.pi * c.time / period + at)
-    )
+    return {"period_s": period}, scaled(slope / np.max(np.abs(slope)) * np.sin(2 * np.pi * c.time / period + at))
 
 
 def _place(c: Course, rng: np.random.Generator) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The virtual rig: its physics against closed forms, its records against the contract, its sizes against orders."""
+"""The virtual rig: physics against closed forms, records against the contract, sizes against orders."""
 
 import json
 from dataclasses import replace
@@ -31,6 +31,7 @@ from pam_ident.rig.statics import bladder_hoop, elastic_force, hoop_energy
 SPECIMEN = Specimen()
 EXPONENTIAL = Muscle(SPECIMEN, Exponential())
 CHOU = Muscle(SPECIMEN, ChouHannaford(SPECIMEN))
+KEYS = ["case", "law", "truth", "unknown", "tier", "blunt", "sigma", "noise_rms", "rmse_base", "n"]
 SMALL = Protocol(pressures_MPa=(0.2, 0.4), cycles_per_speed=1)
 
 
@@ -66,9 +67,7 @@ def test_braid_keeps_its_thread_length():
     thread = np.hypot(length, 2 * np.pi * radius * turns)
     np.testing.assert_allclose(thread, thread[0], rtol=1e-12)
     slope = np.gradient(np.log(SPECIMEN.volume(np.linspace(0, 0.3, 3001))), 1e-4)
-    np.testing.assert_allclose(
-        SPECIMEN.log_volume_slope(eps)[1:-1], slope[[500, 1000, 1500, 2000, 2500]], rtol=1e-5
-    )
+    np.testing.assert_allclose(SPECIMEN.log_volume_slope(eps)[1:-1], slope[[500, 1000, 1500, 2000, 2500]], rtol=1e-5)
 
 
 def test_course_is_what_the_protocol_says(course):
@@ -117,16 +116,31 @@ def test_fast_valve_makes_gas_balance_quasi_steady(course):
     np.testing.assert_allclose(force(size)[steady], expected[steady], atol=0.02 * np.abs(expected).max())
 
 
+def test_choked_valve_does_not_overshoot():
+    """Between isobars the gas is far from the valve's pressure; whatever the step, it may not run past it."""
+    course = SMALL.run(CHOU, rng())
+    for size in (1e-3, 1e-2, 0.1):
+        _, force = MEMORY["pressure_lag"]["orifice"](course, CHOU, rng(1))
+        still = (course.moving == 0) & (course.rate == 0) & (course.count > 0) & (course.since_stop() > 2)
+        assert np.abs(force(size)[still]).max() < 1e-3
+
+
+@pytest.mark.parametrize("form", ["pressure_lag/orifice", "pressure_lag/first_order", "creep/prony_2"])
+def test_grid_is_fine_enough(form):
+    name, kind = form.split("/")
+    runs = [replace(SMALL, substeps=k).run(CHOU, rng()) for k in (8, 32)]
+    coarse, fine = (EFFECTS[name][kind](c, CHOU, rng(1))[1](0.2)[c.rows] for c in runs)
+    assert np.abs(coarse - fine).max() < 0.01 * np.abs(fine).max()
+
+
 def test_maxwell_slip_closes_its_loop():
     x = np.concatenate([np.linspace(0, 1, 301), np.linspace(1, 0, 301), np.linspace(0, 1, 301)])
     force = maxwell_slip(x, np.array([0.05, 0.2]), np.array([0.6, 0.4]))
     assert force[300] == pytest.approx(1.0) and force[601] == pytest.approx(-1.0)
     assert force[-1] == pytest.approx(force[300], abs=1e-12)
-    # Dissipated over a closed loop by each element: 4 w (reach of the stroke - its own reach / ...) in closed form.
+    # Back and forth over a stroke of 1 an element slides all but 2 reaches each way: area 2 w (1 - 2 reach).
     area = np.sum(0.5 * (force[301:] + force[300:-1]) * np.diff(x[300:]))
-    assert area == pytest.approx(
-        2 * (0.6 * (1 - 2 * 0.05 / 2 - 0.05) + 0.4 * (1 - 2 * 0.2 / 2 - 0.2)), rel=1e-3
-    )
+    assert area == pytest.approx(2 * (0.6 * (1 - 2 * 0.05) + 0.4 * (1 - 2 * 0.2)), rel=1e-3)
 
 
 def test_arm_relaxes_with_its_time_constant():
@@ -150,8 +164,8 @@ def test_rubber_is_at_ease_at_rest_and_pulls_less_when_blown_up(course, form):
     _, force = EFFECTS["bladder_elasticity"][form](course, CHOU, rng())
     at = np.argsort(course.eps)
     change = force(1.0)[at]
-    assert change[0] == pytest.approx(0.0, abs=1e-6)
-    assert np.all(np.diff(change) < 1e-9) and change[-1] < -20
+    assert change[0] == pytest.approx(0.0, abs=1e-4)
+    assert np.all(np.diff(change) < 1e-6) and change[-1] < -20
 
 
 def test_fixture_gives_way(course):
@@ -203,9 +217,7 @@ def test_effect_and_twin_share_run_and_noise():
 
 def _rows(record):
     """Logged rows of the fine grid of a standard run (the grid is the same for every muscle)."""
-    return (
-        PROTOCOLS[record.plan.protocol].run(record.muscle, np.random.default_rng([record.plan.seed, 2])).rows
-    )
+    return PROTOCOLS[record.plan.protocol].run(record.muscle, np.random.default_rng([record.plan.seed, 2])).rows
 
 
 @pytest.mark.parametrize("colour", ["white", "ar1", "ou", "slow"])

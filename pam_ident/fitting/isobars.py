@@ -1,0 +1,142 @@
+"""Per isobar and branch: the tables of the paper, and the energy of each loop."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..core import FitError, UsageError
+from ..laws import Law
+from ..model import Model
+from ..records import Record
+from .fit import Estimate, Fit, fit
+
+Array = np.ndarray
+FOLDED = {"exponential_law": ("a", "b", "c")}
+"""Laws whose linear parameters come in pairs x0 + x1 p, and the names of x per isobar."""
+
+
+@dataclass(frozen=True)
+class IsobarRow:
+    """Parameters of one law on one isobar and branch."""
+
+    pressure_MPa: float
+    branch: str
+    estimates: tuple[Estimate, ...]
+    rmse: float
+
+
+@dataclass(frozen=True)
+class IsobarTable:
+    """All isobars, and for laws linear in pressure the correlation of each coefficient with pressure by branch.
+
+    `two_stage` holds the parameters of the whole law from straight lines through the isobars, by branch.
+    """
+
+    rows: tuple[IsobarRow, ...]
+    correlation: dict[str, dict[str, float]]
+    two_stage: dict[str, dict[str, float]]
+
+
+def fit_isobars(model: Model, record: Record, branches: tuple[str, ...], mu: float | None = None) -> IsobarTable:
+    """Fit each isobar alone, as the paper does.
+
+    For exponential_law the isobar's law is a − b ε + c exp(−μ ε) with μ shared by all isobars (given, or from
+    the global fit of the branch), then a line in p through each of a, b, c. Other laws keep their own
+    parameters per isobar. Raises FitError when no isobar can be fitted.
+    """
+    rows: list[IsobarRow] = []
+    correlation: dict[str, dict[str, float]] = {}
+    two_stage: dict[str, dict[str, float]] = {}
+    folded = FOLDED.get(model.law.name)
+    for branch in branches:
+        mask = record.branch_rows(branch)
+        values: dict[str, float] = {}
+        isobar_model = (
+            replace(model, law=_one_pressure(model.law))
+            if folded
+            else replace(model, law=replace(model.law, min_levels=1))
+        )
+        if folded:
+            values["mu"] = fit(model, record, mask, detail=False).values["mu"] if mu is None else mu
+            isobar_model = replace(isobar_model, law=_freeze(isobar_model.law, "mu", values["mu"]))
+        mine = _rows(isobar_model, record, mask, branch)
+        rows += mine
+        if folded and len(mine) >= 2:
+            lines = _lines(mine, folded)
+            correlation[branch] = {key: line[2] for key, line in lines.items()}
+            two_stage[branch] = values | {f"{k}{i}": line[i] for k, line in lines.items() for i in (0, 1)}
+    if not rows:
+        raise FitError(f"{record.source or record.name}: no isobar has enough samples for {model.law.name}")
+    return IsobarTable(tuple(rows), correlation, two_stage)
+
+
+def _rows(model: Model, record: Record, mask: Array, branch: str) -> list[IsobarRow]:
+    found = []
+    for level in record.levels:
+        here = mask & (record.level == level)
+        if here.sum() > len(model.params) and np.ptp(record.inputs.contraction[here]) > 0.0:
+            one: Fit = fit(model, record, here)
+            found.append(IsobarRow(float(level), branch, one.estimates, one.rmse))
+    return found
+
+
+def _lines(rows: list[IsobarRow], names: tuple[str, ...]) -> dict[str, tuple[float, float, float]]:
+    """Intercept, slope and correlation coefficient over pressure of each coefficient."""
+    pressure = np.array([row.pressure_MPa for row in rows])
+    lines = {}
+    for name in names:
+        values = np.array([next(e.value for e in row.estimates if e.name == name) for row in rows])
+        slope, intercept = np.polyfit(pressure, values, 1)
+        spread = np.std(values) * np.std(pressure)
+        r = (
+            float(np.mean((values - values.mean()) * (pressure - pressure.mean())) / spread)
+            if spread > 0
+            else float("nan")
+        )
+        lines[name] = (float(intercept), float(slope), r)
+    return lines
+
+
+def _one_pressure(law: Law) -> Law:
+    """The exponential law at one pressure: its columns for p = 0 under the names a, b, c."""
+    if law.name != "exponential_law":
+        raise UsageError(f"{law.name} has no form per isobar in a, b, c")
+    linear = tuple(replace(p, name=p.name[0]) for p in law.linear if p.name.endswith("0"))
+    pick = [i for i, p in enumerate(law.linear) if p.name.endswith("0")]
+    return replace(law, linear=linear, columns=lambda p, e, s, q: law.columns(p, e, s, q)[:, pick], min_levels=1)
+
+
+def _freeze(law: Law, name: str, value: float) -> Law:
+    """The law with one shape parameter fixed."""
+    shape = tuple(p for p in law.shape if p.name != name)
+    return replace(law, shape=shape, columns=lambda p, e, s, q: law.columns(p, e, s, {**q, name: value}))
+
+
+def loop_energies(record: Record, force: Array) -> dict[float, float]:
+    """Energy in J taken from the drive per unit cycle of each isobar, by mean force of the branches over contraction.
+
+    Positive: the loop dissipates. Negative: the extension force lies below the contraction force and the loop
+    would give energy back, which no passive muscle can. Empty without both branches.
+    """
+    energies: dict[float, float] = {}
+    direction, x = record.inputs.direction, record.inputs.displacement_mm
+    usable = np.ones(len(record), bool) if record.inputs.moving is None else record.inputs.moving
+    for level in record.levels:
+        here = (record.level == level) & usable
+        up, down = here & (direction > 0), here & (direction < 0)
+        if up.sum() < 4 or down.sum() < 4:
+            continue
+        low, high = max(x[up].min(), x[down].min()), min(x[up].max(), x[down].max())
+        if high <= low:
+            continue
+        edges = np.linspace(low, high, int(min(41, up.sum(), down.sum())))
+        gap = _mean_curve(x[down], force[down], edges) - _mean_curve(x[up], force[up], edges)
+        energies[float(level)] = float(np.sum(0.5 * (gap[1:] + gap[:-1]) * np.diff(edges))) * 1e-3
+    return energies
+
+
+def _mean_curve(x: Array, force: Array, at: Array) -> Array:
+    """Force over displacement with repeats averaged, interpolated at `at`."""
+    order = np.argsort(x, kind="stable")
+    groups = np.array_split(order, min(len(order), 4 * len(at)))
+    return np.interp(at, [x[g].mean() for g in groups], [force[g].mean() for g in groups])

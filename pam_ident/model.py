@@ -1,0 +1,170 @@
+"""A model is one law plus labelled effects; nothing else."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from .core import Inputs, Param, UsageError
+from .effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure, get_effect
+from .laws import Law, get_law
+
+Array = np.ndarray
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Term:
+    """An effect in one of its forms, as part of a model."""
+
+    effect: Effect
+    form: Form
+
+    @property
+    def label(self) -> str:
+        """`effect`, or `effect:form` where the form is not the simplest."""
+        return self.effect.name if self.form is self.effect.forms[0] else f"{self.effect.name}:{self.form.name}"
+
+    def qualified(self, params: tuple[Param, ...]) -> tuple[Param, ...]:
+        """Parameters under the name `effect.parameter`."""
+        return tuple(replace(p, name=f"{self.effect.name}.{p.name}") for p in params)
+
+    def columns(self, inputs: Inputs, values: Values, force: Array) -> Array:
+        """The form's columns, shape (n, sizes), at the shapes in `values`."""
+        shape = {p.name: values[f"{self.effect.name}.{p.name}"] for p in self.form.shapes}
+        return self.form.columns(inputs, shape, force)
+
+    def amount(self, inputs: Inputs, values: Values, force: Array) -> Array:
+        """columns · (sizes − neutral), shape (n,)."""
+        sizes = np.array([values[f"{self.effect.name}.{p.name}"] - p.neutral for p in self.form.sizes])
+        return self.columns(inputs, values, force) @ sizes
+
+
+@dataclass(frozen=True)
+class Model:
+    """F(p, ε, …) of a law with effects. `free_geometry` lets radius and braid angle be fitted, and counts them.
+
+    Raises UsageError when an effect is named twice.
+    """
+
+    law: Law
+    terms: tuple[Term, ...] = ()
+    free_geometry: bool = False
+
+    def __post_init__(self) -> None:
+        names = self.effect_names
+        twice = {n for n in names if names.count(n) > 1}
+        if twice:
+            raise UsageError(f"effect {', '.join(sorted(twice))} named twice; name each effect once")
+
+    @classmethod
+    def build(
+        cls, law: str, effects: tuple[str, ...] = (), extra: tuple[Effect, ...] = (), free_geometry: bool = False
+    ) -> "Model":
+        """From names: a law, and effects as `name` or `name:form`, looked up in the catalogue and `extra`."""
+        return cls(get_law(law), tuple(Term(*get_effect(name, extra)) for name in effects), free_geometry)
+
+    def adding(self, *terms: Term) -> "Model":
+        """This model with more terms."""
+        return replace(self, terms=self.terms + terms)
+
+    @property
+    def effect_names(self) -> list[str]:
+        """Names of the effects, in order, without their forms."""
+        return [term.effect.name for term in self.terms]
+
+    @property
+    def labels(self) -> list[str]:
+        """Names of the effects with their forms."""
+        return [term.label for term in self.terms]
+
+    @cached_property
+    def linear(self) -> tuple[Param, ...]:
+        """Parameters in which the force is linear while all others stay."""
+        added = [t.qualified(t.form.sizes) for t in self.terms if isinstance(t.form, AddsForce)]
+        return sum(added, self.law.linear)
+
+    @cached_property
+    def curved(self) -> tuple[Param, ...]:
+        """The other parameters: geometry, shapes, and sizes of what acts inside the law."""
+        geometry = GEOMETRY if self.free_geometry else ()
+        inside = [t.qualified(t.form.sizes) for t in self.terms if not isinstance(t.form, AddsForce)]
+        shapes = [t.qualified(t.form.shapes) for t in self.terms]
+        return sum(inside + shapes, geometry + self.law.shape)
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        """All free parameters: linear, then curved."""
+        return self.linear + self.curved
+
+    @property
+    def separable(self) -> bool:
+        """Whether `design` is exact, that is, no effect depends on the force itself."""
+        return not any(term.form.uses_force for term in self.terms)
+
+    def neutral(self, inputs: Inputs) -> dict[str, float]:
+        """Start values of all parameters, with the effects' sizes where they vanish."""
+        values = {p.name: p.start for p in self.params}
+        for term in self.terms:
+            values |= {p.name: p.neutral for p in term.qualified(term.form.sizes)}
+        if self.free_geometry:
+            values |= {"r0": inputs.specimen.initial_radius_mm, "theta0": inputs.specimen.braid_angle_deg}
+        return values
+
+    def design(self, inputs: Inputs, values: Values, force: Array) -> tuple[Array, Array]:
+        """Columns (n, len(linear)) and fixed part (n,) in N, so that F = fixed + columns · linear.
+
+        `values` needs the curved parameters; `force` (n,) in N is what force-dependent effects are given.
+        """
+        inputs = self._geometry(inputs, values)
+        pressure, contraction = inputs.pressure, inputs.contraction
+        factor: Array | float = 1.0
+        added: list[Array] = []
+        for term in self.terms:
+            if isinstance(term.form, TransformsPressure):
+                pressure = pressure + term.amount(inputs, values, force)
+            elif isinstance(term.form, TransformsContraction):
+                contraction = contraction + term.amount(inputs, values, force)
+            elif isinstance(term.form, ScalesForce):
+                factor = factor * (1.0 + term.amount(inputs, values, force))
+            else:
+                added.append(term.columns(inputs, values, force))
+        if pressure is not inputs.pressure:
+            pressure = np.maximum(pressure, 0.0)
+        columns = self.law.columns(pressure, contraction, inputs.specimen, values)
+        fixed = self.law.fixed(pressure, contraction, inputs.specimen, values)
+        if self.terms:
+            columns = np.hstack([columns * np.reshape(factor, (-1, 1)), *added])
+            fixed = fixed * factor
+        return columns, fixed
+
+    def force(self, inputs: Inputs, values: Values) -> Array:
+        """Force in N, shape (n,); effects that depend on the force are solved for it, sample by sample."""
+        sizes = np.array([values[p.name] for p in self.linear])
+
+        def step(force: Array) -> Array:
+            columns, fixed = self.design(inputs, values, force)
+            return fixed + columns @ sizes
+
+        force = step(np.zeros(len(inputs)))
+        if self.separable:
+            return force
+        for _ in range(12):
+            first = step(force)
+            second = step(first)
+            if np.max(np.abs(second - first)) < 1e-9 * (1.0 + np.max(np.abs(second))):
+                return second
+            change = first - force
+            slope = np.divide(second - first, change, out=np.zeros_like(change), where=np.abs(change) > 1e-12)
+            force = first + (second - first) / (1.0 - np.clip(slope, -20.0, 0.7))
+        return force
+
+    def _geometry(self, inputs: Inputs, values: Values) -> Inputs:
+        return inputs.with_geometry(values["r0"], values["theta0"]) if self.free_geometry else inputs
+
+
+GEOMETRY = (
+    Param("r0", "mm", "initial radius of the braid", 0.5, 100.0, start=10.0, scale=1.0),
+    Param("theta0", "deg", "initial braid angle", 20.0, 35.0, start=25.0, scale=1.0, symbol="θ0", grid=(23.0, 27.0)),
+)
