@@ -1,0 +1,145 @@
+"""Where a model fails: error over pressure, contraction, branch, speed, cycle and time."""
+
+import math
+
+import numpy as np
+
+from ..fitting import Fit
+from .nouns import Bin, Comparison, Region
+
+Array = np.ndarray
+CELLS = 10
+NAMES = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
+
+
+def compare(fit: Fit) -> Comparison:
+    """Split the squared error of a fit by place, and its mean into a part odd and a part even in the branch."""
+    record, rows = fit.record, fit.rows
+    residual = fit.residual
+    direction, contraction = record.inputs.direction, record.inputs.contraction
+    total = max(float(np.sum(residual[rows] ** 2)), 1e-300)
+    signs = [s for s in (1.0, -1.0, 0.0) if np.any(direction[rows] == s)]
+    levels = np.unique(record.level[rows])
+    edges = contraction_edges(contraction[rows])
+    cell = np.clip(np.searchsorted(edges, contraction, side="right") - 1, 0, len(edges) - 2)
+    shape = (len(signs), len(levels), len(edges) - 1)
+    mean, rms, share = np.full(shape, math.nan), np.full(shape, math.nan), np.full(shape, math.nan)
+    regions: list[Region] = []
+    for b, sign in enumerate(signs):
+        for p, level in enumerate(levels):
+            for c in range(len(edges) - 1):
+                here = rows & (direction == sign) & (record.level == level) & (cell == c)
+                if not here.any():
+                    continue
+                part = residual[here]
+                mean[b, p, c], rms[b, p, c] = part.mean(), np.sqrt(np.mean(part**2))
+                share[b, p, c] = np.sum(part**2) / total
+                span = (float(edges[c]), float(edges[c + 1]))
+                regions.append(
+                    Region(float(level), span, NAMES[sign], len(part), mean[b, p, c], rms[b, p, c], share[b, p, c])
+                )
+    worst = tuple(sorted(regions, key=lambda r: -r.share)[:5])
+    odd, even = _odd_even(fit, cell, len(levels), total)
+    rest = 1.0 - (odd or 0.0) - (even or 0.0) if odd is not None else math.nan
+    by = _profiles(fit, signs, levels, edges, total)
+    sentence = _sentence(fit, by, odd, even, worst)
+    branches = tuple(NAMES[s] for s in signs)
+    return Comparison(fit, branches, levels, edges, mean, rms, share, by, odd, even, rest, worst, sentence)
+
+
+def contraction_edges(contraction: Array) -> Array:
+    """Cell edges over contraction: around each value of a table of few lengths, else ten equal cells."""
+    values = np.unique(np.round(contraction, 4))
+    if len(values) == 1:
+        return np.array([values[0] - 0.005, values[0] + 0.005])
+    if len(values) <= 2 * CELLS:
+        middle = 0.5 * (values[1:] + values[:-1])
+        return np.r_[values[0] - (middle[0] - values[0]), middle, values[-1] + (values[-1] - middle[-1])]
+    return np.linspace(contraction.min(), contraction.max() + 1e-9, CELLS + 1)
+
+
+def _odd_even(fit: Fit, cell: Array, levels: int, total: float) -> tuple[float | None, float | None]:
+    """Shares of the squared error that change sign with the branch, and that do not, cell by cell."""
+    record, residual = fit.record, fit.residual
+    direction = record.inputs.direction
+    odd = even = 0.0
+    both = False
+    _, level = np.unique(record.level, return_inverse=True)
+    speed = record.inputs.stroke_speed
+    pace = np.zeros(len(record), int) if speed is None else np.round(np.log2(np.maximum(speed, 1e-3))).astype(int)
+    key = (level * 1000 + cell) * 100 + (pace - pace.min())
+    for k in np.unique(key[fit.rows]):
+        here = fit.rows & (key == k)
+        up, down = residual[here & (direction > 0)], residual[here & (direction < 0)]
+        if not len(up) or not len(down):
+            continue
+        both = True
+        n = len(up) + len(down)
+        odd += n * (0.5 * (up.mean() - down.mean())) ** 2
+        even += n * (0.5 * (up.mean() + down.mean())) ** 2
+    return (min(odd / total, 1.0), min(even / total, 1.0)) if both else (None, None)
+
+
+def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: float) -> dict[str, tuple[Bin, ...]]:
+    record, inputs = fit.record, fit.record.inputs
+    found: dict[str, tuple[Bin, ...]] = {
+        "pressure_MPa": tuple(_bin(fit, record.level == v, f"{v:g} MPa", v, v, total) for v in levels),
+        "contraction": tuple(
+            _bin(fit, (inputs.contraction >= a) & (inputs.contraction < b), f"{a:.3f} to {b:.3f}", a, b, total)
+            for a, b in zip(edges[:-1], edges[1:], strict=True)
+        ),
+        "branch": tuple(_bin(fit, inputs.direction == s, NAMES[s], s, s, total) for s in signs),
+    }
+    if inputs.stroke_speed is not None:
+        pace = np.round(np.log2(np.maximum(inputs.stroke_speed, 1e-3)) * 2.0)
+        found["speed_mm_s"] = tuple(
+            _bin(
+                fit,
+                pace == v,
+                f"{np.median(inputs.stroke_speed[pace == v]):.3g} mm/s",
+                2 ** (v / 2 - 0.25),
+                2 ** (v / 2 + 0.25),
+                total,
+            )
+            for v in np.unique(pace)
+        )
+    if inputs.cycle is not None and len(np.unique(inputs.cycle)) > 1:
+        found["cycle"] = tuple(
+            _bin(fit, inputs.cycle == v, f"cycle {v:g}", v, v, total) for v in np.unique(inputs.cycle)[:30]
+        )
+    if inputs.time is not None:
+        marks = np.linspace(inputs.time[0], inputs.time[-1] + 1e-9, 11)
+        found["time_s"] = tuple(
+            _bin(fit, (inputs.time >= a) & (inputs.time < b), f"{a:.0f} to {b:.0f} s", a, b, total)
+            for a, b in zip(marks[:-1], marks[1:], strict=True)
+        )
+    return {key: tuple(b for b in bins if b.n) for key, bins in found.items()}
+
+
+def _bin(fit: Fit, mask: Array, label: str, low: float, high: float, total: float) -> Bin:
+    part = fit.residual[fit.rows & mask]
+    if not len(part):
+        return Bin(label, float(low), float(high), 0, math.nan, math.nan, 0.0)
+    square = float(np.sum(part**2))
+    return Bin(
+        label, float(low), float(high), len(part), float(part.mean()), math.sqrt(square / len(part)), square / total
+    )
+
+
+def _sentence(
+    fit: Fit, by: dict[str, tuple[Bin, ...]], odd: float | None, even: float | None, worst: tuple[Region, ...]
+) -> str:
+    worst_pressure = max(by["pressure_MPa"], key=lambda b: b.share)
+    top = worst[0]
+    text = (
+        f"{fit.model.law.name} misses the measurement by {fit.rmse:.3g} N rms (at most {fit.max_error:.3g} N). "
+        f"{worst_pressure.share:.0%} of the squared error lies at {worst_pressure.label}; the worst cell is "
+        f"{top.pressure_MPa:g} MPa, contraction {top.contraction[0]:.3f} to {top.contraction[1]:.3f}, {top.branch} "
+        f"({top.rms:.3g} N rms, {top.share:.0%} of the squared error, the model {'below' if top.mean > 0 else 'above'} the data)."
+    )
+    if odd is not None and even is not None:
+        text += (
+            f" {odd:.0%} of the squared error changes sign with the branch (hysteresis: friction, damping, lag), "
+            f"{even:.0%} is the same on both branches (geometry, elasticity, pressure), {max(0.0, 1 - odd - even):.0%} is neither."
+        )
+    return text

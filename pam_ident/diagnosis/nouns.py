@@ -1,0 +1,152 @@
+"""What the diagnosis answers with. All frozen; none draws or prints itself."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..fitting import Fit
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Bin:
+    """Error over one interval [low, high] of one coordinate: n samples, mean and rms in N, share of the squared error."""
+
+    label: str
+    low: float
+    high: float
+    n: int
+    mean: float
+    rms: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Region:
+    """One cell of pressure × contraction × branch, with its share of the squared error."""
+
+    pressure_MPa: float
+    contraction: tuple[float, float]
+    branch: str
+    n: int
+    mean: float
+    rms: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Where a fitted model fails.
+
+    `mean`, `rms` (N) and `share` have shape (branches, pressures, contraction cells), NaN where there is no
+    sample; `edges` (cells + 1,) are contraction ratios. `by` holds the error over each coordinate alone.
+    `odd`, `even` and `rest` are shares of the squared error: opposite on the two branches (hysteresis), the
+    same on both, and neither; odd and even are None where a record has no branches.
+    """
+
+    fit: Fit
+    branches: tuple[str, ...]
+    pressures: Array
+    edges: Array
+    mean: Array
+    rms: Array
+    share: Array
+    by: dict[str, tuple[Bin, ...]]
+    odd: float | None
+    even: float | None
+    rest: float
+    worst: tuple[Region, ...]
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An effect on trial: `label` names the form that fits best, `probability` that it belongs to the answer.
+
+    `status` is candidate, absorbed_by_law or not_excited. Errors in N, None where they were not computed.
+    """
+
+    effect: str
+    label: str
+    status: str
+    probability: float
+    rmse_after: float | None = None
+    heldout_rmse_after: float | None = None
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """What is left that no known effect explains: kind periodic, local, step, trend or other, along `coordinate`.
+
+    `value` is the period, the place or the moment in `unit`; `share` of the squared error that was to be explained.
+    """
+
+    kind: str
+    coordinate: str
+    value: float | None
+    unit: str
+    share: float
+    text: str
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """The next test on the rig: what to vary, and in words."""
+
+    vary: tuple[str, ...]
+    text: str
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Which effect a law lacks on a record.
+
+    `base` is the model as given, `best` with the `selected` effects (names, largest first) added. `labels` are
+    the same with their forms. Floors and errors in N.
+    """
+
+    base: Fit
+    best: Fit
+    verdict: str
+    selected: tuple[str, ...]
+    labels: tuple[str, ...]
+    groups: tuple[tuple[str, ...], ...]
+    ranking: tuple[Suspect, ...]
+    noise_floor: float
+    heldout_rmse: float
+    heldout_rmse_after: float
+    pattern: Pattern | None
+    next_experiment: Experiment | None
+    sentence: str
+    details: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One step of a ladder: the fit with the effects so far, its error on held-out data in N, and why it was taken."""
+
+    fit: Fit
+    heldout_rmse: float
+    why: str
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Labels of the effects in the model."""
+        return tuple(self.fit.model.labels)
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """From the law alone up to the noise floor, one effect a rung; `last` says why it ended there."""
+
+    rungs: tuple[Rung, ...]
+    noise_floor: float
+    last: Diagnosis
+
+    @property
+    def verdict(self) -> str:
+        """Of the last rung: adequate, missing_effect or unknown_effect."""
+        return self.last.verdict
