@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..core import Inputs
+from ..core.recursion import decaying_sum
 
 Array = np.ndarray
 
@@ -13,28 +14,14 @@ def relax(inputs: Inputs, drive: Array, tau: float) -> Array:
     """Response q of a Maxwell element, q̇ = ḋ − q/τ, q = 0 at the first sample, shape of `drive` (n,).
 
     Exact for a drive that is linear between samples; between segments it jumps at once and then rests, as a
-    rig does that goes to its next start and settles there. The recursion is summed in stretches short enough
-    that the decay inside one stays within the range of a float.
+    rig does that goes to its next start and settles there.
     """
     assert inputs.time is not None and inputs.segment is not None
-    time = inputs.time
-    decay = np.diff(time) / tau
+    decay = np.diff(inputs.time) / tau
     answer = np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
     answer = np.where(np.diff(inputs.segment) != 0, np.exp(-decay), answer)
     gain = np.diff(drive) * answer
-    out = np.zeros(len(time))
-    start = 0
-    total = np.r_[0.0, np.cumsum(decay)]
-    while start < len(decay):
-        stop = max(start + 1, int(np.searchsorted(total, total[start] + 300.0)) - 1)
-        stop = min(stop, len(decay))
-        if stop == start + 1:
-            out[stop] = out[start] * np.exp(-decay[start]) + gain[start]
-        else:
-            since = total[start + 1 : stop + 1] - total[start]
-            out[start + 1 : stop + 1] = np.exp(-since) * (out[start] + np.cumsum(gain[start:stop] * np.exp(since)))
-        start = stop
-    return out
+    return decaying_sum(decay, gain)
 
 
 def follow(inputs: Inputs, drive: Array, tau: float) -> Array:

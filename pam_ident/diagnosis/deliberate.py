@@ -1,0 +1,108 @@
+"""From suspects to the set that explains the record: search, exact refits, and second thoughts."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..effects import Effect
+from ..model import Term
+from .patterns import patterns
+from .search import Choice, beam_search
+from .trial import Lead, Trial, Verdict
+
+PATTERN_MARGIN = 20.0
+PATTERN_TOLERANCE = 0.015
+"""Share of all that is to be explained which an unknown pattern must earn: more than the form error of a known effect."""
+
+
+def deliberate(trial: Trial, most: int = 3) -> Verdict:
+    """The cheapest set of up to `most` effects: leaders of the compressed search fitted exactly, then mended."""
+    pool = [
+        trial.refit_choice(trial.data, c, trial.empty)
+        for c in _leaders(trial, beam_search(trial.data, trial.price, most))
+    ]
+    ranked = sorted([trial.empty, *pool], key=lambda v: v.cost)
+    best = ranked[0]
+    for start in ranked[:2]:
+        best = min(best, _mend(trial, start, most), key=lambda v: v.cost)
+    return best
+
+
+def _leaders(trial: Trial, choices: Sequence[Choice]) -> list[Choice]:
+    """The best choice of each of the leading sets of names, the best single effects always among them."""
+    kept: dict[frozenset[str], Choice] = {}
+    count = {1: 0, 2: 0, 3: 0}
+    limit = {1: 5, 2: 4, 3: 3}
+    for choice in choices:
+        names = frozenset(trial.data.atoms[a].effect for a in choice.atoms)
+        size = len(names)
+        if names and names not in kept and count[size] < limit[size]:
+            kept[names] = choice
+            count[size] += 1
+    return list(kept.values())
+
+
+def _mend(trial: Trial, verdict: Verdict, most: int) -> Verdict:
+    """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
+    for _ in range(4):
+        rivals = [trial.refit([t for t in verdict.terms if t is not term], verdict.values) for term in verdict.terms]
+        rivals += [trial.refit(terms) for terms in _other_forms(verdict)]
+        if len(verdict.terms) < most:
+            rivals += _additions(trial, verdict)
+        best = min(rivals, key=lambda v: v.cost, default=verdict)
+        if best.cost >= verdict.cost - 1e-6:
+            return verdict
+        verdict = best
+    return verdict
+
+
+def _other_forms(verdict: Verdict) -> list[list[Term]]:
+    found = []
+    for k, term in enumerate(verdict.terms):
+        for form in term.effect.forms:
+            if form is not term.form:
+                found.append([*verdict.terms[:k], Term(term.effect, form), *verdict.terms[k + 1 :]])
+    return found
+
+
+def _additions(trial: Trial, verdict: Verdict) -> list[Verdict]:
+    others = [e for e in trial.suspects if e.name not in verdict.names]
+    data = trial.beyond(verdict, others)
+    choices = [c for c in beam_search(data, trial.price, 1) if c.atoms and c.gain > trial.price.least]
+    return [trial.refit_choice(data, c, verdict) for c in choices[:2]]
+
+
+def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
+    """The set with the best pattern added, when that earns its price; names the pattern makes needless are dropped.
+
+    The pattern is looked for on what the set leaves and, lest the set has mopped it up, on what the law leaves.
+    """
+    leads: list[tuple[float, float, Lead]] = []
+    for start in {v.names: v for v in (verdict, trial.empty)}.values():
+        ground = trial.ground(start)
+        for effect in patterns(trial.record.inputs):
+            lead = ground.scan(effect)
+            price = _pattern_price(trial, lead)
+            leads.append((start.cost - lead.gain + price, price, lead))
+    leads.sort(key=lambda item: item[0])
+    rivals = [_with_pattern(trial, lead, price) for _, price, lead in leads[:4]]
+    best = min(rivals, key=lambda v: v.cost)
+    return best if best.cost < verdict.cost else None
+
+
+def _pattern_price(trial: Trial, lead: Lead) -> float:
+    excess = max(trial.empty.squares - len(trial.record), 0.0)
+    search = 2.0 * float(np.log(max(lead.tried, 2)))
+    return PATTERN_MARGIN + search + PATTERN_TOLERANCE * excess + trial.price.per_parameter * lead.atom.free
+
+
+def _with_pattern(trial: Trial, lead: Lead, price: float) -> Verdict:
+    """Fit a pattern with the set it was found beyond, then without each of the set's names in turn."""
+    terms = list(lead.onto.terms)
+    verdict = trial.refit([*terms, lead.atom.term], lead.start, price + trial.price.total(terms))
+    for gone in list(terms):
+        fewer = [t for t in terms if t is not gone]
+        rival = trial.refit([*fewer, lead.atom.term], verdict.values, price + trial.price.total(fewer))
+        if rival.cost < verdict.cost:
+            terms, verdict = fewer, rival
+    return verdict

@@ -1,0 +1,79 @@
+"""Every suspect's signature: how the force would change if a little of the effect were there."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from ..core import Inputs, Param
+from ..effects import AddsForce, Effect, Form, ScalesForce, TransformsPressure
+from ..model import Model, Term
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Atom:
+    """One effect in one form at fixed shapes: `columns` (n, sizes) in N per unit of size, around a fitted model."""
+
+    effect: str
+    term: Term
+    shapes: dict[str, float]
+    columns: Array
+    sizes: tuple[Param, ...]
+
+    @property
+    def free(self) -> int:
+        """Parameters it adds to a model."""
+        return len(self.sizes) + len(self.shapes)
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Force of a fitted model in N and its slopes over contraction ratio and pressure (MPa), shape (n,) each."""
+
+    force: Array
+    contraction: Array
+    pressure: Array
+
+
+def slopes(model: Model, inputs: Inputs, values: Mapping[str, float]) -> Slopes:
+    """By central differences; histories are left as they are, for the shift is the same at every sample."""
+    dc, dp = 1e-5, 1e-5
+    force = model.force(inputs, values)
+
+    def moved(**change: Array) -> Array:
+        return model.force(replace(inputs, **change), values)
+
+    over_c = moved(contraction=inputs.contraction + dc) - moved(contraction=inputs.contraction - dc)
+    over_p = moved(pressure=inputs.pressure + dp) - moved(pressure=inputs.pressure - dp)
+    return Slopes(force, over_c / (2 * dc), over_p / (2 * dp))
+
+
+def atoms_of(effect: Effect, inputs: Inputs, around: Slopes) -> list[Atom]:
+    """All forms of an effect at all combinations of their shapes' grids."""
+    found = []
+    for form in effect.forms:
+        for shapes in _grid(form):
+            columns = signature(form, inputs, shapes, around)
+            if np.all(np.isfinite(columns)):
+                found.append(Atom(effect.name, Term(effect, form), shapes, columns, form.sizes))
+    return found
+
+
+def signature(form: Form, inputs: Inputs, shapes: Mapping[str, float], around: Slopes) -> Array:
+    """dF/dsize at the neutral size, shape (n, sizes), in N per unit."""
+    columns = form.columns(inputs, shapes, around.force)
+    if isinstance(form, AddsForce):
+        return columns
+    if isinstance(form, ScalesForce):
+        return columns * around.force[:, None]
+    if isinstance(form, TransformsPressure):
+        return columns * around.pressure[:, None]
+    return columns * around.contraction[:, None]
+
+
+def _grid(form: Form) -> list[dict[str, float]]:
+    names = [p.name for p in form.shapes]
+    return [dict(zip(names, point, strict=True)) for point in product(*(p.grid or (p.start,) for p in form.shapes))]

@@ -1,0 +1,208 @@
+"""Shapes that no known effect has: a ripple, a rub in one place, a step in time, a trend, a free curve.
+
+They are written as effects so that they are fitted and priced like the suspects, but they carry no physics and are
+never selected by name: they describe what is left.
+"""
+
+import numpy as np
+
+from ..core import Inputs, Param
+from ..effects import AddsForce, Effect, Form, TransformsContraction
+from ..effects.base import Array, Shape, one, slip
+
+SOURCE = "a description, not a physical effect"
+SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
+COS = Param("cosine", "N", "cosine part", scale=10.0)
+SIN = Param("sine", "N", "sine part", scale=10.0)
+SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
+
+
+def _wave(phase: Array) -> Array:
+    return np.column_stack([np.cos(phase), np.sin(phase)])
+
+
+def _ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _wave(2.0 * np.pi * inputs.displacement_mm / shape["period"])
+
+
+def _loaded_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _ripple(inputs, shape, force) * (force / max(float(np.mean(np.abs(force))), 1e-9))[:, None]
+
+
+def _odd_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _ripple(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _beat(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.time is not None
+    return _wave(2.0 * np.pi * (inputs.time - inputs.time[0]) / shape["period"])
+
+
+def _bump(inputs: Inputs, shape: Shape) -> Array:
+    return np.exp(-0.5 * ((inputs.displacement_mm - shape["place"]) / shape["width"]) ** 2)
+
+
+def _even_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(_bump(inputs, shape))
+
+
+def _odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-_bump(inputs, shape) * slip(inputs)[0])
+
+
+def _pressed_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(_bump(inputs, shape) * inputs.pressure / max(float(np.max(inputs.pressure)), 1e-9))
+
+
+def _pressed_odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -_pressed_bump(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _stop(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(np.maximum(inputs.displacement_mm - shape["place"], 0.0))
+
+
+def _after(inputs: Inputs, shape: Shape) -> Array:
+    assert inputs.time is not None
+    return (inputs.time >= shape["moment"]).astype(float)
+
+
+def _force_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(_after(inputs, shape))
+
+
+def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(_after(inputs, shape) / inputs.specimen.initial_length_mm)
+
+
+def _hats(values: Array, knots: int) -> Array:
+    at = np.linspace(values.min(), values.max(), knots)
+    return np.maximum(0.0, 1.0 - np.abs(values[:, None] - at) / max(at[1] - at[0], 1e-12))
+
+
+def _time_curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.time is not None
+    return _hats(inputs.time, 8)[:, 1:]
+
+
+def _even_curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _hats(inputs.contraction, 9)
+
+
+def _odd_curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -_hats(inputs.contraction, 9) * slip(inputs)[0][:, None]
+
+
+def _pressed_curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _hats(inputs.contraction, 9) * inputs.pressure[:, None]
+
+
+def _sizes(count: int) -> tuple[Param, ...]:
+    return tuple(Param(f"knot_{k}", "N", "free curve", scale=10.0) for k in range(count))
+
+
+def patterns(inputs: Inputs) -> tuple[Effect, ...]:
+    """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask."""
+    x = inputs.displacement_mm
+    low, stroke = float(x.min()), max(float(np.ptp(x)), 1e-9)
+    wave_numbers = np.arange(1.0, max(2.0, stroke / 1.0), 0.25)[::-1]
+    periods = tuple(float(stroke / k) for k in wave_numbers if stroke / k < 0.5 * stroke)
+    period = _span("period", "mm", "period over displacement", periods or (0.25 * stroke,))
+    place = Param(
+        "place", "mm", "where", low - stroke, low + 2 * stroke, start=low + stroke / 2, grid=_steps(low, stroke, 40)
+    )
+    width = Param(
+        "width",
+        "mm",
+        "half width",
+        stroke * 0.005,
+        stroke,
+        start=stroke * 0.05,
+        grid=tuple(stroke * w for w in (0.015, 0.035, 0.08)),
+    )
+    found = [
+        _pattern(
+            "local",
+            "local force",
+            ("contraction",),
+            [
+                AddsForce("even", "bump", (SIZE,), _even_bump, (place, width)),
+                AddsForce("odd", "bump against motion", (SIZE,), _odd_bump, (place, width)),
+                AddsForce("pressed", "bump in proportion to pressure", (SIZE,), _pressed_bump, (place, width)),
+                AddsForce(
+                    "pressed_odd",
+                    "bump against motion, in proportion to pressure",
+                    (SIZE,),
+                    _pressed_odd_bump,
+                    (place, width),
+                ),
+                AddsForce("stop", "force beyond a place", (SIZE,), _stop, (place,)),
+            ],
+        ),
+        _pattern(
+            "periodic",
+            "ripple over displacement",
+            ("contraction",),
+            [
+                AddsForce("even", "ripple", (COS, SIN), _ripple, (period,)),
+                AddsForce("loaded", "ripple in proportion to force", (COS, SIN), _loaded_ripple, (period,)),
+                AddsForce("odd", "ripple against motion", (COS, SIN), _odd_ripple, (period,)),
+            ],
+        ),
+        _pattern(
+            "other",
+            "free curve over contraction",
+            ("contraction",),
+            [
+                AddsForce("even", "free curve", _sizes(9), _even_curve),
+                AddsForce("odd", "free curve against motion", _sizes(9), _odd_curve),
+                AddsForce("pressed", "free curve in proportion to pressure", _sizes(9), _pressed_curve),
+            ],
+        ),
+    ]
+    if inputs.time is not None:
+        first, duration = float(inputs.time[0]), max(float(np.ptp(inputs.time)), 1e-9)
+        moment = Param(
+            "moment",
+            "s",
+            "when",
+            first,
+            first + duration,
+            start=first + duration / 2,
+            grid=_steps(first, duration, 150),
+        )
+        beats = _span("period", "s", "period in time", tuple(duration / np.arange(3.0, 400.0, 0.4)))
+        found += [
+            _pattern(
+                "step",
+                "step in time",
+                ("time",),
+                [
+                    AddsForce("force", "step of the force", (SIZE,), _force_step, (moment,)),
+                    TransformsContraction("length", "step of the length", (SHIFT,), _length_step, (moment,)),
+                ],
+            ),
+            _pattern("beat", "beat in time", ("time",), [AddsForce("even", "beat", (COS, SIN), _beat, (beats,))]),
+            _pattern(
+                "trend", "free curve in time", ("time",), [AddsForce("even", "free curve", _sizes(7), _time_curve)]
+            ),
+        ]
+    return tuple(found)
+
+
+def _steps(low: float, span: float, count: int) -> tuple[float, ...]:
+    return tuple(float(v) for v in low + span * (np.arange(count) + 0.5) / count)
+
+
+def _span(name: str, unit: str, doc: str, grid: tuple[float, ...]) -> Param:
+    return Param(name, unit, doc, min(grid) * 0.8, max(grid) * 1.25, start=grid[0], grid=tuple(map(float, grid)))
+
+
+def _pattern(name: str, title: str, coordinate: tuple[str, ...], forms: list[Form]) -> Effect:
+    return Effect(
+        name, title, SOURCE, tuple(forms), test="", needs=tuple(c for c in coordinate if c == "time"), candidate=False
+    )
+
+
+KINDS = {"beat": "periodic"}
+"""Pattern names whose kind in the answer is another word."""

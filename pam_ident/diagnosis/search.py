@@ -1,0 +1,169 @@
+"""Which set of effects explains the residual best, on compressed data.
+
+All signatures are whitened and freed of what the law itself can follow; then every set costs only a small
+linear solve in their Gram matrix.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import Term
+from .dictionary import Atom
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A set of atoms, its gain (fall of the whitened sum of squares) and cost (what is minimised)."""
+
+    atoms: tuple[int, ...]
+    gain: float
+    cost: float
+    sizes: tuple[Array, ...] = ()
+
+
+class Compressed:
+    """Gram matrix of the atoms' signatures after projection off the law, and their products with the residual.
+
+    `residual` and each signature are whitened, shape (m,) and (m, k); `law` spans what the base model can follow.
+    """
+
+    def __init__(self, atoms: Sequence[Atom], signatures: Sequence[Array], law: Array, residual: Array) -> None:
+        self.atoms = tuple(atoms)
+        widths = [s.shape[1] for s in signatures]
+        self.starts = np.r_[0, np.cumsum(widths)].astype(int)
+        matrix = np.hstack(signatures) if signatures else np.empty((len(residual), 0))
+        before = np.linalg.norm(matrix, axis=0)
+        basis = orthonormal(law)
+        matrix = matrix - basis @ (basis.T @ matrix)
+        residual = residual - basis @ (basis.T @ residual)
+        self.norm = np.linalg.norm(matrix, axis=0)
+        self.left = np.divide(self.norm, before, out=np.zeros_like(before), where=before > 0)
+        self.scale = np.where(self.norm > 1e-7 * np.maximum(before, 1e-300), self.norm, np.inf)
+        matrix = matrix / self.scale
+        self.gram = matrix.T @ matrix
+        self.product = matrix.T @ residual
+        self.total = float(residual @ residual)
+        bounds = [(p.lower - p.neutral, p.upper - p.neutral) for a in self.atoms for p in a.sizes]
+        self.lower = np.array([b[0] for b in bounds]) if bounds else np.empty(0)
+        self.upper = np.array([b[1] for b in bounds]) if bounds else np.empty(0)
+
+    def columns(self, atoms: Iterable[int]) -> Array:
+        """Column numbers of some atoms."""
+        parts = [np.arange(self.starts[a], self.starts[a + 1]) for a in atoms]
+        return np.concatenate(parts) if parts else np.empty(0, int)
+
+    def solve(self, columns: Array) -> tuple[float, Array]:
+        """Gain and sizes (in units of the parameters, zero for a column held at its bound), bounds obeyed by sign."""
+        active = [int(c) for c in columns if np.isfinite(self.scale[c])]
+        x = np.zeros(0)
+        while active:
+            gram = self.gram[np.ix_(active, active)] + 1e-9 * np.eye(len(active))
+            x = np.linalg.solve(gram, self.product[active])
+            wrong = [i for i, c in enumerate(active) if x[i] < 0 <= self.lower[c] or x[i] > 0 >= self.upper[c]]
+            if not wrong:
+                break
+            worst = max(wrong, key=lambda i: abs(x[i]))
+            active.pop(worst)
+        sizes = dict(zip(active, x, strict=False)) if active else {}
+        gain = float(sum(sizes[c] * self.product[c] for c in active))
+        return gain, np.array([sizes.get(int(c), 0.0) / self.scale[c] for c in columns])
+
+    def gains_beyond(self, chosen: Sequence[int]) -> Array:
+        """Upper bound on the gain of each further atom once `chosen` are in, signs ignored, shape (atoms,)."""
+        used = [c for c in self.columns(chosen) if np.isfinite(self.scale[c])]
+        gram, product = self.gram, self.product
+        if used:
+            factor = np.linalg.solve(gram[np.ix_(used, used)] + 1e-9 * np.eye(len(used)), gram[used])
+            gram = gram - gram[:, used] @ factor
+            product = product - factor.T @ product[used]
+        gains = np.zeros(len(self.atoms))
+        widths = np.diff(self.starts)
+        for width in np.unique(widths):
+            which = np.flatnonzero(widths == width)
+            index = self.starts[which][:, None] + np.arange(width)
+            blocks = gram[index[:, :, None], index[:, None, :]] + 1e-6 * np.eye(width)
+            vectors = product[index]
+            gains[which] = np.sum(vectors * np.linalg.solve(blocks, vectors[..., None])[..., 0], axis=1)
+        return gains
+
+
+def orthonormal(matrix: Array) -> Array:
+    """Orthonormal basis of the columns, nearly dependent ones left out, shape (m, rank)."""
+    if matrix.shape[1] == 0:
+        return np.empty((len(matrix), 0))
+    norm = np.linalg.norm(matrix, axis=0)
+    u, s, _ = np.linalg.svd(matrix / np.where(norm > 0, norm, 1.0), full_matrices=False)
+    return u[:, s > 1e-9 * s[0]]
+
+
+def beam_search(data: Compressed, price: "Price", most: int, width: int = 24) -> list[Choice]:
+    """Best sets of up to `most` effects, cheapest first; the empty set is among them."""
+    front = [Choice((), 0.0, 0.0)]
+    seen: dict[tuple[int, ...], Choice] = {(): front[0]}
+    for _ in range(most):
+        grown: dict[tuple[int, ...], Choice] = {}
+        for choice in front:
+            names = {data.atoms[a].effect for a in choice.atoms}
+            bound = data.gains_beyond(choice.atoms)
+            promise = bound - np.array([price.of(atom) for atom in data.atoms])
+            taken: dict[str, int] = {}
+            for a in np.argsort(-promise)[: 12 * width]:
+                effect = data.atoms[a].effect
+                if effect in names or taken.get(effect, 0) >= 3 or bound[a] < price.least:
+                    continue
+                taken[effect] = taken.get(effect, 0) + 1
+                atoms = tuple(sorted((*choice.atoms, int(a))))
+                if atoms not in seen and atoms not in grown:
+                    grown[atoms] = evaluate(data, price, atoms)
+        if not grown:
+            break
+        seen |= grown
+        front = _diverse(sorted(grown.values(), key=lambda c: c.cost), data, width)
+    return sorted(seen.values(), key=lambda c: c.cost)
+
+
+def evaluate(data: Compressed, price: "Price", atoms: tuple[int, ...]) -> Choice:
+    """Gain and cost of a set."""
+    gain, sizes = data.solve(data.columns(atoms))
+    parts = np.split(sizes, np.cumsum([len(data.atoms[a].sizes) for a in atoms])[:-1]) if atoms else []
+    cost = -gain + sum(price.of(data.atoms[a]) for a in atoms)
+    return Choice(atoms, gain, cost, tuple(parts))
+
+
+def _diverse(choices: list[Choice], data: Compressed, width: int) -> list[Choice]:
+    """The cheapest, at most three of one set of names."""
+    kept: list[Choice] = []
+    count: dict[frozenset[str], int] = {}
+    for choice in choices:
+        names = frozenset(data.atoms[a].effect for a in choice.atoms)
+        if count.get(names, 0) < 3:
+            kept.append(choice)
+            count[names] = count.get(names, 0) + 1
+        if len(kept) == width:
+            break
+    return kept
+
+
+@dataclass(frozen=True)
+class Price:
+    """What an effect must earn, in whitened squares: per parameter, per name, and for the search among suspects."""
+
+    per_parameter: float
+    per_name: float
+
+    @property
+    def least(self) -> float:
+        """Gain below which nothing is looked at."""
+        return 0.5 * self.per_name
+
+    def of(self, atom: Atom) -> float:
+        """Price of one atom."""
+        return self.per_parameter * atom.free + self.per_name
+
+    def total(self, terms: Iterable[Term]) -> float:
+        """Price of a set of terms."""
+        return sum(self.per_parameter * len(t.form.params) + self.per_name for t in terms)

@@ -1,0 +1,219 @@
+"""The court: a record, a fitted base model, the suspects' signatures and the noise they are judged against."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..effects import Effect
+from ..fitting import Fit
+from ..fitting.solve import jacobian, solve
+from ..model import Model, Term
+from ..records import Record
+from .dictionary import Atom, Slopes, atoms_of, slopes
+from .noise import Noise, estimate_noise
+from .search import Choice, Compressed, Price, orthonormal
+
+Array = np.ndarray
+NAME_MARGIN = 12.0
+FORM_TOLERANCE = 0.005
+"""Share of all that is to be explained which another name must earn: what a known effect in an unforeseen form leaves."""
+TOO_FLAT = 0.05
+"""Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A set of terms fitted exactly: values, whitened sum of squares and cost."""
+
+    terms: tuple[Term, ...]
+    values: dict[str, float]
+    squares: float
+    cost: float
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Effects of the set."""
+        return frozenset(t.effect.name for t in self.terms)
+
+
+class Trial:
+    """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted."""
+
+    def __init__(self, base: Fit, suspects: Sequence[Effect]) -> None:
+        self.base = base
+        self.record: Record = base.record
+        self.excluded: dict[str, tuple[str, str]] = {}
+        self.suspects: list[Effect] = []
+        for effect in suspects:
+            lacking = effect.missing(self.record.inputs)
+            if lacking:
+                self.excluded[effect.name] = ("not_excited", f"the record holds no {', no '.join(lacking)}")
+            else:
+                self.suspects.append(effect)
+        view = View(self.record, base.model, base.values)
+        atoms = [a for effect in self.suspects for a in view.atoms(effect)]
+        self.noise: Noise = self._noise(view, atoms)
+        self._drop_unseen(view.compress(atoms, self.noise))
+        self.suspects = [e for e in self.suspects if e.name not in self.excluded]
+        self.data = view.compress([a for a in atoms if a.effect not in self.excluded], self.noise)
+        self.empty = Verdict((), base.values, self.squares(base.model, base.values), 0.0)
+        self.empty = replace(self.empty, cost=self.empty.squares)
+        excess = max(self.empty.squares - len(self.record), 0.0)
+        base_price = 2.0 * np.log(max(len(suspects), 2)) + NAME_MARGIN
+        self.price = Price(float(np.log(max(len(self.record), 10))), float(base_price + FORM_TOLERANCE * excess))
+        self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
+
+    def squares(self, model: Model, values: Mapping[str, float]) -> float:
+        """Whitened sum of squares of a model."""
+        left = self.noise.whiten(self.record.force - model.force(self.record.inputs, values))
+        return float(left @ left)
+
+    def refit(
+        self, terms: Sequence[Term], start: Mapping[str, float] | None = None, price: float | None = None
+    ) -> Verdict:
+        """Fit a set exactly, noise whitened; remembered by labels unless `price` overrides what the set costs."""
+        key = tuple(sorted(f"{t.effect.name}:{t.form.name}" for t in terms))
+        if price is None and key in self.cache:
+            return self.cache[key]
+        model = self.base.model.adding(*terms)
+        begin = {k: v for k, v in self.base.values.items()} | dict(start or {})
+        solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin)
+        squares = self.squares(model, solution.values)
+        if price is None:
+            price = self.price.total(terms)
+        verdict = Verdict(tuple(terms), solution.values, squares, squares + price)
+        self.cache[key] = verdict
+        return verdict
+
+    def refit_choice(self, data: Compressed, choice: Choice, onto: Verdict) -> Verdict:
+        """Fit the set `onto` with what a search found on compressed data, from where the search left it."""
+        start = dict(onto.values)
+        for a, sizes in zip(choice.atoms, choice.sizes, strict=True):
+            atom = data.atoms[a]
+            start |= {f"{atom.effect}.{k}": v for k, v in atom.shapes.items()}
+            start |= {
+                f"{atom.effect}.{p.name}": p.clip(p.neutral + float(x)) for p, x in zip(atom.sizes, sizes, strict=True)
+            }
+        return self.refit([*onto.terms, *(data.atoms[a].term for a in choice.atoms)], start)
+
+    def beyond(self, verdict: Verdict, effects: Sequence[Effect]) -> Compressed:
+        """Signatures of further effects around a set, free of what the set itself can follow."""
+        view = self._view(verdict)
+        return view.compress([a for e in effects for a in view.atoms(e)], self.noise)
+
+    def ground(self, verdict: Verdict) -> "Ground":
+        """Where patterns are looked for: what a set leaves, whitened."""
+        return Ground(self, verdict, self._view(verdict))
+
+    def _view(self, verdict: Verdict) -> "View":
+        return View(self.record, self.base.model.adding(*verdict.terms), verdict.values)
+
+    def _noise(self, view: "View", atoms: Sequence[Atom]) -> Noise:
+        """Noise is what the law, all suspects together and free curves over contraction still leave."""
+        columns = np.hstack([view.law, *[a.columns for a in atoms], _free_curves(self.record)])
+        basis = orthonormal(columns if columns.shape[1] < len(self.record) // 3 else view.law)
+        left = view.residual - basis @ (basis.T @ view.residual)
+        slope_x = view.around.contraction / self.record.specimen.initial_length_mm
+        return estimate_noise(self.record, left, slope_x, view.around.pressure, basis.shape[1])
+
+    def _drop_unseen(self, data: Compressed) -> None:
+        """Note effects that the law absorbs or the record does not excite."""
+        n = np.sqrt(len(self.record))
+        for effect in self.suspects:
+            left, seen = 0.0, 0.0
+            for a in [i for i, atom in enumerate(data.atoms) if atom.effect == effect.name]:
+                columns = data.columns([a])
+                left = max(left, float(np.max(data.left[columns])))
+                sizes = np.array([p.scale for p in data.atoms[a].sizes])
+                seen = max(seen, float(np.max(data.norm[columns] / np.maximum(data.left[columns], 1e-12) * sizes)) / n)
+            if seen * 30.0 < 0.3:
+                self.excluded[effect.name] = ("not_excited", "its signature stays far below the noise in this record")
+            elif left < TOO_FLAT:
+                self.excluded[effect.name] = (
+                    "absorbed_by_law",
+                    f"{self.base.model.law.name} follows it to {1 - left:.0%}",
+                )
+
+
+class View:
+    """A fitted model with its slopes: the place around which signatures are taken."""
+
+    def __init__(self, record: Record, model: Model, values: Mapping[str, float]) -> None:
+        self.record = record
+        self.around: Slopes = slopes(model, record.inputs, values)
+        self.law = jacobian(model, record.inputs, values, record.force)
+        self.residual = record.force - self.around.force
+
+    def atoms(self, effect: Effect) -> list[Atom]:
+        """Signatures of all forms of an effect."""
+        return atoms_of(effect, self.record.inputs, self.around)
+
+    def compress(self, atoms: Sequence[Atom], noise: Noise) -> Compressed:
+        """Whitened Gram matrix of some atoms, free of what the model itself can follow."""
+        whole = noise.whiten(np.hstack([self.law, self.residual[:, None], *[a.columns for a in atoms]]))
+        k = self.law.shape[1]
+        edges = np.cumsum([a.columns.shape[1] for a in atoms])
+        parts = np.split(whole[:, k + 1 :], edges[:-1], axis=1) if atoms else []
+        return Compressed(atoms, parts, whole[:, :k], whole[:, k])
+
+
+@dataclass(frozen=True)
+class Lead:
+    """The best atom of a pattern beyond a set: its gain in whitened squares, how many atoms were tried, where to start."""
+
+    onto: Verdict
+    atom: Atom
+    gain: float
+    tried: int
+    start: dict[str, float]
+
+
+class Ground:
+    """What a set leaves, whitened and free of what the set can follow; scanned by many atoms without their Gram matrix."""
+
+    def __init__(self, trial: Trial, onto: Verdict, view: View) -> None:
+        self.onto, self.view, self.noise = onto, view, trial.noise
+        self.basis = orthonormal(trial.noise.whiten(view.law))
+        residual = trial.noise.whiten(view.residual)
+        self.residual = residual - self.basis @ (self.basis.T @ residual)
+
+    def scan(self, effect: Effect) -> Lead:
+        """The atom of an effect that explains most."""
+        atoms = self.view.atoms(effect)
+        gains = np.empty(len(atoms))
+        sizes: list[Array] = []
+        for begin in range(0, len(atoms), 256):
+            part = atoms[begin : begin + 256]
+            matrix = self.noise.whiten(np.hstack([a.columns for a in part]))
+            matrix -= self.basis @ (self.basis.T @ matrix)
+            product = matrix.T @ self.residual
+            at = 0
+            for k, atom in enumerate(part):
+                width = len(atom.sizes)
+                block, vector = matrix[:, at : at + width], product[at : at + width]
+                gram = block.T @ block
+                sizes.append(np.linalg.solve(gram + 1e-9 * (np.trace(gram) + 1e-12) * np.eye(width), vector))
+                gains[begin + k] = vector @ sizes[-1]
+                at += width
+        best = int(np.argmax(gains))
+        atom = atoms[best]
+        start = dict(self.onto.values) | {f"{effect.name}.{k}": v for k, v in atom.shapes.items()}
+        start |= {f"{effect.name}.{p.name}": p.clip(float(x)) for p, x in zip(atom.sizes, sizes[best], strict=True)}
+        return Lead(self.onto, atom, float(gains[best]), len(atoms), start)
+
+
+def _free_curves(record: Record) -> Array:
+    """Smooth curves over contraction for each branch and speed, constant and in proportion to pressure, shape (n, k)."""
+    inputs = record.inputs
+    if inputs.time is None:
+        return np.empty((len(record), 0))
+    x = inputs.contraction
+    knots = np.linspace(x.min(), x.max(), 13)
+    hats = np.maximum(0.0, 1.0 - np.abs(x[:, None] - knots) / (knots[1] - knots[0]))
+    moving = np.ones(len(record)) if inputs.moving is None else inputs.moving.astype(float)
+    sets = []
+    for sign in (1.0, -1.0):
+        branch = hats * ((inputs.direction == sign) * moving)[:, None]
+        sets += [branch, branch * inputs.pressure[:, None]]
+    return np.hstack(sets)

@@ -1,0 +1,19 @@
+"""Figures, one a file. Each file has `data(...)`, what would be drawn, and `draw(...)`, a matplotlib Figure of it.
+
+Figures are built without pyplot and leave no global state behind; what they show is tested through `data`.
+"""
+
+from . import failure_map, ladder, measured_against_model, profiles, residual_pattern, signature, suspects
+from .style import to_png, to_svg
+
+__all__ = [
+    "failure_map",
+    "ladder",
+    "measured_against_model",
+    "profiles",
+    "residual_pattern",
+    "signature",
+    "suspects",
+    "to_png",
+    "to_svg",
+]

@@ -1,0 +1,112 @@
+"""Heat map of the mean error over pressure and contraction, a panel a branch."""
+
+from dataclasses import dataclass
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from ..diagnosis.nouns import Comparison
+from .style import BLACK, INK, canvas, signed, styled
+
+Array = np.ndarray
+COLOURS = "PuOr_r"
+
+
+@dataclass(frozen=True)
+class FailureMap:
+    """`mean` (N) and `share` (of the squared error, 0 to 1), shape (branches, pressures, cells), NaN where empty.
+
+    `limit` is the colour scale's end in N; `marked` are the (branch, pressure, cell) indices of the worst cells.
+    """
+
+    branches: tuple[str, ...]
+    pressures: Array
+    edges: Array
+    mean: Array
+    share: Array
+    limit: float
+    marked: tuple[tuple[int, int, int], ...]
+
+
+def data(comparison: Comparison) -> FailureMap:
+    """The map of a comparison; marked are those of its worst cells that hold at least 1 % of the squared error."""
+    marked = []
+    for region in comparison.worst:
+        b = comparison.branches.index(region.branch)
+        p = int(np.argmin(np.abs(comparison.pressures - region.pressure_MPa)))
+        c = int(np.argmin(np.abs(comparison.edges[:-1] - region.contraction[0])))
+        if region.share >= 0.01:
+            marked.append((b, p, c))
+    largest = float(np.nanmax(np.abs(comparison.mean)))
+    return FailureMap(
+        comparison.branches,
+        comparison.pressures,
+        comparison.edges,
+        comparison.mean,
+        comparison.share,
+        largest if largest > 0 else 1.0,
+        tuple(marked),
+    )
+
+
+@styled
+def draw(comparison: Comparison) -> Figure:
+    """Mean error in each cell as colour and number; the worst cells framed, with their share of the squared error."""
+    shown = data(comparison)
+    rows = len(shown.pressures)
+    height = min(max(0.36 * rows, 1.0), 6.0)
+    figure = canvas(0.9 + len(shown.branches) * (height + 0.35))
+    panels = figure.subplots(len(shown.branches), 1, sharex=True, squeeze=False)[:, 0]
+    norm = Normalize(-shown.limit, shown.limit)
+    colours = matplotlib.colormaps[COLOURS].with_extremes(bad="#f3f4f6")
+    mesh = None
+    for b, axes in enumerate(panels):
+        mesh = axes.pcolormesh(
+            np.ma.masked_invalid(shown.mean[b]), cmap=colours, norm=norm, edgecolors="white", linewidth=0.8
+        )
+        _numbers(axes, shown, b, colours, norm, 72.0 * height / rows)
+        axes.set_title("" if shown.branches[b] == "static" else shown.branches[b])
+        axes.set_yticks(np.arange(rows) + 0.5, [f"{p:g}" for p in shown.pressures])
+        axes.set_ylabel("pressure (MPa)")
+        axes.grid(False)
+        axes.tick_params(length=0)
+        axes.spines[:].set_visible(False)
+    every = 1 if len(shown.edges) <= 12 else 2
+    ticks = np.arange(len(shown.edges))[::every]
+    panels[-1].set_xticks(ticks, [f"{round(e, 3) + 0.0:.3f}" for e in shown.edges[ticks]])
+    panels[-1].set_xlabel("contraction ratio ε (1), cell edges")
+    assert mesh is not None
+    bar = figure.colorbar(mesh, ax=list(panels), pad=0.01, aspect=30)
+    bar.set_label("mean error, measured − model (N)")
+    bar.outline.set_visible(False)  # type: ignore[operator]
+    return figure
+
+
+def _numbers(axes: Axes, shown: FailureMap, branch: int, colours: Colormap, norm: Normalize, room: float) -> None:
+    """The mean in each cell; in marked ones a frame and the share below. `room` is a cell's height in points."""
+    cells = shown.mean.shape[2]
+    size = float(np.clip(min(0.42 * room, 95.0 / cells), 4.5, 8.5))
+    for p, c in np.argwhere(np.isfinite(shown.mean[branch])):
+        value = float(shown.mean[branch, p, c])
+        mark = (branch, p, c) in shown.marked
+        text = signed(value) + (f"\n{shown.share[branch, p, c]:.0%}" if mark else "")
+        red, green, blue, _ = colours(norm(value))
+        dark = 0.299 * red + 0.587 * green + 0.114 * blue < 0.5
+        weight = "bold" if mark else "normal"
+        axes.text(
+            c + 0.5,
+            p + 0.5,
+            text,
+            ha="center",
+            va="center",
+            fontsize=size,
+            weight=weight,
+            linespacing=1.05,
+            color="white" if dark else INK,
+        )
+        if mark:
+            axes.add_patch(Rectangle((c, p), 1, 1, fill=False, edgecolor=BLACK, linewidth=1.6, clip_on=False))

@@ -1,0 +1,82 @@
+"""The falling error: rms over the rungs of a ladder, down to the noise floor."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from ..diagnosis.nouns import Ladder
+from .style import BLUE, GREY, INK, VERMILION, canvas, styled
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class LadderData:
+    """What each rung added, and its rms error in N on the fitted and on held-out data, shape (rungs,)."""
+
+    names: tuple[str, ...]
+    rmse: Array
+    heldout: Array
+    noise_floor: float
+
+
+def added(ladder: Ladder) -> tuple[str, ...]:
+    """What each rung has that the one before had not: the law first, then `+ effect`."""
+    names: list[str] = []
+    before: set[str] = set()
+    for i, rung in enumerate(ladder.rungs):
+        new = [label for label in rung.effects if label not in before]
+        gone = [label for label in before if label not in rung.effects]
+        law = [rung.fit.model.law.name] if i == 0 else []
+        names.append("\n".join(law + [f"+ {label}" for label in new] + [f"− {label}" for label in sorted(gone)]) or "=")
+        before = set(rung.effects)
+    return tuple(names)
+
+
+def data(ladder: Ladder) -> LadderData:
+    """The numbers of a ladder, rung by rung."""
+    return LadderData(
+        added(ladder),
+        np.array([rung.fit.rmse for rung in ladder.rungs]),
+        np.array([rung.heldout_rmse for rung in ladder.rungs]),
+        ladder.noise_floor,
+    )
+
+
+@styled
+def draw(ladder: Ladder) -> Figure:
+    """Both errors over the rungs on a logarithmic scale, the noise floor as a line."""
+    shown = data(ladder)
+    figure = canvas(3.6)
+    axes = figure.subplots()
+    x = np.arange(len(shown.names))
+    axes.axhline(shown.noise_floor, color=GREY, linestyle="--", linewidth=1.2)
+    axes.plot(x, shown.rmse, marker="o", color=BLUE, linewidth=1.6, label="on the fitted data")
+    axes.plot(x, shown.heldout, marker="s", color=VERMILION, linewidth=1.3, linestyle=":", label="on held-out data")
+    for i, value in enumerate(shown.rmse):
+        axes.annotate(f"{value:.3g} N", (i, value), (7, 6), textcoords="offset points")
+    axes.set_yscale("log")
+    everything = np.r_[shown.rmse, shown.heldout, shown.noise_floor]
+    everything = everything[np.isfinite(everything) & (everything > 0)]
+    axes.set_ylim(everything.min() / 1.35, everything.max() * 1.3)
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlim(-0.5, max(len(x) - 0.5, 0.5) + 0.15)
+    axes.set_xticks(x, list(shown.names))
+    axes.text(
+        0.0,
+        shown.noise_floor,
+        f" noise floor {shown.noise_floor:.3g} N",
+        transform=axes.get_yaxis_transform(),
+        ha="left",
+        va="bottom",
+        fontsize=8.5,
+        color=GREY,
+    )
+    axes.set_ylabel("rms error (N), logarithmic")
+    axes.grid(axis="x", visible=False)
+    axes.legend(loc="upper right", labelcolor=INK)
+    return figure

@@ -1,0 +1,164 @@
+"""Measured and modelled force over contraction, isobar by isobar, and what the model leaves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..core import Inputs
+from ..fitting import Fit
+from .style import (
+    BRANCH_COLOUR,
+    BRANCH_DASH,
+    BRANCH_MARK,
+    BRANCH_NAME,
+    GREY,
+    INK,
+    canvas,
+    spread,
+    styled,
+    zero_line,
+)
+
+Array = np.ndarray
+CELLS = 60
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One isobar and branch. Points (n,): contraction ratio, measured force and error before and after in N.
+
+    `line` and `line_force` (m,) are the model's curve; `after` is None without a second fit.
+    """
+
+    pressure_MPa: float
+    branch: str
+    contraction: Array
+    measured: Array
+    before: Array
+    after: Array | None
+    line: Array
+    line_force: Array
+
+
+def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Curve, ...]:
+    """Curves by pressure and branch, at most `limit` points in all. The line is the last fit's.
+
+    In a record in time the line is the model's mean over cells of contraction, all cycles and speeds
+    together; in a static table it is the model itself at the isobar's pressure.
+    """
+    record, last = fit.record, after or fit
+    groups = [
+        (float(level), sign, np.flatnonzero(fit.rows & (record.level == level) & (record.inputs.direction == sign)))
+        for level in record.levels
+        for sign in (1.0, -1.0, 0.0)
+    ]
+    groups = [group for group in groups if len(group[2])]
+    step = _step([len(rows) for _, _, rows in groups], limit)
+    curves = []
+    for level, sign, rows in groups:
+        shown = rows[np.argsort(record.inputs.contraction[rows], kind="stable")][::step]
+        line, line_force = _line(last, rows, sign)
+        curves.append(
+            Curve(
+                level,
+                BRANCH_NAME[sign],
+                record.inputs.contraction[shown],
+                record.force[shown],
+                fit.residual[shown],
+                after.residual[shown] if after else None,
+                line,
+                line_force,
+            )
+        )
+    return tuple(curves)
+
+
+def _step(sizes: list[int], limit: int) -> int:
+    """The smallest stride that leaves at most `limit` points, or one a curve."""
+    step = 1
+    while sum(-(-n // step) for n in sizes) > max(limit, len(sizes)) and step < max(sizes):
+        step += 1
+    return step
+
+
+def _line(fit: Fit, rows: Array, sign: float) -> tuple[Array, Array]:
+    inputs = fit.record.inputs
+    contraction = inputs.contraction[rows]
+    if inputs.time is None and np.ptp(contraction) > 0.0:
+        grid = np.linspace(contraction.min(), contraction.max(), CELLS)
+        ones = np.ones(CELLS)
+        dense = Inputs(
+            pressure=inputs.pressure[rows].mean() * ones,
+            contraction=grid,
+            specimen=inputs.specimen,
+            direction=sign * ones,
+            temperature=None if inputs.temperature is None else inputs.temperature[rows].mean() * ones,
+        )
+        return grid, fit.model.force(dense, fit.values)
+    width = max(float(np.ptp(contraction)), 1e-12) / CELLS
+    cell = np.minimum(((contraction - contraction.min()) / width).astype(int), CELLS - 1)
+    count = np.bincount(cell, minlength=CELLS)
+    full = count > 0
+    mean_x = np.bincount(cell, contraction, CELLS)[full] / count[full]
+    return mean_x, np.bincount(cell, fit.force[rows], CELLS)[full] / count[full]
+
+
+@styled
+def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
+    """Force over contraction on top; below it the error of `fit`, and of `after` on the same scale."""
+    curves = data(fit, after, limit)
+    panels = 3 if after else 2
+    figure = canvas(4.2 + 1.5 * (panels - 1))
+    axes = figure.subplots(panels, 1, sharex=True, height_ratios=[4.2] + [1.5] * (panels - 1))
+    top: Axes = axes[0]
+    size = 2.6 if sum(len(c.measured) for c in curves) > 300 else 4.2
+    for curve in curves:
+        colour, mark = BRANCH_COLOUR[curve.branch], BRANCH_MARK[curve.branch]
+        dots = {"linestyle": "", "marker": mark, "markersize": size, "markeredgewidth": 0.0, "color": colour}
+        top.plot(curve.contraction, curve.measured, alpha=0.35, **dots)
+        top.plot(curve.line, curve.line_force, color=INK, linestyle=BRANCH_DASH[curve.branch], linewidth=1.2)
+        axes[1].plot(curve.contraction, curve.before, alpha=0.45, **dots)
+        if curve.after is not None:
+            axes[2].plot(curve.contraction, curve.after, alpha=0.45, **dots)
+    top.set_ylabel("force (N)")
+    top.set_title(f"Measured (points) and {'completed model' if after else 'model'} (lines)")
+    _label_isobars(top, curves)
+    _legend(top, curves)
+    reach = 1.08 * max(float(np.max(np.abs(c.before))) for c in curves)
+    for panel, one, title in zip(axes[1:], (fit, after), ("Error of the model as given", "Error after"), strict=False):
+        zero_line(panel)
+        panel.set_ylim(-reach, reach)
+        panel.set_ylabel("error (N)")
+        panel.set_title(f"{title}: {one.rmse:.3g} N rms" if one else title)
+    axes[-1].set_xlabel("contraction ratio ε (1)")
+    return figure
+
+
+def _label_isobars(axes: Axes, curves: tuple[Curve, ...]) -> None:
+    """Pressure beside the left end of each isobar, moved apart where they would overlap."""
+    levels = sorted({c.pressure_MPa for c in curves})
+    starts = np.array([np.mean([c.line_force[0] for c in curves if c.pressure_MPa == level]) for level in levels])
+    left = min(float(c.line[0]) for c in curves)
+    span = max(float(c.line[-1]) for c in curves) - left or 0.01
+    low, high = axes.get_ylim()
+    places = spread(starts, 0.047 * (high - low))
+    for level, place in zip(levels, places, strict=True):
+        axes.text(left - 0.012 * span, place, f"{level:g} MPa", ha="right", va="center", fontsize=8.5, clip_on=False)
+    axes.set_xlim(left - 0.1 * span, left + 1.03 * span)
+    axes.set_ylim(min(low, float(places.min())), max(high, float(places.max())))
+
+
+def _legend(axes: Axes, curves: tuple[Curve, ...]) -> None:
+    names = [n for n in BRANCH_COLOUR if any(c.branch == n for c in curves)]
+    handles = []
+    for name in names:
+        word = "" if name == "static" else f", {name}"
+        common = {"linestyle": "", "markersize": 4.5, "markeredgewidth": 0.0}
+        handles.append(
+            Line2D([], [], marker=BRANCH_MARK[name], color=BRANCH_COLOUR[name], label=f"measured{word}", **common)
+        )
+        handles.append(Line2D([], [], color=INK, linestyle=BRANCH_DASH[name], linewidth=1.2, label=f"model{word}"))
+    axes.legend(handles=handles, loc="upper right", labelcolor=INK, edgecolor=GREY)

@@ -1,0 +1,134 @@
+"""The trace an added effect leaves: error before and after it, and what it changes in the model."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..fitting import Fit
+from ..records import Record
+from .style import BLUE, GREY, INK, SKY, VERMILION, canvas, running_mean, styled, thin, zero_line
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Signature:
+    """Errors in N over the record. Points `x`, `before`, `after` have shape (points,).
+
+    `line` (m,) is the place of the running means over `window` samples and of `effect`, the change of the
+    modelled force. `isobars` are (begin, end, pressure in MPa) along the same axis.
+    """
+
+    axis: str
+    x: Array
+    before: Array
+    after: Array
+    line: Array
+    before_mean: Array
+    after_mean: Array
+    effect: Array
+    window: int
+    isobars: tuple[tuple[float, float, float], ...]
+
+
+def data(before: Fit, after: Fit, limit: int = 1500) -> Signature:
+    """Errors of two fits of the same record, sample by sample, at most `limit` points and line vertices.
+
+    The axis is time where all strokes have about one speed; else the sample number, which gives fast strokes
+    as much room as slow ones. A table is sorted by pressure and contraction.
+    """
+    record = before.record
+    order = np.arange(len(record))
+    if record.inputs.time is None:
+        order = np.lexsort((record.inputs.contraction, record.inputs.direction, record.level))
+    order = order[before.rows[order]]
+    axis, place = _place(record, order)
+    window = _window(record, order)
+    old, new = before.residual[order], after.residual[order]
+    pick = thin(len(order), limit)
+    return Signature(
+        axis,
+        place[pick],
+        old[pick],
+        new[pick],
+        place[pick],
+        running_mean(old, window)[pick],
+        running_mean(new, window)[pick],
+        (after.force - before.force)[order][pick],
+        window,
+        _isobars(record.level[order], place),
+    )
+
+
+def _place(record: Record, order: Array) -> tuple[str, Array]:
+    inputs = record.inputs
+    if inputs.time is None:
+        return "sample, sorted by pressure and contraction (number)", np.arange(1.0, len(order) + 1.0)
+    speed = inputs.stroke_speed
+    positive = speed[speed > 0] if speed is not None else np.ones(1)
+    if len(positive) and np.quantile(positive, 0.95) > 3.0 * np.quantile(positive, 0.05):
+        return "sample in order of time (number)", np.arange(1.0, len(order) + 1.0)
+    return "time (s)", inputs.time[order]
+
+
+def _window(record: Record, order: Array) -> int:
+    """An odd number of samples: an eighth of the usual stroke in a record in time, three in a table."""
+    if record.inputs.time is None:
+        return 3
+    _, counts = np.unique(record.stroke[order], return_counts=True)
+    return 2 * int(np.clip(np.median(counts) / 16, 1, 200)) + 1
+
+
+def _isobars(level: Array, place: Array) -> tuple[tuple[float, float, float], ...]:
+    edges = np.r_[0, np.flatnonzero(np.diff(level)) + 1, len(level)]
+    return tuple((float(place[a]), float(place[b - 1]), float(level[a])) for a, b in pairwise(edges))
+
+
+@styled
+def draw(before: Fit, after: Fit, limit: int = 1500) -> Figure:
+    """Error before with the effect's trace through it, and below what is left after, on one scale."""
+    shown = data(before, after, limit)
+    figure = canvas(5.2)
+    panels = figure.subplots(2, 1, sharex=True, sharey=True)
+    top, low = panels
+    dots = {"linestyle": "", "marker": ".", "markersize": 3.2, "markeredgewidth": 0.0, "color": GREY, "alpha": 0.45}
+    top.plot(shown.x, shown.before, **dots)
+    top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label="error before, running mean")
+    top.plot(
+        shown.line, shown.effect, color=VERMILION, linewidth=1.0, label="what the added effects change in the model"
+    )
+    low.plot(shown.x, shown.after, **dots)
+    low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label="error after, running mean")
+    top.set_title(f"Before: {before.rmse:.3g} N rms")
+    low.set_title(f"After adding {', '.join(after.model.labels) or 'nothing'}: {after.rmse:.3g} N rms")
+    for axes in panels:
+        zero_line(axes)
+        axes.set_ylabel("error (N)")
+        _mark_isobars(axes, shown)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, labelcolor=INK)
+    low.set_xlabel(shown.axis)
+    reach = 1.3 * float(np.quantile(np.abs(np.r_[shown.before, shown.after]), 0.995))
+    top.set_ylim(-reach, reach)
+    return figure
+
+
+def _mark_isobars(axes: Axes, shown: Signature) -> None:
+    """Pale stripes for every second isobar and the pressure in each, as far as there is room."""
+    whole = shown.isobars[-1][1] - shown.isobars[0][0] or 1.0
+    for i, (begin, end, level) in enumerate(shown.isobars):
+        if i % 2 == 0:
+            axes.axvspan(begin, end, color=SKY, alpha=0.1, linewidth=0.0, zorder=0)
+        if (end - begin) / whole > 0.06:
+            axes.text(
+                0.5 * (begin + end),
+                0.98,
+                f"{level:g} MPa",
+                transform=axes.get_xaxis_transform(),
+                ha="center",
+                va="top",
+                fontsize=8.0,
+                color=GREY,
+            )

@@ -1,0 +1,115 @@
+"""What each suspected effect would leave of the error."""
+
+import math
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from ..diagnosis.nouns import Diagnosis
+from .style import BLUE, GREY, INK, SKY, VERMILION, canvas, styled
+
+WORDS = {
+    "candidate": "not computed",
+    "absorbed_by_law": "absorbed by the law",
+    "not_excited": "not excited by this record",
+}
+
+BEHIND = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One suspect: errors after adding it in N, NaN where not computed; `note` says why there is no bar."""
+
+    label: str
+    probability: float
+    rmse_after: float
+    heldout: float
+    selected: bool
+    note: str
+
+
+@dataclass(frozen=True)
+class SuspectsData:
+    """Candidates with the most likely first, then what the record cannot show; levels in N."""
+
+    bars: tuple[Bar, ...]
+    before: float
+    noise_floor: float
+
+
+def data(diagnosis: Diagnosis, limit: int = 16) -> SuspectsData:
+    """At most `limit` candidates, then all that are absorbed or not excited."""
+    candidates = sorted((s for s in diagnosis.ranking if s.status == "candidate"), key=lambda s: -s.probability)[:limit]
+    others = [s for s in diagnosis.ranking if s.status != "candidate"]
+    bars = []
+    for suspect in (*candidates, *others):
+        known = suspect.rmse_after is not None and suspect.status == "candidate"
+        bars.append(
+            Bar(
+                suspect.label or suspect.effect,
+                suspect.probability,
+                _number(suspect.rmse_after) if known else math.nan,
+                _number(suspect.heldout_rmse_after) if known else math.nan,
+                suspect.effect in diagnosis.selected,
+                "" if known else WORDS.get(suspect.status, suspect.status),
+            )
+        )
+    return SuspectsData(tuple(bars), diagnosis.base.rmse, diagnosis.noise_floor)
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+@styled
+def draw(diagnosis: Diagnosis, limit: int = 16) -> Figure:
+    """A bar a suspect down to the error it leaves; selected ones strong, the rest of the list in grey words."""
+    shown = data(diagnosis, limit)
+    n = max(len(shown.bars), 1)
+    figure = canvas(1.1 + 0.27 * n)
+    axes = figure.subplots()
+    values = [v for b in shown.bars for v in (b.rmse_after, b.heldout) if math.isfinite(v)]
+    right = max([*values, shown.before, shown.noise_floor]) * 1.04
+    for i, bar in enumerate(shown.bars):
+        if bar.note:
+            axes.text(0.008 * right, i, bar.note, va="center", fontsize=8.0, color=GREY, style="italic", bbox=BEHIND)
+            continue
+        axes.barh(i, bar.rmse_after, height=0.62, color=BLUE if bar.selected else SKY)
+        if math.isfinite(bar.heldout):
+            axes.plot([bar.heldout], [i], marker="D", markersize=4.5, color=VERMILION, linestyle="")
+        axes.text(
+            1.02,
+            i,
+            f"{bar.probability:.0%}",
+            transform=axes.get_yaxis_transform(),
+            va="center",
+            fontsize=8.5,
+            weight="bold" if bar.selected else "normal",
+        )
+    axes.text(1.02, -0.95, "probability", transform=axes.get_yaxis_transform(), va="center", fontsize=8.0, color=GREY)
+    axes.axvline(shown.before, color=INK, linewidth=1.2)
+    axes.axvline(shown.noise_floor, color=GREY, linestyle="--", linewidth=1.2)
+    axes.set_yticks(range(len(shown.bars)), [b.label for b in shown.bars])
+    for tick, bar in zip(axes.get_yticklabels(), shown.bars, strict=True):
+        tick.set_color(GREY if bar.note else INK)
+        tick.set_fontweight("bold" if bar.selected else "normal")
+    axes.set_ylim(n - 0.4, -0.6)
+    axes.set_xlim(0.0, right)
+    axes.set_xlabel("rms error after adding this effect alone (N)")
+    axes.grid(axis="y", visible=False)
+    axes.tick_params(axis="y", length=0)
+    figure.legend(handles=_handles(shown), loc="outside upper left", ncols=5, columnspacing=1.2, handlelength=1.4)
+    return figure
+
+
+def _handles(shown: SuspectsData) -> list[Line2D | Patch]:
+    return [
+        Patch(color=BLUE, label="selected"),
+        Patch(color=SKY, label="other candidate"),
+        Line2D([], [], marker="D", color=VERMILION, linestyle="", markersize=4.5, label="on held-out data"),
+        Line2D([], [], color=INK, linewidth=1.2, label=f"now, {shown.before:.3g} N"),
+        Line2D([], [], color=GREY, linestyle="--", linewidth=1.2, label=f"noise floor, {shown.noise_floor:.3g} N"),
+    ]

@@ -1,0 +1,41 @@
+"""The data sets that come with the program, found in a checkout and in an installed package alike."""
+
+from pathlib import Path
+
+from ..core import UsageError
+
+PACKAGE = Path(__file__).parents[1]
+NAMES = ("record.csv", "reconstructed.csv", "catalogue.csv")
+"""What the force record of a data set is called: measured or simulated, reconstructed, a manufacturer's curves."""
+
+
+def dataset_names() -> list[str]:
+    """Names of the data sets, in order; empty where they were not installed."""
+    home = _home()
+    return sorted(folder.parent.name for folder in home.glob("*/README.md")) if home else []
+
+
+def dataset_path(name: str) -> Path:
+    """Folder of the data set called `name`. Raises UsageError listing the known ones."""
+    known = dataset_names()
+    home = _home()
+    if home is None or name not in known:
+        raise UsageError(f"unknown data set {name!r}; expected one of {', '.join(known) or 'none (none is installed)'}")
+    return home / name
+
+
+def dataset_record(name: str) -> Path:
+    """The CSV record of the data set called `name`. Raises UsageError where it is unknown or holds no force record."""
+    folder = dataset_path(name)
+    for file in NAMES:
+        if (folder / file).is_file():
+            return folder / file
+    raise UsageError(f"data set {name!r} holds no force record; see {folder / 'README.md'}")
+
+
+def _home() -> Path | None:
+    """The folder of data sets: inside the installed package, else beside it in the checkout."""
+    for folder in (PACKAGE / "_datasets", PACKAGE.parent / "datasets"):
+        if folder.is_dir():
+            return folder
+    return None

@@ -1,0 +1,46 @@
+"""What tests in several folders share: places on disk, real data, a browser."""
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """The checkout."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def realdata() -> Path:
+    """Folder of real measurements, PAM_IDENT_REALDATA or ../shared/realdata; skips where it is absent."""
+    folder = Path(os.environ.get("PAM_IDENT_REALDATA", ROOT.parent / "shared" / "realdata"))
+    if not folder.is_dir():
+        pytest.skip(f"no real measurements at {folder}; set PAM_IDENT_REALDATA")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """Path of a chromium; skips where there is none, or fails if PAM_IDENT_REQUIRE_BROWSER is set."""
+    found = os.environ.get("PAM_IDENT_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+    if not found:
+        if os.environ.get("PAM_IDENT_REQUIRE_BROWSER"):
+            pytest.fail("PAM_IDENT_REQUIRE_BROWSER is set, but there is no chromium; set PAM_IDENT_CHROMIUM")
+        pytest.skip("no chromium on this machine; set PAM_IDENT_CHROMIUM")
+    return found
+
+
+@pytest.fixture
+def page(chromium: str):
+    """An empty page of a headless chromium that cannot reach any network."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        context = browser.new_context(offline=True)
+        yield context.new_page()
+        browser.close()
