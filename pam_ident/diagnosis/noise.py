@@ -52,9 +52,7 @@ class Noise:
 
 def innovations(z: Array, decay: Array, gain: Array) -> Array:
     """One-step prediction errors of each column of z (n, k) under a filter, decay and gain (n,)."""
-    carried = np.maximum(decay[1:] * (1.0 - gain[:-1]), 1e-100)
-    state = decaying_sum(-np.log(carried), (decay[1:] * gain[:-1])[:, None] * z[:-1])
-    return z - state
+    return z - decaying_sum(decay[1:] * (1.0 - gain[:-1]), (decay[1:] * gain[:-1])[:, None] * z[:-1])
 
 
 def filter_gains(decay: Array, share: Array) -> tuple[Array, Array]:

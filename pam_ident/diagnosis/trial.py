@@ -78,7 +78,7 @@ class Trial:
             return self.cache[key]
         model = self.base.model.adding(*terms)
         begin = {k: v for k, v in self.base.values.items()} | dict(start or {})
-        solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin)
+        solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin, quick=True)
         squares = self.squares(model, solution.values)
         if price is None:
             price = self.price.total(terms)

@@ -21,12 +21,7 @@ def relax(inputs: Inputs, drive: Array, tau: float) -> Array:
     answer = np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
     answer = np.where(np.diff(inputs.segment) != 0, np.exp(-decay), answer)
     gain = np.diff(drive) * answer
-    return decaying_sum(decay, gain)
-
-
-def follow(inputs: Inputs, drive: Array, tau: float) -> Array:
-    """First-order lag y of a drive (n,), ẏ = (d − y)/τ, y = d at the first sample."""
-    return drive - relax(inputs, drive, tau)
+    return decaying_sum(np.exp(-decay), gain)
 
 
 def runs(inputs: Inputs) -> list[slice]:

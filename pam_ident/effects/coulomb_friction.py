@@ -7,9 +7,9 @@ from .base import AddsForce, Array, Effect, Shape, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
 F_HOLD = Param("F_hold", "N", "friction force left in holds", -2000.0, 2000.0, scale=10.0)
-F_BREAK = Param("F_s_minus_F_c", "N", "what friction gains towards rest", -2000.0, 2000.0, scale=10.0)
+F_BREAK = Param("F_s_minus_F_c", "N", "what friction gains towards rest", 0.0, 2000.0, scale=10.0)
 V_S = Param("v_s", "mm/s", "Stribeck speed", 0.2, 100.0, start=5.0, grid=(1.5, 5.0, 15.0))
-V_0 = Param("v_0", "mm/s", "speed at which friction is fully developed", 0.05, 50.0, start=1.0, grid=(0.5, 2.0, 6.0))
+V_0 = Param("v_0", "mm/s", "speed at which friction is fully developed", 0.05, 4.0, start=1.0, grid=(0.5, 2.0))
 
 
 def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:

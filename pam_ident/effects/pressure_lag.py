@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..core import Inputs, Param
-from ._history import follow
+from ._history import relax
 from .base import Array, Effect, Shape, TransformsPressure, one
 
 ATMOSPHERE_MPA = 0.101325
@@ -16,7 +16,8 @@ LAG = Param(
     10.0,
     scale=0.01,
 )
-TAU = Param("tau", "s", "time in which the pressure recovers", 0.005, 30.0, start=0.3, grid=(0.05, 0.3, 1.5))
+KAPPA = Param("kappa", "1", "polytropic index of the gas in the muscle", 0.0, 50.0, scale=0.1)
+TAU = Param("tau", "s", "time in which the pressure recovers", 0.002, 30.0, start=0.1, grid=(0.01, 0.04, 0.15, 0.6))
 N = Param("n", "1", "exponent of the flow", 0.4, 2.5, start=1.5, grid=(0.6, 1.5, 2.0))
 
 
@@ -32,7 +33,10 @@ def _quasi_steady(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-follow(inputs, _rate(inputs), shape["tau"]))
+    """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
+    ratio = inputs.specimen.radius_ratio(inputs.contraction)
+    log_volume = np.log(ratio**2 * (1.0 - inputs.contraction))
+    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, log_volume, shape["tau"]))
 
 
 def _orifice(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -46,7 +50,7 @@ EFFECT = Effect(
     source="energy balance of a variable volume, ṗ = κ R T q/V − κ p V̇/V, with a resistance between sensor and muscle",
     forms=(
         TransformsPressure("textbook", "p → p − T_p p_abs V̇/V", (LAG,), _quasi_steady),
-        TransformsPressure("lagging", "the same, recovering with τ", (LAG,), _lagging, (TAU,)),
+        TransformsPressure("lagging", "p → p − κ p_abs q, q̇ = V̇/V − q/τ", (KAPPA,), _lagging, (TAU,)),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
     ),
     test="a pressure sensor at the muscle, at several speeds",

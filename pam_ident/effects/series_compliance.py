@@ -1,20 +1,32 @@
 """Fixture and load cell give way under load, so that the muscle is shorter than the sensor says."""
 
+import numpy as np
+
 from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsContraction, one
 
 COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0)
+F_1 = Param("F_1", "N", "force at which the compliance has halved", 20.0, 1e5, start=400.0, grid=(80.0, 400.0))
 
 
 def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(force * 1e-3 / inputs.specimen.initial_length_mm)
 
 
+def _stiffening(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _columns(inputs, shape, force) / (1.0 + np.maximum(force, 0.0)[:, None] / shape["F_1"])
+
+
 EFFECT = Effect(
     name="series_compliance",
     title="Compliance in series",
     source="machine compliance in force–length tests, ε_muscle = ε_measured + F/(K L0)",
-    forms=(TransformsContraction("textbook", "ε → ε + F/(K L0)", (COMPLIANCE,), _columns, uses_force=True),),
+    forms=(
+        TransformsContraction("textbook", "ε → ε + F/(K L0)", (COMPLIANCE,), _columns, uses_force=True),
+        TransformsContraction(
+            "stiffening", "ε → ε + F/(K L0 (1 + F/F_1))", (COMPLIANCE,), _stiffening, (F_1,), uses_force=True
+        ),
+    ),
     test="a steel bar in place of the muscle",
     levers=("pressure",),
 )

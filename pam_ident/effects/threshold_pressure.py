@@ -6,7 +6,7 @@ from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsPressure, one
 
 P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01)
-WIDTH = Param("w", "MPa", "pressure over which the threshold is reached", 0.005, 2.0, start=0.1, grid=(0.03, 0.1, 0.3))
+WIDTH = Param("w", "MPa", "pressure over which the threshold is reached", 0.005, 0.15, start=0.08, grid=(0.03, 0.08))
 
 
 def _hard(inputs: Inputs, shape: Shape, force: Array) -> Array:

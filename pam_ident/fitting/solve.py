@@ -52,11 +52,12 @@ def solve(
     whiten: Whiten,
     start: Mapping[str, float] | None = None,
     max_starts: int = 24,
+    quick: bool = False,
 ) -> Solution:
     """Least squares of whiten(model − force) over the model's parameters, within their bounds.
 
     Curved parameters start from `start` where it names them, else from every combination of their grids (at
-    most `max_starts`, the two best of which are followed down).
+    most `max_starts`, the two best of which are followed down). `quick` follows one and stops at 1e-8.
     """
     guess = model.neutral(inputs) | dict(start or {})
     curved = _bounded(model, inputs)
@@ -72,10 +73,10 @@ def solve(
     if not curved:
         best, converged, message = project(np.empty(0))[0], True, "linear"
     else:
-        best, converged, message = _search(project, curved, guess, start or {}, max_starts)
+        best, converged, message = _search(project, curved, guess, start or {}, max_starts, quick)
     if model.separable:
         return Solution(best, converged, message)
-    return _polish(model, inputs, force, whiten, best)
+    return _polish(model, inputs, force, whiten, best, quick)
 
 
 def _bounded(model: Model, inputs: Inputs) -> list[Param]:
@@ -92,6 +93,7 @@ def _search(
     guess: Mapping[str, float],
     given: Mapping[str, float],
     max_starts: int,
+    quick: bool,
 ) -> tuple[dict[str, float], bool, str]:
     from scipy.optimize import least_squares
 
@@ -102,7 +104,7 @@ def _search(
         starts.sort(key=lambda q: float(np.sum(project(q)[1] ** 2)))
     inside = 1e-9 * np.minimum(np.where(np.isfinite(upper - lower), upper - lower, 1.0), 1.0)
     results = []
-    for q in starts[:2]:
+    for q in starts[: 1 if quick else 2]:
         results.append(
             least_squares(
                 lambda x: project(x)[1],
@@ -112,17 +114,19 @@ def _search(
                     max(p.scale, abs(x)) if p.scale != 1.0 else max(abs(x), 1e-3)
                     for p, x in zip(curved, q, strict=True)
                 ],
-                ftol=1e-13,
-                xtol=1e-11,
+                ftol=1e-8 if quick else 1e-13,
+                xtol=1e-7 if quick else 1e-11,
                 gtol=1e-13,
-                max_nfev=200,
+                max_nfev=40 if quick else 200,
             )
         )
     best = min(results, key=lambda r: r.cost)
     return project(best.x)[0], bool(best.status > 0), str(best.message)
 
 
-def _polish(model: Model, inputs: Inputs, force: Array, whiten: Whiten, start: Mapping[str, float]) -> Solution:
+def _polish(
+    model: Model, inputs: Inputs, force: Array, whiten: Whiten, start: Mapping[str, float], quick: bool
+) -> Solution:
     """All parameters at once, for models in which the force acts back on itself."""
     from scipy.optimize import least_squares
 
@@ -136,7 +140,15 @@ def _polish(model: Model, inputs: Inputs, force: Array, whiten: Whiten, start: M
         return whiten(model.force(inputs, dict(zip(names, x * scale, strict=True)))) - target
 
     begin = np.clip(np.array([start[n] for n in names]) / scale, lower + 1e-9, upper - 1e-9)
-    result = least_squares(residual, begin, bounds=(lower, upper), ftol=1e-12, xtol=1e-10, gtol=1e-12, max_nfev=60)
+    result = least_squares(
+        residual,
+        begin,
+        bounds=(lower, upper),
+        ftol=1e-8 if quick else 1e-12,
+        xtol=1e-7 if quick else 1e-10,
+        gtol=1e-12,
+        max_nfev=12 if quick else 60,
+    )
     values = {n: float(v) for n, v in zip(names, result.x * scale, strict=True)}
     return Solution(values, bool(result.status > 0), str(result.message))
 

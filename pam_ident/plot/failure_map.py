@@ -70,7 +70,7 @@ def draw(comparison: Comparison) -> Figure:
         )
         _numbers(axes, shown, b, colours, norm, 72.0 * height / rows)
         axes.set_title("" if shown.branches[b] == "static" else shown.branches[b])
-        axes.set_yticks(np.arange(rows) + 0.5, [f"{p:g}" for p in shown.pressures])
+        axes.set_yticks(np.arange(rows) + 0.5, [f"{p:.3g}" for p in shown.pressures])
         axes.set_ylabel("pressure (MPa)")
         axes.grid(False)
         axes.tick_params(length=0)

@@ -65,7 +65,11 @@ def draw(ladder: Ladder) -> Figure:
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_xlim(-0.5, max(len(x) - 0.5, 0.5) + 0.15)
-    axes.set_xticks(x, list(shown.names))
+    if len(x) > 4:
+        tilt = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"} if len(x) > 6 else {}
+        axes.set_xticks(x, [name.replace(":", "\n:") for name in shown.names], fontsize=7.5, **tilt)
+    else:
+        axes.set_xticks(x, list(shown.names))
     axes.text(
         0.0,
         shown.noise_floor,

@@ -19,11 +19,13 @@ from .style import (
     canvas,
     spread,
     styled,
+    thin,
     zero_line,
 )
 
 Array = np.ndarray
 CELLS = 60
+MOST_LABELS = 12
 
 
 @dataclass(frozen=True)
@@ -114,12 +116,12 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
     figure = canvas(4.2 + 1.5 * (panels - 1))
     axes = figure.subplots(panels, 1, sharex=True, height_ratios=[4.2] + [1.5] * (panels - 1))
     top: Axes = axes[0]
-    size = 2.6 if sum(len(c.measured) for c in curves) > 300 else 4.2
+    size = 3.2 if sum(len(c.measured) for c in curves) > 300 else 4.2
     for curve in curves:
         colour, mark = BRANCH_COLOUR[curve.branch], BRANCH_MARK[curve.branch]
         dots = {"linestyle": "", "marker": mark, "markersize": size, "markeredgewidth": 0.0, "color": colour}
-        top.plot(curve.contraction, curve.measured, alpha=0.35, **dots)
-        top.plot(curve.line, curve.line_force, color=INK, linestyle=BRANCH_DASH[curve.branch], linewidth=1.2)
+        top.plot(curve.contraction, curve.measured, alpha=0.5, **dots)
+        top.plot(curve.line, curve.line_force, color=INK, linestyle=BRANCH_DASH[curve.branch], linewidth=0.9)
         axes[1].plot(curve.contraction, curve.before, alpha=0.45, **dots)
         if curve.after is not None:
             axes[2].plot(curve.contraction, curve.after, alpha=0.45, **dots)
@@ -140,13 +142,14 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
 def _label_isobars(axes: Axes, curves: tuple[Curve, ...]) -> None:
     """Pressure beside the left end of each isobar, moved apart where they would overlap."""
     levels = sorted({c.pressure_MPa for c in curves})
+    levels = [levels[i] for i in thin(len(levels), MOST_LABELS)]
     starts = np.array([np.mean([c.line_force[0] for c in curves if c.pressure_MPa == level]) for level in levels])
     left = min(float(c.line[0]) for c in curves)
     span = max(float(c.line[-1]) for c in curves) - left or 0.01
     low, high = axes.get_ylim()
     places = spread(starts, 0.047 * (high - low))
     for level, place in zip(levels, places, strict=True):
-        axes.text(left - 0.012 * span, place, f"{level:g} MPa", ha="right", va="center", fontsize=8.5, clip_on=False)
+        axes.text(left - 0.012 * span, place, f"{level:.3g} MPa", ha="right", va="center", fontsize=8.5, clip_on=False)
     axes.set_xlim(left - 0.1 * span, left + 1.03 * span)
     axes.set_ylim(min(low, float(places.min())), max(high, float(places.max())))
 

@@ -75,9 +75,9 @@ def _place(record: Record, order: Array) -> tuple[str, Array]:
 
 
 def _window(record: Record, order: Array) -> int:
-    """An odd number of samples: an eighth of the usual stroke in a record in time, three in a table."""
+    """An odd number of samples: an eighth of the usual stroke in a record in time, one in a table."""
     if record.inputs.time is None:
-        return 3
+        return 1
     _, counts = np.unique(record.stroke[order], return_counts=True)
     return 2 * int(np.clip(np.median(counts) / 16, 1, 200)) + 1
 
@@ -94,16 +94,26 @@ def draw(before: Fit, after: Fit, limit: int = 1500) -> Figure:
     figure = canvas(5.2)
     panels = figure.subplots(2, 1, sharex=True, sharey=True)
     top, low = panels
-    dots = {"linestyle": "", "marker": ".", "markersize": 3.2, "markeredgewidth": 0.0, "color": GREY, "alpha": 0.45}
+    smooth = f", mean of {shown.window} samples" if shown.window > 1 else ""
+    dots = {
+        "linestyle": "",
+        "marker": ".",
+        "markersize": 3.2 if len(shown.x) > 300 else 6.0,
+        "markeredgewidth": 0.0,
+        "color": GREY,
+        "alpha": 0.45,
+    }
     top.plot(shown.x, shown.before, **dots)
-    top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label="error before, running mean")
+    top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label=f"error before{smooth}")
     top.plot(
         shown.line, shown.effect, color=VERMILION, linewidth=1.0, label="what the added effects change in the model"
     )
     low.plot(shown.x, shown.after, **dots)
-    low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label="error after, running mean")
+    low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=f"error after{smooth}")
     top.set_title(f"Before: {before.rmse:.3g} N rms")
-    low.set_title(f"After adding {', '.join(after.model.labels) or 'nothing'}: {after.rmse:.3g} N rms")
+    labels = after.model.labels
+    what = ", ".join(labels or ["nothing"]) if sum(map(len, labels)) < 60 else f"{len(labels)} effects"
+    low.set_title(f"After adding {what}: {after.rmse:.3g} N rms")
     for axes in panels:
         zero_line(axes)
         axes.set_ylabel("error (N)")
@@ -125,7 +135,7 @@ def _mark_isobars(axes: Axes, shown: Signature) -> None:
             axes.text(
                 0.5 * (begin + end),
                 0.98,
-                f"{level:g} MPa",
+                f"{level:.3g} MPa",
                 transform=axes.get_xaxis_transform(),
                 ha="center",
                 va="top",

@@ -98,7 +98,7 @@ def draw(diagnosis: Diagnosis, limit: int = 16) -> Figure:
         tick.set_fontweight("bold" if bar.selected else "normal")
     axes.set_ylim(n - 0.4, -0.6)
     axes.set_xlim(0.0, right)
-    axes.set_xlabel("rms error after adding this effect alone (N)")
+    axes.set_xlabel("rms error left with this effect added (N)")
     axes.grid(axis="y", visible=False)
     axes.tick_params(axis="y", length=0)
     figure.legend(handles=_handles(shown), loc="outside upper left", ncols=5, columnspacing=1.2, handlelength=1.4)

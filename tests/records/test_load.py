@@ -159,6 +159,12 @@ def test_a_column_without_unit_is_refused(write):
     assert "column 'force'" in message and "no unit given" in message
 
 
+@pytest.mark.parametrize(("old", "new"), [("time_s", "time_h"), ("force_N", "force_stone")])
+def test_an_unknown_unit_in_a_suffix_is_never_passed_over_in_silence(write, old, new):
+    message = refusal(write(GOOD.replace(old, new)))
+    assert new in message
+
+
 def test_a_unit_of_another_dimension_is_refused(write):
     message = refusal(write(GOOD.replace("force_N", "force_mm")))
     assert "'force_mm'" in message and "'mm'" in message
@@ -238,7 +244,8 @@ def test_two_columns_for_the_shape_are_refused(write):
 
 
 @pytest.mark.parametrize(
-    ("column", "value"), [("contraction", 12.0), ("length_mm", 0.2), ("displacement_mm", 230), ("displacement_mm", -300)]
+    ("column", "value"),
+    [("contraction", 12.0), ("length_mm", 0.2), ("displacement_mm", 230), ("displacement_mm", -300)],
 )
 def test_a_wild_contraction_is_refused_by_row_and_column_with_advice_on_the_unit(write, column, value):
     good = {"contraction": 0.1, "length_mm": 190, "displacement_mm": 10}[column]

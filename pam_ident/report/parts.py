@@ -1,0 +1,248 @@
+"""What a report says about one record, part by part, in the order a reader asks."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from .. import plot
+from ..diagnosis.nouns import Diagnosis
+from . import tables
+from .story import Section
+from .svg import embed
+from .tables import Table
+from .words import VERDICTS, equation, groups, named, newtons, titles
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure ready for the page, and its caption."""
+
+    picture: Markup
+    caption: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A heading with, in this order, text, figures, tables and notes; `id` is its anchor."""
+
+    id: str
+    heading: str
+    text: tuple[str, ...] = ()
+    pictures: tuple[Picture, ...] = ()
+    tables: tuple[Table, ...] = ()
+    notes: tuple[str, ...] = ()
+    badge: tuple[str, str] | None = None
+    facts: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass
+class Easel:
+    """Draws a record's figures with ids of their own; `points` is the most points of a cloud."""
+
+    prefix: str
+    points: int
+    count: int = field(default=0, init=False)
+
+    def hang(self, figure: Figure, label: str, caption: str) -> Picture:
+        """The figure as markup under the next free prefix."""
+        self.count += 1
+        return Picture(embed(figure, f"{self.prefix}f{self.count}", label), caption)
+
+
+def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
+    """All parts that the section has something to say in."""
+    easel = Easel(prefix, points)
+    builders: tuple[Callable[[Section, Easel], Part | None], ...] = (
+        _verdict,
+        _measured,
+        _failure,
+        _suspects,
+        _ladder,
+        _signature,
+        _pattern,
+        _parameters,
+        _isobars,
+        _passivity,
+        _warnings,
+        _source,
+    )
+    found = (build(section, easel) for build in builders)
+    return tuple(part for part in found if part is not None)
+
+
+def _verdict(section: Section, easel: Easel) -> Part:
+    diagnosis = section.diagnosis
+    badge = VERDICTS.get(diagnosis.verdict, (diagnosis.verdict, ""))
+    after = section.after
+    facts = [("law", section.before.model.law.name), ("error of the law", newtons(section.before.rmse) + " rms")]
+    if after is not None:
+        facts.append(("error after", newtons(after.rmse) + " rms"))
+    facts += [
+        ("noise floor", newtons(diagnosis.noise_floor) + " rms"),
+        ("held-out error", f"{newtons(diagnosis.heldout_rmse)} → {newtons(diagnosis.heldout_rmse_after)}"),
+        ("record", f"{len(section.record)} samples, {len(section.record.levels)} isobars"),
+    ]
+    return Part(f"{easel.prefix}-verdict", "Verdict", (diagnosis.sentence,), badge=badge, facts=tuple(facts))
+
+
+def _measured(section: Section, easel: Easel) -> Part:
+    before, after = section.before, section.after
+    figure = plot.measured_against_model.draw(before, after, easel.points)
+    label = f"Force over contraction, measured and modelled by {before.model.law.name}, and the error below"
+    caption = (
+        "Force over contraction ratio at each pressure. Points are measured, lines are the model; in a record in time "
+        "a line is the model's mean over all cycles and speeds. Below, the error measured − model of every point shown"
+    )
+    caption += ", before and after adding the effects, on one scale." if after else "."
+    return Part(f"{easel.prefix}-measured", "Measured against model", pictures=(easel.hang(figure, label, caption),))
+
+
+def _failure(section: Section, easel: Easel) -> Part:
+    comparison = section.comparison
+    pictures = [
+        easel.hang(
+            plot.failure_map.draw(comparison),
+            "Heat map of the mean error over pressure and contraction, by branch",
+            "Mean error (N) in each cell of pressure and contraction. Framed: the cells with the largest share of the "
+            "squared error, the share below the number. Grey: no sample.",
+        )
+    ]
+    if plot.profiles.data(comparison):
+        pictures.append(
+            easel.hang(
+                plot.profiles.draw(comparison),
+                "Mean and rms error along each coordinate of the test",
+                "The error along each coordinate: points are its mean, the band is ± its rms about zero. A point at "
+                "the band's edge is systematic error; a point near zero in a wide band is error that cancels.",
+            )
+        )
+    text = [comparison.sentence]
+    if section.comparison_after is not None:
+        text.append(f"With the effects added: {section.comparison_after.sentence}")
+    return Part(f"{easel.prefix}-failure", "Where the model fails", tuple(text), tuple(pictures))
+
+
+def _suspects(section: Section, easel: Easel) -> Part | None:
+    diagnosis = section.diagnosis
+    if not diagnosis.ranking:
+        return None
+    caption = (
+        "What each effect would leave of the error. In grey italics: effects that this "
+        "record cannot show or that the law already imitates; they are neither suspected nor cleared."
+    )
+    picture = easel.hang(
+        plot.suspects.draw(diagnosis), "Bars of the error that each suspected effect would leave", caption
+    )
+    notes = groups(diagnosis, titles(diagnosis.best.model))
+    if diagnosis.next_experiment:
+        experiment = diagnosis.next_experiment
+        vary = f" (vary: {', '.join(experiment.vary)})" if experiment.vary else ""
+        notes.append(f"Next experiment: {experiment.text}{vary}")
+    return Part(
+        f"{easel.prefix}-suspects",
+        "Which effect is missing",
+        (_selected(diagnosis),),
+        (picture,),
+        (tables.suspects(diagnosis),),
+        tuple(notes),
+    )
+
+
+def _selected(diagnosis: Diagnosis) -> str:
+    known = titles(diagnosis.best.model)
+    if not diagnosis.selected:
+        return "No effect is selected."
+    return f"Selected, largest first: {'; '.join(named(label, known) for label in diagnosis.labels)}."
+
+
+def _ladder(section: Section, easel: Easel) -> Part | None:
+    steps = section.ladder
+    if steps is None or not steps.rungs:
+        return None
+    first, last = steps.rungs[0].fit.rmse, steps.rungs[-1].fit.rmse
+    text = (
+        f"From {newtons(first)} to {newtons(last)} rms in {len(steps.rungs) - 1} "
+        f"step{'s' if len(steps.rungs) != 2 else ''}; the noise floor is {newtons(steps.noise_floor)}."
+    )
+    picture = easel.hang(
+        plot.ladder.draw(steps),
+        "Falling rms error over the rungs of the ladder",
+        "The rms error as effects are added one by one, on the fitted data and on data held out of the fit.",
+    )
+    end = f"Why it ends there: {steps.last.sentence}"
+    return Part(f"{easel.prefix}-ladder", "The falling error", (text,), (picture,), (tables.ladder(steps),), (end,))
+
+
+def _signature(section: Section, easel: Easel) -> Part | None:
+    after = section.after
+    if after is None or not after.model.labels:
+        return None
+    caption = (
+        "Above: the error of the law alone over the record, with what the added effects change in the modelled force. "
+        "Where the two coincide, the effects explain the error. Below: what is left."
+    )
+    label = f"Error over the record before and after adding {', '.join(after.model.labels)}"
+    picture = easel.hang(plot.signature.draw(section.before, after, easel.points), label, caption)
+    return Part(f"{easel.prefix}-signature", "The trace of the added effects", pictures=(picture,))
+
+
+def _pattern(section: Section, easel: Easel) -> Part | None:
+    pattern = section.diagnosis.pattern
+    if pattern is None:
+        return None
+    picture = easel.hang(
+        plot.residual_pattern.draw(section.diagnosis.best, pattern),
+        f"Mean error left by the best model along {pattern.coordinate}",
+        "The mean of what the best model leaves, with a band of ± 2 standard errors. Dotted: the place, the moment or "
+        "the periods that the pattern names.",
+    )
+    text = f"{pattern.text} It holds {pattern.share:.0%} of the squared error that was to be explained."
+    return Part(f"{easel.prefix}-pattern", "What no known effect explains", (text,), (picture,))
+
+
+def _parameters(section: Section, easel: Easel) -> Part:
+    before, after = section.before, section.after
+    shown = [tables.parameters(before, "the law as given")]
+    if after is not None:
+        shown.append(tables.parameters(after, "the completed model"))
+    last = after or before
+    return Part(
+        f"{easel.prefix}-parameters",
+        "Parameters",
+        tuple(equation(last.model)),
+        tables=tuple(table for table in shown if table.rows),
+        notes=tuple(f"This fit is not valid: {problem}." for problem in last.problems),
+    )
+
+
+def _isobars(section: Section, easel: Easel) -> Part | None:
+    shown = [table for one in section.isobar_tables for table in tables.isobars(one)]
+    if not shown:
+        return None
+    text = "Coefficients that wander with pressure show what one shared set of parameters has to average over."
+    return Part(f"{easel.prefix}-isobars", "Isobar by isobar", (text,), tables=tuple(shown))
+
+
+def _passivity(section: Section, easel: Easel) -> Part | None:
+    if not section.loop_measured and not section.loop_model:
+        return None
+    bad = [p for p, energy in sorted(section.loop_model.items()) if energy < -1e-4]
+    text = "A muscle under constant pressure can only take up energy in a closed loop."
+    if bad:
+        places = ", ".join(f"{p:g}" for p in bad)
+        text += f" The model gives energy back at {places} MPa; do not use it in a control loop there."
+    elif section.loop_model:
+        text += " The model gives none back at any pressure."
+    return Part(f"{easel.prefix}-passivity", "Energy of the loops", (text,), tables=(tables.loops(section),))
+
+
+def _warnings(section: Section, easel: Easel) -> Part | None:
+    if not section.warnings:
+        return None
+    return Part(f"{easel.prefix}-warnings", "Warnings", notes=section.warnings)
+
+
+def _source(section: Section, easel: Easel) -> Part:
+    return Part(f"{easel.prefix}-record", "The record", tables=(tables.source(section),))

@@ -1,0 +1,51 @@
+"""What a report is given."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
+from ..fitting import Fit, IsobarTable
+from ..records import Record
+
+
+@dataclass(frozen=True)
+class Section:
+    """All about one record. `comparison` holds the law as given, `comparison_after` the completed model.
+
+    `loop_measured` and `loop_model` map a pressure in MPa to the energy of its loop in J, positive where the
+    loop dissipates; the model's is that of the completed model.
+    """
+
+    record: Record
+    comparison: Comparison
+    diagnosis: Diagnosis
+    comparison_after: Comparison | None = None
+    ladder: Ladder | None = None
+    isobar_tables: tuple[IsobarTable, ...] = ()
+    loop_measured: Mapping[float, float] = field(default_factory=dict)
+    loop_model: Mapping[float, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def before(self) -> Fit:
+        """The law as given."""
+        return self.comparison.fit
+
+    @property
+    def after(self) -> Fit | None:
+        """The completed model, None where nothing was added."""
+        if self.comparison_after is not None:
+            return self.comparison_after.fit
+        return self.diagnosis.best if self.diagnosis.selected else None
+
+
+@dataclass(frozen=True)
+class Story:
+    """A report: a title, a section a record, and where it all came from.
+
+    `provenance` maps a word to text, or to a further mapping (versions); its `command` makes the report again.
+    """
+
+    title: str
+    sections: tuple[Section, ...]
+    provenance: Mapping[str, object] = field(default_factory=dict)

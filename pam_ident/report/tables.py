@@ -1,0 +1,167 @@
+"""The report's tables as plain text cells; the template gives them their HTML."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..diagnosis.nouns import Diagnosis, Ladder
+from ..fitting import Fit, IsobarTable
+from ..fitting.fit import Estimate
+from ..plot.ladder import added
+from .story import Section
+from .words import STATUS, named, newtons, number, standing, stderr, titles, unit
+
+
+@dataclass(frozen=True)
+class Table:
+    """A caption, column heads, and rows of cells, the first of each row its head. `numeric` columns stand right."""
+
+    caption: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numeric: tuple[int, ...] = ()
+
+
+def suspects(diagnosis: Diagnosis) -> Table:
+    """Every effect on trial, in the order of the ranking."""
+    known = titles(diagnosis.best.model)
+    rows = tuple(
+        (
+            named(s.label or s.effect, known),
+            "selected" if s.effect in diagnosis.selected else STATUS.get(s.status, s.status),
+            f"{s.probability:.0%}" if s.status == "candidate" else "–",
+            number(s.rmse_after, 3),
+            number(s.heldout_rmse_after, 3),
+            s.why,
+        )
+        for s in diagnosis.ranking
+    )
+    head = ("effect", "standing", "probability", "error after (N rms)", "held-out error after (N rms)", "why")
+    return Table("Suspects, and the error that is left with each", head, rows, (2, 3, 4))
+
+
+def ladder(steps: Ladder) -> Table:
+    """The falling errors, rung by rung."""
+    names = added(steps)
+    rows = tuple(
+        (
+            str(i),
+            name.replace("\n", ", "),
+            str(len(rung.fit.model.params)),
+            number(rung.fit.rmse, 3),
+            number(rung.heldout_rmse, 3),
+            number(rung.fit.max_error, 3),
+            rung.why,
+        )
+        for i, (name, rung) in enumerate(zip(names, steps.rungs, strict=True))
+    )
+    head = ("rung", "model", "free parameters", "rms error (N)", "held-out rms error (N)", "largest error (N)", "why")
+    return Table(f"The ladder down to the noise floor of {newtons(steps.noise_floor)}", head, rows, (2, 3, 4, 5))
+
+
+def parameters(fit: Fit, which: str) -> Table:
+    """Every fitted parameter with unit, standard error and, in words, whether the record determines it."""
+    rows = tuple(
+        (e.name, number(e.value, 5), stderr(e), unit(e.unit), standing(e), e.doc) for e in _in_order(fit.estimates)
+    )
+    head = ("parameter", "value", "standard error", "unit", "standing", "meaning")
+    return Table(f"Parameters of {which}: {fit.model.law.name}{_plus(fit)}", head, rows, (1, 2))
+
+
+def _in_order(estimates: tuple[Estimate, ...]) -> list[Estimate]:
+    """The law's parameters by name, as its formula is read, then the effects' as they come."""
+    return sorted(estimates, key=lambda e: (1, "") if "." in e.name else (0, e.name))
+
+
+def _plus(fit: Fit) -> str:
+    return "".join(f" + {label}" for label in fit.model.labels)
+
+
+def isobars(table: IsobarTable) -> list[Table]:
+    """A table a branch of parameters over pressure, then correlation with pressure, then the two-stage law."""
+    found = []
+    for branch in dict.fromkeys(row.branch for row in table.rows):
+        mine = [row for row in table.rows if row.branch == branch]
+        heads = {e.name: f"{e.name} ({unit(e.unit)})" for row in mine for e in _in_order(row.estimates)}
+        rows = tuple(
+            (
+                f"{row.pressure_MPa:g}",
+                *(_cell(next((e for e in row.estimates if e.name == name), None)) for name in heads),
+                number(row.rmse, 3),
+            )
+            for row in sorted(mine, key=lambda row: -row.pressure_MPa)
+        )
+        head = ("pressure (MPa)", *heads.values(), "rms error (N)")
+        word = "both branches together" if branch == "together" else branch
+        found.append(
+            Table(f"Each isobar fitted alone, {word}: value ± standard error", head, rows, tuple(range(1, len(head))))
+        )
+    if table.correlation:
+        found.append(_by_branch("Correlation of each coefficient with pressure", "coefficient", table.correlation, 5))
+    if table.two_stage:
+        title = "The law from straight lines through the isobars (two-stage method)"
+        found.append(_by_branch(title, "parameter", table.two_stage, 5))
+    return found
+
+
+def _cell(estimate: Estimate | None) -> str:
+    if estimate is None:
+        return "–"
+    if not estimate.identified:
+        return f"{number(estimate.value)} (not determined)"
+    return f"{number(estimate.value)} ± {stderr(estimate)}" + (" (at its bound)" if estimate.at_bound else "")
+
+
+def _by_branch(caption: str, what: str, values: Mapping[str, Mapping[str, float]], digits: int) -> Table:
+    branches = tuple(values)
+    names = dict.fromkeys(name for branch in branches for name in values[branch])
+    rows = tuple((name, *(number(values[b].get(name), digits) for b in branches)) for name in names)
+    return Table(caption, (what, *branches), rows, tuple(range(1, len(branches) + 1)))
+
+
+def loops(section: Section) -> Table:
+    """Energy of each isobar's loop, measured and modelled, and whether the model could be a passive muscle."""
+    pressures = sorted(set(section.loop_measured) | set(section.loop_model))
+    rows = tuple(
+        (
+            f"{p:g}",
+            number(section.loop_measured.get(p), 3),
+            number(section.loop_model.get(p), 3),
+            _passive(section.loop_model.get(p)),
+        )
+        for p in pressures
+    )
+    head = ("pressure (MPa)", "measured (J)", "model (J)", "the model's loop")
+    return Table("Energy taken up in one loop; positive dissipates", head, rows, (1, 2))
+
+
+def _passive(energy: float | None) -> str:
+    if energy is None:
+        return "–"
+    if abs(energy) < 1e-4:
+        return "has no area"
+    return "dissipates" if energy > 0 else "gives energy back: no passive muscle can"
+
+
+def provenance(items: Mapping[str, object]) -> Table:
+    """Where the report came from; mappings inside are written out, the command is left to its own place."""
+    rows: list[tuple[str, ...]] = []
+    for key, value in items.items():
+        if key == "command":
+            continue
+        text = ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, Mapping) else str(value)
+        rows.append((str(key), text))
+    return Table("Where this report came from", ("what", "value"), tuple(rows))
+
+
+def source(section: Section) -> Table:
+    """What was read of one record."""
+    record = section.record
+    rows = [
+        ("record", record.name),
+        ("file", record.source or "not from a file"),
+        ("SHA-256", record.sha256 or "–"),
+        ("samples", f"{len(record)}" + (f", {record.masked} more left out as unusable" if record.masked else "")),
+        ("isobars (MPa)", ", ".join(f"{p:g}" for p in record.levels)),
+        *((f"column for {key}", str(value)) for key, value in record.columns.items()),
+    ]
+    return Table(f"What was read: {record.name}", ("what", "value"), tuple(rows))

@@ -1,0 +1,93 @@
+"""Numbers and names as they are read."""
+
+import math
+
+from ..diagnosis.nouns import Diagnosis
+from ..effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure, catalogue
+from ..fitting.fit import Estimate
+from ..model import Model
+
+VERDICTS = {
+    "adequate": ("Adequate", "The model explains this record down to its noise; no effect needs to be added."),
+    "missing_effect": ("Effect missing", "The model leaves an error that a known physical effect explains."),
+    "unknown_effect": (
+        "Unknown effect",
+        "The model leaves an error that no effect of the catalogue explains well enough.",
+    ),
+}
+STATUS = {
+    "candidate": "candidate",
+    "absorbed_by_law": "absorbed by the law",
+    "not_excited": "not excited by this record",
+}
+ROLES: dict[type[Form], str] = {
+    AddsForce: "added to the force",
+    ScalesForce: "scales the force",
+    TransformsPressure: "changes the pressure the law is given",
+    TransformsContraction: "changes the contraction the law is given",
+}
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Significant digits without a power of ten for everyday sizes, a true minus sign, a dash for no value."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if value == 0:
+        return "0"
+    size = math.floor(math.log10(abs(value)))
+    text = f"{value:.{max(digits - 1 - size, 0)}f}" if -4 <= size <= 6 else f"{value:.{digits - 1}e}"
+    return text.replace("-", "−")
+
+
+def newtons(value: float | None) -> str:
+    """A force error in N with three digits."""
+    return f"{number(value, 3)} N"
+
+
+def titles(model: Model) -> dict[str, str]:
+    """Plain names of the effects by name: the catalogue's, and those of the model's own terms."""
+    known: dict[str, Effect] = catalogue() | {term.effect.name: term.effect for term in model.terms}
+    return {name: effect.title for name, effect in known.items()}
+
+
+def named(label: str, known: dict[str, str]) -> str:
+    """`Title (label)`, or the label alone where the effect has no title."""
+    title = known.get(label.partition(":")[0])
+    return f"{title} ({label})" if title else label
+
+
+def stderr(estimate: Estimate) -> str:
+    """A standard error, or in words why there is none."""
+    if not estimate.identified:
+        return "not determined"
+    return number(estimate.stderr, 2) if math.isfinite(estimate.stderr) else "not computed"
+
+
+def standing(estimate: Estimate) -> str:
+    """Whether the record determines a parameter, in words."""
+    if not estimate.identified:
+        return "not determined by this record" + (", at its bound" if estimate.at_bound else "")
+    return "at its bound" if estimate.at_bound else "determined"
+
+
+def unit(text: str) -> str:
+    """A unit as printed; 1 means a pure number."""
+    return text or "1"
+
+
+def equation(model: Model) -> list[str]:
+    """The law's formula, and a line an effect with its formula and what it does."""
+    lines = [f"{model.law.title}: {model.law.formula} (source: {model.law.source})"]
+    for term in model.terms:
+        role = next((word for kind, word in ROLES.items() if isinstance(term.form, kind)), "")
+        lines.append(f"{term.effect.title} ({term.label}), {role}: {term.form.formula} (source: {term.effect.source})")
+    return lines
+
+
+def groups(diagnosis: Diagnosis, known: dict[str, str]) -> list[str]:
+    """Effects that a record cannot tell apart, a line a group of two or more."""
+    return [
+        f"This record cannot tell apart: {'; '.join(named(name, known) for name in group)}."
+        for group in diagnosis.groups
+        if len(group) > 1
+    ]

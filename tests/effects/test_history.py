@@ -1,0 +1,157 @@
+"""Memory operators against loops that take one small step after the other."""
+
+import math
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Inputs, Specimen
+from pam_ident.effects import get_effect
+from pam_ident.effects._history import dahl_operator, follow, relax, runs, stop_operator
+
+MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
+
+
+def path(seed=2, n=400, dense=1.0):
+    """Uneven times, a wandering displacement with holds and one jump between two segments."""
+    rng = np.random.default_rng(seed)
+    t = np.cumsum(rng.uniform(0.02, 0.2, n)) / dense
+    turns = np.interp(np.arange(n), np.arange(0, n + 40, 40), rng.uniform(0.0, 45.0, n // 40 + 1))
+    direction = np.sign(np.diff(turns, prepend=turns[0] - (turns[1] - turns[0])))
+    direction[direction == 0.0] = 1.0
+    segment = (np.arange(n) >= 230).astype(int)
+    t[230:] += 12.0
+    x = turns + np.where(segment == 1, 3.0, 0.0)
+    return Inputs(np.full(n, 0.3), x / 200.0, MUSCLE, direction, time=t, segment=segment, velocity=np.zeros(n))
+
+
+def relax_by_steps(inputs, drive, tau, pieces=4000):
+    """q̇ = ḋ − q/τ by many small implicit steps over a drive linear between samples, at once between segments."""
+    q, out = 0.0, [0.0]
+    for k in range(1, len(drive)):
+        step, rise = inputs.time[k] - inputs.time[k - 1], drive[k] - drive[k - 1]
+        if inputs.segment[k] != inputs.segment[k - 1]:
+            q = (q + rise) * math.exp(-step / tau)
+        else:
+            h = step / pieces
+            keep = (1.0 - 0.5 * h / tau) / (1.0 + 0.5 * h / tau)
+            gain = rise / pieces / (1.0 + 0.5 * h / tau)
+            power = keep**pieces
+            q = q * power + gain * (1.0 - power) / (1.0 - keep)
+        out.append(q)
+    return np.array(out)
+
+
+@pytest.mark.parametrize("tau", [0.05, 1.0, 30.0, 3000.0])
+def test_relaxation_is_that_of_small_steps(tau):
+    inputs = path()
+    drive = inputs.contraction
+    np.testing.assert_allclose(relax(inputs, drive, tau), relax_by_steps(inputs, drive, tau), rtol=1e-6, atol=1e-10)
+
+
+@pytest.mark.parametrize("tau", [1e-4, 0.003, 0.05, 1e5])
+def test_relaxation_stays_exact_where_the_decay_between_samples_is_huge_or_tiny(tau):
+    inputs = path(n=3000)
+    exact, q = [0.0], 0.0
+    for k in range(1, len(inputs)):
+        h, rise = (inputs.time[k] - inputs.time[k - 1]) / tau, inputs.contraction[k] - inputs.contraction[k - 1]
+        jump = inputs.segment[k] != inputs.segment[k - 1]
+        q = (q + rise) * math.exp(-h) if jump else q * math.exp(-h) - rise * math.expm1(-h) / h
+        exact.append(q)
+    np.testing.assert_allclose(relax(inputs, inputs.contraction, tau), exact, rtol=1e-9, atol=1e-13)
+
+
+def test_two_samples_at_one_instant_take_the_whole_step():
+    inputs = Inputs(
+        np.ones(3), np.zeros(3), MUSCLE, np.ones(3), time=np.array([0.0, 1.0, 1.0]), segment=np.zeros(3, int)
+    )
+    out = relax(inputs, np.array([0.0, 0.0, 2.0]), 5.0)
+    np.testing.assert_allclose(out, [0.0, 0.0, 2.0])
+
+
+def test_a_held_muscle_relaxes_with_its_time_constant():
+    t = np.array([0.0, 1.0, 3.0, 11.0])
+    inputs = Inputs(np.ones(4), np.zeros(4), MUSCLE, np.ones(4), time=t, segment=np.zeros(4, int))
+    q = relax(inputs, np.array([0.0, 0.1, 0.1, 0.1]), 4.0)
+    np.testing.assert_allclose(q[2:] / q[1], np.exp([-0.5, -2.5]))
+
+
+def test_a_lag_follows_its_drive_and_rests_on_it():
+    t = np.arange(0.0, 50.0, 0.1)
+    inputs = Inputs(np.ones(500), np.zeros(500), MUSCLE, np.ones(500), time=t, segment=np.zeros(500, int))
+    ramp = follow(inputs, 0.2 * t, 2.0)
+    assert ramp[-1] == pytest.approx(0.2 * (t[-1] - 2.0), rel=1e-6)
+    np.testing.assert_allclose(follow(inputs, np.full(500, 7.0), 2.0), 7.0)
+
+
+def stop_by_steps(x, width):
+    z, out = 0.0, [0.0]
+    for k in range(1, len(x)):
+        z = min(max(z + (x[k] - x[k - 1]) / width, -1.0), 1.0)
+        out.append(z)
+    return np.array(out)
+
+
+def dahl_by_steps(x, width, pieces=2000):
+    z, out = 0.0, [0.0]
+    for k in range(1, len(x)):
+        step = (x[k] - x[k - 1]) / pieces
+        sign = math.copysign(1.0, step)
+        keep = (1.0 - 0.5 * abs(step) / width) / (1.0 + 0.5 * abs(step) / width)
+        z = sign + (z - sign) * keep**pieces if step else z
+        out.append(z)
+    return np.array(out)
+
+
+@pytest.mark.parametrize("width", [0.05, 0.7, 4.0, 80.0])
+@pytest.mark.parametrize(("operator", "loop"), [(stop_operator, stop_by_steps), (dahl_operator, dahl_by_steps)])
+def test_slipping_elements_are_those_of_small_steps(operator, loop, width):
+    inputs = path(seed=5)
+    got = operator(inputs, width)
+    np.testing.assert_allclose(got, loop(inputs.displacement_mm, width), atol=1e-6)
+    assert np.abs(got).max() <= 1.0 + 1e-12
+
+
+def test_a_slipping_element_forgets_no_reversal_in_a_minor_loop():
+    """Up 10, back 1, up 1 with a width of 4: on the way back by 1 of 8 mm, and returned to full slip."""
+    x = np.array([0.0, 5.0, 10.0, 9.5, 9.0, 9.5, 10.0, 11.0])
+    direction = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, 1.0])
+    inputs = Inputs(np.ones(8), x / 200.0, MUSCLE, direction, segment=np.zeros(8, int))
+    np.testing.assert_allclose(stop_operator(inputs, 4.0), [0, 1, 1, 0.875, 0.75, 0.875, 1, 1], atol=1e-12)
+
+
+def test_noise_of_the_sensor_within_a_stroke_does_not_shake_a_slipping_element():
+    x = np.linspace(0.0, 40.0, 400)
+    seen = x + 0.05 * np.random.default_rng(0).standard_normal(400)
+    inputs = Inputs(np.ones(400), seen / 200.0, MUSCLE, np.ones(400), segment=np.zeros(400, int))
+    z = stop_operator(inputs, 0.1)
+    np.testing.assert_allclose(z[20:], 1.0)
+
+
+def test_runs_are_cut_at_reversals_and_between_segments():
+    direction = np.array([1.0, 1, -1, -1, 1, 1, 1])
+    inputs = Inputs(np.ones(7), np.zeros(7), MUSCLE, direction, segment=np.array([0, 0, 0, 0, 0, 1, 1]))
+    assert [(r.start, r.stop) for r in runs(inputs)] == [(0, 2), (2, 4), (4, 5), (5, 7)]
+
+
+def test_creep_is_the_relaxation_of_its_drive():
+    inputs = path()
+    zero = np.zeros(len(inputs))
+    _, single = get_effect("creep")
+    q = relax_by_steps(inputs, inputs.contraction, 10.0)
+    np.testing.assert_allclose(single.columns(inputs, {"tau": 10.0}, zero)[:, 0], -q, atol=1e-9)
+    _, prony = get_effect("creep:prony_3")
+    np.testing.assert_allclose(prony.columns(inputs, {"tau": 10.0}, zero)[:, 1], -q, atol=1e-9)
+    assert prony.columns(inputs, {"tau": 10.0}, zero)[-1, 0] == pytest.approx(
+        -relax_by_steps(inputs, inputs.contraction, 1.0)[-1], abs=1e-9
+    )
+    _, driven = get_effect("creep:force_driven")
+    np.testing.assert_allclose(driven.columns(inputs, {"tau": 10.0}, inputs.contraction)[:, 0], q, atol=1e-9)
+
+
+def test_the_maxwell_slip_form_has_elements_of_three_widths():
+    inputs = path(seed=7)
+    _, form = get_effect("presliding_hysteresis:maxwell_slip_3")
+    got = form.columns(inputs, {"x_s": 2.0}, np.zeros(len(inputs)))
+    for column, width in zip(got.T, (0.6, 2.0, 6.0), strict=True):
+        np.testing.assert_allclose(column, -stop_by_steps(inputs.displacement_mm, width), atol=1e-12)

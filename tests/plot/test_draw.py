@@ -1,0 +1,73 @@
+"""Every figure can be drawn without a warning, says its units, and leaves matplotlib as it was."""
+
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import matplotlib
+import pytest
+from matplotlib.figure import Figure
+
+from pam_ident import plot
+from pam_ident.diagnosis.compare import compare
+from pam_ident.diagnosis.nouns import Pattern
+from pam_ident.fitting import fit
+from pam_ident.model import Model
+from pam_ident.plot.style import running_mean, signed, spread, thin
+
+FIGURES = {
+    "measured": lambda d, _: plot.measured_against_model.draw(d.base, d.best),
+    "failure": lambda d, _: plot.failure_map.draw(compare(d.base)),
+    "profiles": lambda d, _: plot.profiles.draw(compare(d.base)),
+    "ladder": lambda _, steps: plot.ladder.draw(steps),
+    "suspects": lambda d, _: plot.suspects.draw(d),
+    "signature": lambda d, _: plot.signature.draw(d.base, d.best),
+    "pattern": lambda d, _: plot.residual_pattern.draw(d.best, Pattern("trend", "time", None, "s", 0.1, "")),
+}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_draws_with_units_and_without_traces(name, diagnosis, ladder):
+    before = dict(matplotlib.rcParams)
+    figure = FIGURES[name](diagnosis, ladder)
+    svg = plot.to_svg(figure)
+    assert dict(matplotlib.rcParams) == before
+    assert isinstance(figure, Figure)
+    assert ET.fromstring(svg).tag.endswith("svg")
+    labels = [axes.get_xlabel() for axes in figure.axes] + [axes.get_ylabel() for axes in figure.axes]
+    assert any("(N)" in label or "(N)," in label for label in labels)
+    measured = [label for label in labels if label]
+    assert all("(" in label or label.startswith("rms error (N)") for label in measured)
+    assert plot.to_png(figure, 40).startswith(b"\x89PNG")
+
+
+def test_the_same_figure_gives_the_same_file(diagnosis):
+    assert plot.to_svg(plot.suspects.draw(diagnosis)) == plot.to_svg(plot.suspects.draw(diagnosis))
+
+
+def test_tables_and_odd_texts_can_be_drawn(table, diagnosis):
+    one = fit(Model.build("modified_chou_hannaford"), table)
+    plot.to_svg(plot.measured_against_model.draw(one))
+    plot.to_svg(plot.failure_map.draw(compare(one)))
+    plot.to_svg(plot.signature.draw(one, one))
+    odd = replace(diagnosis.ranking[0], label="$x_{ <b>")
+    svg = plot.to_svg(plot.suspects.draw(replace(diagnosis, ranking=(odd,))))
+    assert "$x_{ &lt;b&gt;" in svg
+    plot.to_svg(plot.suspects.draw(replace(diagnosis, ranking=())))
+
+
+def test_isobar_labels_do_not_overlap(diagnosis):
+    figure = plot.measured_against_model.draw(diagnosis.base)
+    plot.to_png(figure, 72)
+    axes = figure.axes[0]
+    boxes = [t.get_window_extent() for t in axes.texts if t.get_text().endswith("MPa")]
+    assert len(boxes) == 2
+    assert not boxes[0].overlaps(boxes[1])
+
+
+def test_helpers():
+    assert list(thin(5, 10)) == [0, 1, 2, 3, 4]
+    assert list(thin(101, 3)) == [0, 50, 100]
+    assert list(running_mean(thin(5, 5).astype(float), 3)) == [0.5, 1.0, 2.0, 3.0, 3.5]
+    moved = spread(thin(3, 3) * 0.0, 2.0)
+    assert sorted(moved) == pytest.approx([-2.0, 0.0, 2.0], abs=1e-6)
+    assert [signed(v) for v in (12.34, -1.26, 0.123, 0.001)] == ["+12", "−1.3", "+0.12", "0"]

@@ -1,0 +1,169 @@
+"""Strokes, reversals, holds and cycles found from noisy displacement, against the motion that was commanded."""
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Specimen
+from pam_ident.records import build_record
+from pam_ident.records.motion import position_noise
+
+MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
+TRAVEL = 40.0
+
+
+def trapezoid(speed, hold, per_stroke, cycles=3, in_hold=12):
+    """(t, x, direction, moving, cycle, speed): up, hold, down, hold; the hold belongs to the stroke before it.
+
+    Corners are left out, so that every sample has one true answer.
+    """
+    rows, clock = [], 0.0
+    for cycle in range(1, cycles + 1):
+        for sign in (1.0, -1.0):
+            took = TRAVEL / speed
+            at = (np.arange(per_stroke) + 0.5) / per_stroke
+            x = TRAVEL * at if sign > 0 else TRAVEL * (1.0 - at)
+            rows += [(clock + took * a, v, sign, 1.0, cycle, speed) for a, v in zip(at, x, strict=True)]
+            clock += took
+            end = TRAVEL if sign > 0 else 0.0
+            if hold:
+                rows += [(clock + hold * b, end, sign, 0.0, cycle, speed) for b in (np.arange(in_hold) + 0.5) / in_hold]
+                clock += hold
+    return np.array(rows).T
+
+
+def sine(period, per_cycle, cycles=3):
+    """Contraction first; the two samples nearest to each reversal have no sure branch and are not judged."""
+    t = (np.arange(per_cycle * cycles) + 0.5) / per_cycle * period
+    phase = 2.0 * np.pi * t / period
+    return (
+        t,
+        0.5 * TRAVEL * (1.0 - np.cos(phase)),
+        np.sign(np.sin(phase)),
+        np.ones_like(t),
+        np.floor(t / period) + 1.0,
+        0.5 * TRAVEL * 2.0 * np.pi / period * np.sin(phase),
+    )
+
+
+def record_of(t, x, noise, seed=3):
+    """A record of one isobar with position noise in mm."""
+    seen = x + noise * np.random.default_rng(seed).standard_normal(len(x))
+    return build_record("r", MUSCLE, np.full_like(t, 0.3), seen / 200.0, 800.0 - x, time=t)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01, 0.05])
+@pytest.mark.parametrize("per_stroke", [12, 40, 400])
+@pytest.mark.parametrize("speed", [1.0, 10.0, 100.0])
+def test_a_trapezoid_with_holds_is_cut_where_it_was_commanded(speed, per_stroke, noise):
+    t, x, direction, moving, cycle, _ = trapezoid(speed, 4.0, per_stroke)
+    record = record_of(t, x, noise)
+    found = record.inputs
+    judged = np.ones(len(t), bool)
+    for corner in np.flatnonzero((np.diff(moving) != 0.0) | (np.diff(direction) != 0.0)):
+        judged[max(corner - 1, 0) : corner + 3] = False
+    wrong = (found.direction != direction)[judged].mean()
+    assert wrong == 0.0, f"{wrong:.1%} of the samples on the wrong branch"
+    assert (found.moving != (moving == 1.0))[judged].mean() <= 0.01
+    assert (found.cycle != cycle)[judged].mean() == 0.0
+    going = judged & (moving == 1.0) & found.moving
+    assert np.median(np.abs(found.velocity[going])) == pytest.approx(speed, rel=0.02)
+    assert np.all(found.velocity[~found.moving] == 0.0)
+    assert len(np.unique(record.stroke[found.moving])) == 6
+
+
+@pytest.mark.parametrize(
+    ("speed", "per_stroke", "in_hold", "noise"), [(2.0, 20000, 4000, 0.01), (10.0, 4000, 4000, 0.01)]
+)
+def test_a_logger_much_faster_than_the_motion_changes_nothing(speed, per_stroke, in_hold, noise):
+    """1 kHz at 2 and 10 mm/s: one step of the motion is far below the noise of the position."""
+    t, x, direction, moving, cycle, _ = trapezoid(speed, 4.0, per_stroke, in_hold=in_hold)
+    record = record_of(t, x, noise)
+    found = record.inputs
+    assert np.mean(found.direction != direction) < 0.01
+    assert np.mean(found.moving != (moving == 1.0)) < 0.01
+    assert np.mean(found.cycle != cycle) < 0.01
+    assert len(np.unique(record.stroke[found.moving])) == 6
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+@pytest.mark.parametrize("per_stroke", [15, 100])
+def test_reversals_without_holds_are_found_and_nothing_is_called_a_hold(per_stroke, noise):
+    t, x, direction, _, cycle, _ = trapezoid(10.0, 0.0, per_stroke)
+    record = record_of(t, x, noise)
+    found = record.inputs
+    turns = np.flatnonzero(np.diff(direction))
+    judged = np.ones(len(t), bool)
+    judged[np.concatenate([turns, turns + 1])] = False
+    np.testing.assert_array_equal(found.direction[judged], direction[judged])
+    np.testing.assert_array_equal(found.cycle[judged], cycle[judged])
+    assert found.moving.all()
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+@pytest.mark.parametrize("per_cycle", [24, 100, 1000])
+@pytest.mark.parametrize("period", [0.5, 5.0, 60.0])
+def test_a_sine_is_cut_at_its_turning_points_and_its_speed_followed(period, per_cycle, noise):
+    t, x, direction, _, cycle, velocity = sine(period, per_cycle)
+    record = record_of(t, x, noise)
+    found = record.inputs
+    sure = np.abs(velocity) > 0.25 * np.abs(velocity).max()
+    np.testing.assert_array_equal(found.direction[sure], direction[sure])
+    np.testing.assert_array_equal(found.cycle[sure], cycle[sure])
+    assert found.moving[sure].all()
+    error = found.velocity[sure] - velocity[sure]
+    assert np.sqrt(np.mean(error**2)) < (0.15 if per_cycle < 50 else 0.03) * np.abs(velocity).max()
+
+
+def test_several_speeds_in_one_run_keep_their_own_speed():
+    parts, clock = [], 0.0
+    for speed in (2.0, 10.0, 40.0):
+        t, *rest = trapezoid(speed, 4.0, 40, cycles=2)
+        parts.append(np.array([t + clock, *rest]))
+        clock += t[-1] + 0.2
+    t, x, _, moving, _, speed = np.concatenate(parts, axis=1)
+    found = record_of(t, x, 0.01).inputs
+    for value in (2.0, 10.0, 40.0):
+        of = found.stroke_speed[(speed == value) & (moving == 1.0)]
+        assert np.median(of) == pytest.approx(value, rel=0.03)
+        assert np.mean(np.abs(of / value - 1.0) < 0.1) > 0.95
+    assert set(np.unique(found.cycle)) == {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}
+
+
+def test_isobars_are_separate_segments_and_cycles_start_anew_on_each():
+    t, x, *_ = trapezoid(10.0, 2.0, 30, cycles=2)
+    time = np.concatenate([t, t + t[-1] + 30.0])
+    pressure = np.repeat([0.3, 0.1], len(t)) + 1e-4 * np.random.default_rng(1).standard_normal(2 * len(t))
+    record = build_record("r", MUSCLE, pressure, np.tile(x, 2) / 200.0, np.zeros(2 * len(t)), time=time)
+    np.testing.assert_allclose(record.levels, [0.1, 0.3], atol=1e-4)
+    np.testing.assert_array_equal(record.inputs.segment, np.repeat([0, 1], len(t)))
+    assert record.inputs.cycle[len(t)] == 1.0
+    assert len(np.unique(record.block)) == 4 and record.block_kind == "cycle"
+
+
+def test_a_run_that_begins_at_rest_after_a_contraction_counts_as_extension_next():
+    t, x, *_ = trapezoid(10.0, 2.0, 30, cycles=1)
+    still = np.arange(-20, 0) * 0.1
+    record = record_of(np.r_[still, t], np.r_[np.zeros(20), x], 0.005)
+    assert not record.inputs.moving[:19].any()
+    np.testing.assert_array_equal(record.inputs.direction[:19], -1.0)
+    np.testing.assert_array_equal(record.inputs.direction[22:50], 1.0)
+
+
+def test_noise_of_the_position_is_estimated_from_the_track_itself():
+    x = sine(10.0, 1000)[1]
+    for noise in (0.01, 0.1):
+        seen = x + noise * np.random.default_rng(5).standard_normal(len(x))
+        assert position_noise(seen) == pytest.approx(noise, rel=0.15)
+    assert position_noise(np.arange(4.0)) == 0.0
+
+
+def test_a_record_that_never_moves_is_read_and_holds_no_motion():
+    t = np.arange(40) * 0.1
+    record = build_record("r", MUSCLE, np.full(40, 0.3), np.full(40, 0.1), np.full(40, 500.0), time=t)
+    assert np.all(record.inputs.velocity == 0.0)
+    assert np.isfinite(record.inputs.direction).all()
+
+
+def test_one_sample_is_a_record():
+    one = np.ones(1)
+    assert len(build_record("r", MUSCLE, 0.3 * one, 0.1 * one, one, time=one)) == 1
