@@ -61,7 +61,7 @@ class Specimen:
         return 2.0 * self.a * (1.0 - contraction) / (3.0 * ratio**2) - 1.0 / (1.0 - contraction)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Inputs:
     """The state of the muscle at n samples, in the order of time.
 

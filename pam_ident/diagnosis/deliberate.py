@@ -1,18 +1,65 @@
 """From suspects to the set that explains the record: search, exact refits, and second thoughts."""
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
 from ..effects import Effect
+from ..fitting import Fit
 from ..model import Term
+from .noise import Noise
 from .patterns import patterns
 from .search import Choice, beam_search
 from .trial import Lead, Trial, Verdict
 
+NEAR = 30.0
+"""Cost within which a linearised estimate is worth an exact fit."""
 PATTERN_MARGIN = 20.0
 PATTERN_TOLERANCE = 0.015
 """Share of all that is to be explained which an unknown pattern must earn: more than the form error of a known effect."""
+
+
+def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[Trial, Verdict]:
+    """The answer to a record, with the noise and the effects made to agree.
+
+    Slow noise and an effect can each pass for the other. So where noise is coloured the record is judged again
+    against the noise that the law alone would imply, and against that which the new answer leaves; the answers and
+    all their parts are then compared by their full likelihood, each with its own noise.
+    """
+    trial = Trial(base, suspects)
+    verdict = _answer(trial, most)
+    trials = [(trial, verdict)]
+    if not (trial.noise.coloured or trial.noise_left_by(verdict).coloured):
+        return trial, verdict
+    for source in (trial.empty, None):
+        again = Trial(base, suspects, trials[-1][0].noise_left_by(source or trials[-1][1]))
+        trials.append((again, _answer(again, most)))
+    rivals: dict[tuple[str, ...], tuple[Trial, Verdict]] = {}
+    for court, found in trials:
+        for size in range(len(found.terms) + 1):
+            for terms in combinations(found.terms, size):
+                rivals.setdefault(tuple(sorted(t.label for t in terms)), (court, court.refit(terms, found.values)))
+    scored = [(_full_cost(court, found), k) for k, (court, found) in enumerate(rivals.values())]
+    (_, noise), k = min(scored, key=lambda item: item[0][0])
+    court, found = list(rivals.values())[k]
+    final = Trial(base, suspects, noise)
+    return final, final.refit(found.terms, found.values)
+
+
+def _answer(trial: Trial, most: int) -> Verdict:
+    verdict = deliberate(trial, most)
+    return find_pattern(trial, verdict) or verdict
+
+
+def _full_cost(trial: Trial, verdict: Verdict) -> tuple[float, Noise]:
+    """Deviance of a set with the noise it leaves, plus its price; and that noise."""
+    noise = trial.noise_left_by(verdict)
+    price = 0.0
+    for term in verdict.terms:
+        price += trial.price.per_parameter * len(term.form.params) + trial.price.per_name_alone
+        price += 0.0 if term.effect.candidate else PATTERN_MARGIN
+    return noise.deviance + price, noise
 
 
 def deliberate(trial: Trial, most: int = 3) -> Verdict:
@@ -85,8 +132,8 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
             price = _pattern_price(trial, lead)
             leads.append((start.cost - lead.gain + price, price, lead))
     leads.sort(key=lambda item: item[0])
-    rivals = [_with_pattern(trial, lead, price) for _, price, lead in leads[:4]]
-    best = min(rivals, key=lambda v: v.cost)
+    rivals = [_with_pattern(trial, lead, price) for cost, price, lead in leads[:4] if cost < verdict.cost + NEAR]
+    best = min(rivals, key=lambda v: v.cost, default=verdict)
     return best if best.cost < verdict.cost else None
 
 

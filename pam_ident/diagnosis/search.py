@@ -150,10 +150,19 @@ def _diverse(choices: list[Choice], data: Compressed, width: int) -> list[Choice
 
 @dataclass(frozen=True)
 class Price:
-    """What an effect must earn, in whitened squares: per parameter, per name, and for the search among suspects."""
+    """What an effect must earn, in whitened squares: per parameter and per name.
+
+    `per_name_alone` is the part for the search among suspects; `tolerance` what an unforeseen form may leave.
+    """
 
     per_parameter: float
-    per_name: float
+    per_name_alone: float
+    tolerance: float
+
+    @property
+    def per_name(self) -> float:
+        """Price of a name, tolerance included."""
+        return self.per_name_alone + self.tolerance
 
     @property
     def least(self) -> float:

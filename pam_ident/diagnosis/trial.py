@@ -40,7 +40,7 @@ class Verdict:
 class Trial:
     """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted."""
 
-    def __init__(self, base: Fit, suspects: Sequence[Effect]) -> None:
+    def __init__(self, base: Fit, suspects: Sequence[Effect], noise: Noise | None = None) -> None:
         self.base = base
         self.record: Record = base.record
         self.excluded: dict[str, tuple[str, str]] = {}
@@ -53,7 +53,7 @@ class Trial:
                 self.suspects.append(effect)
         view = View(self.record, base.model, base.values)
         atoms = [a for effect in self.suspects for a in view.atoms(effect)]
-        self.noise: Noise = self._noise(view, atoms)
+        self.noise: Noise = noise or self._noise(view, atoms)
         self._drop_unseen(view.compress(atoms, self.noise))
         self.suspects = [e for e in self.suspects if e.name not in self.excluded]
         self.data = view.compress([a for a in atoms if a.effect not in self.excluded], self.noise)
@@ -61,7 +61,7 @@ class Trial:
         self.empty = replace(self.empty, cost=self.empty.squares)
         excess = max(self.empty.squares - len(self.record), 0.0)
         base_price = 2.0 * np.log(max(len(suspects), 2)) + NAME_MARGIN
-        self.price = Price(float(np.log(max(len(self.record), 10))), float(base_price + FORM_TOLERANCE * excess))
+        self.price = Price(float(np.log(max(len(self.record), 10))), float(base_price), FORM_TOLERANCE * excess)
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
 
     def squares(self, model: Model, values: Mapping[str, float]) -> float:
@@ -109,13 +109,17 @@ class Trial:
     def _view(self, verdict: Verdict) -> "View":
         return View(self.record, self.base.model.adding(*verdict.terms), verdict.values)
 
+    def noise_left_by(self, verdict: Verdict) -> Noise:
+        """Noise as it must be if a set is the whole truth."""
+        view = self._view(verdict)
+        return estimate_noise(self.record, view.residual, len(verdict.values), self.noise.outlier)
+
     def _noise(self, view: "View", atoms: Sequence[Atom]) -> Noise:
         """Noise is what the law, all suspects together and free curves over contraction still leave."""
         columns = np.hstack([view.law, *[a.columns for a in atoms], _free_curves(self.record)])
         basis = orthonormal(columns if columns.shape[1] < len(self.record) // 3 else view.law)
         left = view.residual - basis @ (basis.T @ view.residual)
-        slope_x = view.around.contraction / self.record.specimen.initial_length_mm
-        return estimate_noise(self.record, left, slope_x, view.around.pressure, basis.shape[1])
+        return estimate_noise(self.record, left, basis.shape[1])
 
     def _drop_unseen(self, data: Compressed) -> None:
         """Note effects that the law absorbs or the record does not excite."""

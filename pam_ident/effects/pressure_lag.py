@@ -39,6 +39,12 @@ def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, log_volume, shape["tau"]))
 
 
+def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """A valve of fixed conductance fills a larger volume more slowly: τ grows with V."""
+    volume = inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
+    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, np.log(volume), shape["tau"] * volume))
+
+
 def _orifice(inputs: Inputs, shape: Shape, force: Array) -> Array:
     rate = _rate(inputs)
     return one(-np.sign(rate) * 0.1 * (np.abs(rate) / 0.1) ** shape["n"])
@@ -51,6 +57,7 @@ EFFECT = Effect(
     forms=(
         TransformsPressure("textbook", "p → p − T_p p_abs V̇/V", (LAG,), _quasi_steady),
         TransformsPressure("lagging", "p → p − κ p_abs q, q̇ = V̇/V − q/τ", (KAPPA,), _lagging, (TAU,)),
+        TransformsPressure("conductance", "the same with τ V/V0 for τ", (KAPPA,), _conductance, (TAU,)),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
     ),
     test="a pressure sensor at the muscle, at several speeds",

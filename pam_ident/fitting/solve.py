@@ -117,7 +117,7 @@ def _search(
                 ftol=1e-8 if quick else 1e-13,
                 xtol=1e-7 if quick else 1e-11,
                 gtol=1e-13,
-                max_nfev=40 if quick else 200,
+                max_nfev=25 if quick else 200,
             )
         )
     best = min(results, key=lambda r: r.cost)
@@ -147,7 +147,7 @@ def _polish(
         ftol=1e-8 if quick else 1e-12,
         xtol=1e-7 if quick else 1e-10,
         gtol=1e-12,
-        max_nfev=12 if quick else 60,
+        max_nfev=25 if quick else 60,
     )
     values = {n: float(v) for n, v in zip(names, result.x * scale, strict=True)}
     return Solution(values, bool(result.status > 0), str(result.message))

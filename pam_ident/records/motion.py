@@ -11,13 +11,15 @@ Array = np.ndarray
 @dataclass(frozen=True)
 class Motion:
     """Per sample, shape (n,): velocity in mm/s (0 in a hold), direction ±1, moving, the number of the
-    stroke a sample belongs to, and that stroke's median speed in mm/s."""
+    stroke a sample belongs to, that stroke's median speed in mm/s, and the position in mm with the sensor's
+    noise taken out where a smooth stroke or a hold describes it to the noise."""
 
     velocity: Array
     direction: Array
     moving: Array
     stroke: Array
     stroke_speed: Array
+    position: Array
 
 
 def position_noise(x: Array) -> float:
@@ -35,7 +37,7 @@ def find_motion(time: Array, x: Array, segment: Array) -> Motion:
     """
     n = len(x)
     velocity, direction = np.zeros(n), np.zeros(n)
-    moving, stroke, speed = np.zeros(n, bool), np.zeros(n, int), np.zeros(n)
+    moving, stroke, speed, position = np.zeros(n, bool), np.zeros(n, int), np.zeros(n), x.copy()
     span = float(np.ptp(x)) if n else 0.0
     noise = position_noise(x)
     edges = np.flatnonzero(np.diff(segment)) + 1
@@ -50,12 +52,13 @@ def find_motion(time: Array, x: Array, segment: Array) -> Motion:
                 continue
             count += 1
             rows = part[_square_ends(time[part], x[part], inside, moving[part], noise)]
-            slope = _stroke_velocity(time[rows], x[rows], noise)
+            position[rows], slope = _smooth_stroke(time[rows], x[rows], noise)
             velocity[rows], moving[rows], stroke[rows] = slope, True, count
             direction[rows] = np.sign(x[part[end]] - x[part[begin]])
             speed[rows] = np.median(np.abs(slope))
         _carry(direction, moving, stroke, speed, part)
-    return Motion(velocity, direction, moving, stroke, speed)
+        _smooth_holds(position, x, part[~moving[part]], noise)
+    return Motion(velocity, direction, moving, stroke, speed, position)
 
 
 def _pivots(x: Array, threshold: float) -> list[int]:
@@ -146,16 +149,20 @@ def _bend(x: Array, begin: int, end: int) -> float:
     return 4.0 * abs(float(x[begin] - 2.0 * x[middle] + x[end])) / max(middle - begin, 1) ** 2
 
 
-def _stroke_velocity(time: Array, x: Array, noise: float) -> Array:
-    """dx/dt along one stroke: a polynomial where it describes the stroke to the noise, else local slopes."""
+def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
+    """Position and dx/dt along one stroke: a polynomial where it describes the stroke to the noise, else local slopes."""
     n, width = len(x), float(np.ptp(time))
     if width <= 0.0:
-        return np.zeros(n)
+        return x, np.zeros(n)
     if n >= 12:
         centred = 2.0 * (time - time[0]) / width - 1.0
         curve = np.polynomial.Chebyshev.fit(centred, x, min(7, n // 6), domain=[-1.0, 1.0])
-        if np.std(x - curve(centred)) < max(3.0 * noise, 2e-4 * np.ptp(x)):
-            return curve.deriv()(centred) * 2.0 / width
+        missed = np.std(x - curve(centred))
+        slope = curve.deriv()(centred) * 2.0 / width
+        if missed < 2.0 * noise:
+            return curve(centred), slope
+        if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
+            return x, slope
     half = max(1, min(6, n // 4))
     index = np.arange(n)
     low, high = np.maximum(index - half, 0), np.minimum(index + half, n - 1) + 1
@@ -163,7 +170,14 @@ def _stroke_velocity(time: Array, x: Array, noise: float) -> Array:
     sums = [np.r_[0.0, np.cumsum(v)] for v in (shifted_t, shifted_x, shifted_t**2, shifted_t * shifted_x)]
     st, sx, stt, stx = (s[high] - s[low] for s in sums)
     m = high - low
-    return (stx - st * sx / m) / np.maximum(stt - st**2 / m, 1e-15)
+    return x, (stx - st * sx / m) / np.maximum(stt - st**2 / m, 1e-15)
+
+
+def _smooth_holds(position: Array, x: Array, rest: Array, noise: float) -> None:
+    """Replace the position in each hold by its mean where it does not move by more than the noise."""
+    for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1):
+        if len(hold) >= 4 and np.std(x[hold]) < 2.0 * noise:
+            position[hold] = x[hold].mean()
 
 
 def _carry(direction: Array, moving: Array, stroke: Array, speed: Array, part: Array) -> None:

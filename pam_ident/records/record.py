@@ -1,6 +1,6 @@
 """A measured record, ready to be fitted."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,7 +16,10 @@ class Record:
 
     `level` is the nominal pressure of a sample's isobar in MPa, `stroke` the number of its stroke (0 in a
     table), `block` the unit that is held out whole: a cycle of a record in time, a length or an isobar of
-    a table. `source` and `sha256` say where it came from, `columns` what was read as what.
+    a table. `steady` are the inputs with the white noise of the pressure and displacement sensors taken out,
+    where a constant pressure and a smooth motion describe them to the noise; the diagnosis uses them, because
+    noise that goes through a force law is taken for physics. `source` and `sha256` say where the record came
+    from, `columns` what was read as what.
     """
 
     name: str
@@ -25,6 +28,7 @@ class Record:
     level: Array
     stroke: Array
     block: Array
+    steady: Inputs
     source: str = ""
     sha256: str = ""
     columns: dict[str, str] = field(default_factory=dict)
@@ -99,7 +103,24 @@ def build_record(
         segment=segment,
     )
     _, block = np.unique(segment * 100_000 + cycle.astype(int), return_inverse=True)
-    return Record(name, inputs, force, level, motion.stroke, block, **origin)  # type: ignore[arg-type]
+    calm = replace(
+        inputs,
+        pressure=_calm_pressure(pressure, segment),
+        contraction=motion.position / specimen.initial_length_mm,
+    )
+    return Record(name, inputs, force, level, motion.stroke, block, calm, **origin)  # type: ignore[arg-type]
+
+
+def _calm_pressure(pressure: Array, segment: Array) -> Array:
+    """Pressure with each run's mean where its deviations are white, so that they are the sensor's own noise."""
+    calm = pressure.copy()
+    for k in np.unique(segment):
+        rows = segment == k
+        off = pressure[rows] - pressure[rows].mean()
+        square = float(np.mean(off**2))
+        if len(off) > 20 and square > 0 and np.mean(off[1:] * off[:-1]) < 4.0 / np.sqrt(len(off)) * square:
+            calm[rows] = pressure[rows].mean()
+    return calm
 
 
 def _table(
@@ -125,7 +146,7 @@ def _table(
     by_length = len(lengths) <= max(12, len(force) // 6)
     _, block = np.unique(np.round(contraction, 4) if by_length else level, return_inverse=True)
     kind = "length" if by_length else "isobar"
-    return Record(name, inputs, force, level, np.zeros(len(force), int), block, block_kind=kind, **origin)  # type: ignore[arg-type]
+    return Record(name, inputs, force, level, np.zeros(len(force), int), block, inputs, block_kind=kind, **origin)  # type: ignore[arg-type]
 
 
 def _levels(pressure: Array) -> Array:

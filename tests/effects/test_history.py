@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Inputs, Specimen
+from pam_ident.core.recursion import decaying_sum
 from pam_ident.effects import get_effect
-from pam_ident.effects._history import dahl_operator, follow, relax, runs, stop_operator
+from pam_ident.effects._history import dahl_operator, relax, runs, stop_operator
+from pam_ident.laws import get_law
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 
@@ -76,12 +78,26 @@ def test_a_held_muscle_relaxes_with_its_time_constant():
     np.testing.assert_allclose(q[2:] / q[1], np.exp([-0.5, -2.5]))
 
 
-def test_a_lag_follows_its_drive_and_rests_on_it():
-    t = np.arange(0.0, 50.0, 0.1)
-    inputs = Inputs(np.ones(500), np.zeros(500), MUSCLE, np.ones(500), time=t, segment=np.zeros(500, int))
-    ramp = follow(inputs, 0.2 * t, 2.0)
-    assert ramp[-1] == pytest.approx(0.2 * (t[-1] - 2.0), rel=1e-6)
-    np.testing.assert_allclose(follow(inputs, np.full(500, 7.0), 2.0), 7.0)
+def test_a_lagging_pressure_is_the_relaxation_of_the_volume():
+    """p_abs times q of q̇ = V̇/V − q/τ; on a slow stroke that is τ p_abs V̇/V."""
+    inputs = path()
+    ratio = np.array([(MUSCLE.radius_ratio(np.array(e))) for e in inputs.contraction])
+    volume = np.log(ratio**2 * (1.0 - inputs.contraction))
+    _, form = get_effect("pressure_lag:lagging")
+    got = form.columns(inputs, {"tau": 0.4}, np.zeros(len(inputs)))[:, 0]
+    np.testing.assert_allclose(got, -(0.3 + 0.101325) * relax_by_steps(inputs, volume, 0.4), atol=1e-9)
+
+
+@pytest.mark.parametrize("shape", [(50,), (50, 3)])
+def test_the_decaying_sum_is_that_of_a_loop(shape):
+    rng = np.random.default_rng(8)
+    decay, gain = np.exp(-rng.exponential(2.0, 50)), rng.standard_normal(shape)
+    decay[[7, 30]] = 0.0
+    out = [np.zeros(shape[1:])]
+    for d, g in zip(decay, gain, strict=True):
+        out.append(d * out[-1] + g)
+    np.testing.assert_allclose(decaying_sum(decay, gain), out, rtol=1e-10, atol=1e-14)
+    assert decaying_sum(decay[:0], gain[:0]).shape == (1, *shape[1:])
 
 
 def stop_by_steps(x, width):
@@ -146,7 +162,9 @@ def test_creep_is_the_relaxation_of_its_drive():
         -relax_by_steps(inputs, inputs.contraction, 1.0)[-1], abs=1e-9
     )
     _, driven = get_effect("creep:force_driven")
-    np.testing.assert_allclose(driven.columns(inputs, {"tau": 10.0}, inputs.contraction)[:, 0], q, atol=1e-9)
+    ideal = get_law("chou_hannaford").force(inputs.pressure, inputs.contraction, MUSCLE, {})
+    got = driven.columns(inputs, {"tau": 10.0}, zero)[:, 0]
+    np.testing.assert_allclose(got, -relax_by_steps(inputs, ideal, 10.0), rtol=1e-6, atol=1e-6)
 
 
 def test_the_maxwell_slip_form_has_elements_of_three_widths():

@@ -182,6 +182,12 @@ def test_a_compliant_fixture_shortens_the_muscle_by_its_own_force(mm_per_kn):
         assert force == pytest.approx(low, abs=1e-5)
 
 
+def test_a_fixture_that_stiffens_gives_half_as_much_at_its_half_force():
+    soft = columns("series_compliance", inputs(0.1), [400.0])[0, 0]
+    assert soft == pytest.approx(0.4 / L0)
+    assert columns("series_compliance:stiffening", inputs(0.1), [400.0], F_1=400.0)[0, 0] == pytest.approx(soft / 2.0)
+
+
 def test_pressure_lags_by_the_rate_of_volume():
     """p − T_p (p + p_atm) d ln V/dt, V from the braid; a contracting muscle draws air and has less pressure."""
     v = 20.0
@@ -240,6 +246,8 @@ def test_viscous_damping_is_newtons_per_metre_a_second():
     np.testing.assert_allclose(columns("viscous_damping", moved())[:, 0] * 1000.0, [-8.0, 0.0, 2.0, 0.0])
     power = columns("viscous_damping:power", moved(), n=0.5)[:, 0] * 1000.0
     np.testing.assert_allclose(power, [-10.0 * 0.8**0.5, 0.0, 10.0 * 0.2**0.5, 0.0])
+    thinning = columns("viscous_damping:thinning", moved(), v_1=8.0)[:, 0] * 1000.0
+    np.testing.assert_allclose(thinning, [-4.0, 0.0, 1.6, 0.0])
     pressure = columns("viscous_damping:pressure", moved(), n=0.5) @ [1000.0, 400.0]
     np.testing.assert_allclose(pressure, power * 1.2)
 
