@@ -131,7 +131,7 @@ class Model:
             else:
                 added.append(term.columns(inputs, values, force))
         if pressure is not inputs.pressure:
-            pressure = np.maximum(pressure, 0.0)
+            pressure = np.maximum(pressure, np.minimum(inputs.pressure, 0.0))
         columns = self.law.columns(pressure, contraction, inputs.specimen, values)
         fixed = self.law.fixed(pressure, contraction, inputs.specimen, values)
         if self.terms:

@@ -37,7 +37,7 @@ def split_header(header: str) -> tuple[str, str | None]:
     if found:
         return _snake(found["name"]), found["unit"].replace("°", "") or None
     name, _, last = text.rpartition("_")
-    if name and any(last in units for units in TO_INTERNAL.values()):
+    if name and any(last.lower() in map(str.lower, units) for units in TO_INTERNAL.values()):
         return _snake(name), last
     return _snake(text), None
 

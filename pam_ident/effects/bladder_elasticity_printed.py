@@ -8,7 +8,7 @@ from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one
 from .bladder_elasticity import wall
 
-E_MOD = Param("E_printed", "MPa·mm⁻¹", "modulus by the printed form: not a Young's modulus", 0.0, 5000.0, scale=1.0)
+E_MOD = Param("E_printed", "MPa·mm⁻¹", "modulus by the printed form: not a Young's modulus", 0.0, 5000.0, scale=0.01)
 
 
 def _printed(inputs: Inputs, shape: Shape, force: Array) -> Array:

@@ -13,15 +13,15 @@ SOFTNESS = Param("inv_EA", "1/kN", "compliance of all threads, 1/EA", 0.0, 10.0,
 def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
     s = inputs.specimen
     cos = (1.0 - inputs.contraction) * math.cos(math.radians(s.braid_angle_deg))
-    sin2 = np.maximum(1.0 - cos**2, 1e-3)
-    return one(-4e-3 * np.pi**2 * s.initial_radius_mm**4 * inputs.pressure**2 * cos / sin2**2)
+    sin = math.sin(math.radians(s.braid_angle_deg))
+    return one(-4e-3 * np.pi**2 * (s.initial_radius_mm / sin) ** 4 * inputs.pressure**2 * cos)
 
 
 EFFECT = Effect(
     name="braid_extensibility",
     title="Extensible threads",
     source="Davis, Tsagarakis, Canderle & Caldwell 2003, Int. J. Robotics Research 22(3–4), 213–227",
-    forms=(AddsForce("textbook", "−4π² r0⁴ p² cosθ/(sin⁴θ EA)", (SOFTNESS,), _columns),),
+    forms=(AddsForce("textbook", "−4π² r0⁴ p² cosθ/(sin⁴θ0 EA)", (SOFTNESS,), _columns),),
     test="high pressures: the loss grows with the square of pressure",
     levers=("pressure",),
 )

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ..core import DataError, Specimen
-from ..core.units import conversion, split_header
+from ..core.units import TO_INTERNAL, conversion, split_header
 from .record import Record, build_record
 
 QUANTITIES = {
@@ -136,6 +136,16 @@ def _find_columns(path: Path, headers: list[str]) -> dict[str, str]:
             if name in found:
                 raise DataError(f"{path}: columns {found[name]!r} and {header!r} are both {name}; keep one")
             found[name] = str(header)
+    for header in map(str, headers):
+        first = header.rpartition(".")[0]
+        if header.rpartition(".")[2].isdigit() and first in headers:
+            raise DataError(f"{path}, row 1: two columns are called {first!r}; keep one")
+        name, _, unit = split_header(header)[0].rpartition("_")
+        if name in QUANTITIES and name not in found and split_header(header)[0] not in QUANTITIES:
+            raise DataError(
+                f"{path}, row 1, column {header!r}: unknown unit {unit!r} for {name}; expected one of "
+                f"{', '.join(TO_INTERNAL.get(QUANTITIES[name], ()))}, or another name if it is something else"
+            )
     for need in ("pressure", "force"):
         if need not in found:
             raise DataError(

@@ -44,7 +44,7 @@ def find_motion(time: Array, x: Array, segment: Array) -> Motion:
     count = 0
     for part in np.split(np.arange(n), edges):
         pivots = _pivots(x[part], max(6.0 * noise, 0.004 * span)) if span else [0, len(part) - 1]
-        held = _holds(time[part], x[part], pivots, max(6.0 * noise, 5e-4 * span))
+        held = _thinned_holds(time[part], x[part], pivots, noise, span)
         for begin, end in pairwise(pivots):
             inside = np.arange(begin, end + 1)
             inside = inside[~held[begin : end + 1] & ~moving[part[begin : end + 1]]]
@@ -70,16 +70,28 @@ def _pivots(x: Array, threshold: float) -> list[int]:
         if x[i] < x[low]:
             low = i
         if heading >= 0 and x[high] - x[i] > threshold:
-            if heading > 0 or high > 0:
+            if heading > 0 or x[high] - x[0] > threshold:
                 pivots.append(high)
             heading, low, high = -1, i, i
         elif heading <= 0 and x[i] - x[low] > threshold:
-            if heading < 0 or low > 0:
+            if heading < 0 or x[0] - x[low] > threshold:
                 pivots.append(low)
             heading, low, high = 1, i, i
     if pivots[-1] != len(x) - 1:
         pivots.append(len(x) - 1)
     return pivots
+
+
+def _thinned_holds(time: Array, x: Array, pivots: list[int], noise: float, span: float) -> Array:
+    """Mask of the samples at rest, shape of x, on means of so many samples that each moves beyond the noise."""
+    travel = float(np.sum(np.abs(np.diff(x[pivots])))) / len(x)
+    m = int(np.clip(4.0 * noise / max(travel, 1e-12), 1, max(1, len(x) // (60 * len(pivots)))))
+    starts = np.arange(0, len(x) - m + 1, m)
+    counts = np.diff(np.r_[starts, len(x)])
+    coarse_time, coarse_x = np.add.reduceat(time, starts) / counts, np.add.reduceat(x, starts) / counts
+    coarse_pivots = sorted({min(pivot // m, len(starts) - 1) for pivot in pivots})
+    held = _holds(coarse_time, coarse_x, coarse_pivots, max(6.0 * noise / np.sqrt(m), 5e-4 * span))
+    return np.repeat(held, counts)
 
 
 def _holds(time: Array, x: Array, pivots: list[int], band: float) -> Array:
@@ -89,13 +101,7 @@ def _holds(time: Array, x: Array, pivots: list[int], band: float) -> Array:
         return held
     pace = np.zeros(len(x))
     for begin, end in pairwise(pivots):
-        seconds = np.diff(time[begin : end + 1])
-        steps = np.abs(np.diff(x[begin : end + 1]))
-        live = steps > band
-        if live.any():
-            fast = steps[live].sum() / max(seconds[live].sum(), 1e-12)
-        else:
-            fast = abs(x[end] - x[begin]) / max(time[end] - time[begin], 1e-12)
+        fast = _pace(time[begin : end + 1], x[begin : end + 1])
         pace[begin : end + 1] = np.maximum(pace[begin : end + 1], fast)
     start = 0
     while start < len(x):
@@ -107,12 +113,26 @@ def _holds(time: Array, x: Array, pivots: list[int], band: float) -> Array:
                 break
             stop += 1
         lasts = time[stop - 1] - time[start]
-        if stop - start >= 4 and lasts * max(pace[start:stop].min(), 1e-12) > 3.0 * band:
+        middle = (start + stop) // 2
+        if (
+            stop - start >= 4
+            and lasts * max(pace[start:stop].min(), 1e-12) > 3.0 * band
+            and abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0
+        ):
             held[start:stop] = True
             start = stop
         else:
             start += 1
     return held
+
+
+def _pace(time: Array, x: Array) -> float:
+    """Speed of a stroke while it moves, in mm/s: from at most 40 chords, so that noise between samples adds nothing."""
+    at = np.unique(np.linspace(0, len(x) - 1, min(len(x), 41)).astype(int))
+    seconds, travel = np.diff(time[at]), np.diff(x[at]) * np.sign(x[-1] - x[0])
+    speeds = travel / np.maximum(seconds, 1e-12)
+    live = speeds > 0.3 * max(float(np.quantile(speeds, 0.9)), 0.0)
+    return float(travel[live].sum() / max(float(seconds[live].sum()), 1e-12)) if live.any() else 0.0
 
 
 def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: float) -> Array:

@@ -88,7 +88,7 @@ def build_record(
     segment = _segments(time, level)
     motion = find_motion(time, contraction * specimen.initial_length_mm, segment)
     if cycle is None:
-        cycle = _count_cycles(motion.direction, segment)
+        cycle = _count_cycles(motion.direction, motion.moving, segment)
     inputs = Inputs(
         pressure=pressure,
         contraction=contraction,
@@ -167,11 +167,15 @@ def _segments(time: Array, level: Array) -> Array:
     return np.r_[0, np.cumsum(breaks)]
 
 
-def _count_cycles(direction: Array, segment: Array) -> Array:
-    """Cycles from reversals: within a segment each second reversal begins a new cycle, counted from 1."""
+def _count_cycles(direction: Array, moving: Array, segment: Array) -> Array:
+    """Cycles from reversals: within a segment each second reversal begins a new cycle, counted from 1.
+
+    The rest before the first stroke is part of the first cycle.
+    """
     cycle = np.ones(len(direction))
     for k in np.unique(segment):
-        rows = segment == k
+        rows = np.flatnonzero(segment == k)
+        rows = rows[int(np.argmax(moving[rows])) :]
         reversals = np.r_[0, np.cumsum(np.diff(direction[rows]) != 0.0)]
         cycle[rows] = reversals // 2 + 1
     return cycle
