@@ -13,6 +13,8 @@ from .patterns import patterns
 from .search import Choice, beam_search
 from .trial import Lead, Trial, Verdict
 
+LIGHT = 0.02
+"""Share of the noise's variance that an effect must explain: a wrong name for so little is worse than none."""
 NEAR = 30.0
 """Cost within which a linearised estimate is worth an exact fit."""
 PATTERN_MARGIN = 20.0
@@ -29,11 +31,15 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     """
     trial = Trial(base, suspects)
     verdict = _answer(trial, most)
-    trials = [(trial, verdict)]
     if not (trial.noise.coloured or trial.noise_left_by(verdict).coloured):
-        return trial, verdict
-    for source in (trial.empty, None):
-        again = Trial(base, suspects, trials[-1][0].noise_left_by(source or trials[-1][1]))
+        return trial, _weighed(trial, verdict)
+    trials = [(trial, verdict)]
+    for noise in (
+        lambda: trial.noise_left_by(verdict, white=True),
+        lambda: trial.noise_left_by(trial.empty),
+        lambda: trials[-1][0].noise_left_by(trials[-1][1]),
+    ):
+        again = Trial(base, suspects, noise())
         trials.append((again, _answer(again, most)))
     rivals: dict[tuple[str, ...], tuple[Trial, Verdict]] = {}
     for court, found in trials:
@@ -42,9 +48,20 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
                 rivals.setdefault(tuple(sorted(t.label for t in terms)), (court, court.refit(terms, found.values)))
     scored = [(_full_cost(court, found), k) for k, (court, found) in enumerate(rivals.values())]
     (_, noise), k = min(scored, key=lambda item: item[0][0])
-    court, found = list(rivals.values())[k]
+    _, found = list(rivals.values())[k]
     final = Trial(base, suspects, noise)
-    return final, final.refit(found.terms, found.values)
+    return final, _weighed(final, final.refit(found.terms, found.values))
+
+
+def _weighed(trial: Trial, verdict: Verdict) -> Verdict:
+    """Take out, lightest first, what is significant but does not matter: less than LIGHT of the noise's variance."""
+    while verdict.terms:
+        weights = {k: trial.weight(verdict, term) for k, term in enumerate(verdict.terms)}
+        lightest = min(weights, key=lambda k: weights[k])
+        if weights[lightest] >= LIGHT:
+            break
+        verdict = trial.refit([t for k, t in enumerate(verdict.terms) if k != lightest], verdict.values)
+    return verdict
 
 
 def _answer(trial: Trial, most: int) -> Verdict:
@@ -93,7 +110,7 @@ def _mend(trial: Trial, verdict: Verdict, most: int) -> Verdict:
     """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
     for _ in range(4):
         rivals = [trial.refit([t for t in verdict.terms if t is not term], verdict.values) for term in verdict.terms]
-        rivals += [trial.refit(terms) for terms in _other_forms(verdict)]
+        rivals += [trial.refit(terms, _without(verdict.values, terms)) for terms in _other_forms(verdict)]
         if len(verdict.terms) < most:
             rivals += _additions(trial, verdict)
         best = min(rivals, key=lambda v: v.cost, default=verdict)
@@ -110,6 +127,12 @@ def _other_forms(verdict: Verdict) -> list[list[Term]]:
             if form is not term.form:
                 found.append([*verdict.terms[:k], Term(term.effect, form), *verdict.terms[k + 1 :]])
     return found
+
+
+def _without(values: dict[str, float], terms: Sequence[Term]) -> dict[str, float]:
+    """Start values less the shapes of effects, which are searched anew from their grids."""
+    shapes = {f"{t.effect.name}.{p.name}" for t in terms for p in t.form.shapes}
+    return {k: v for k, v in values.items() if k not in shapes}
 
 
 def _additions(trial: Trial, verdict: Verdict) -> list[Verdict]:

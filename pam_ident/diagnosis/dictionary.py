@@ -1,6 +1,6 @@
 """Every suspect's signature: how the force would change if a little of the effect were there."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -53,12 +53,30 @@ def slopes(model: Model, inputs: Inputs, values: Mapping[str, float]) -> Slopes:
 
 def atoms_of(effect: Effect, inputs: Inputs, around: Slopes) -> list[Atom]:
     """All forms of an effect at all combinations of their shapes' grids."""
+    return [a for form in effect.forms for a in atoms_at(effect, form, _grid(form), inputs, around)]
+
+
+def atoms_at(
+    effect: Effect, form: Form, points: Iterable[Mapping[str, float]], inputs: Inputs, around: Slopes
+) -> list[Atom]:
+    """One form at some values of its shapes; points where it is not finite are left out."""
     found = []
-    for form in effect.forms:
-        for shapes in _grid(form):
-            columns = signature(form, inputs, shapes, around)
-            if np.all(np.isfinite(columns)):
-                found.append(Atom(effect.name, Term(effect, form), shapes, columns, form.sizes))
+    for shapes in points:
+        columns = signature(form, inputs, shapes, around)
+        if np.all(np.isfinite(columns)):
+            found.append(Atom(effect.name, Term(effect, form), dict(shapes), columns, form.sizes))
+    return found
+
+
+def closer(atom: Atom, points: int = 41) -> list[dict[str, float]]:
+    """Shapes around an atom's own, one shape at a time, as far as the neighbours on its grid."""
+    found = []
+    for p in atom.term.form.shapes:
+        grid = np.unique(np.r_[p.grid, p.lower, p.upper])
+        here = atom.shapes[p.name]
+        below, above = grid[grid < here - 1e-12], grid[grid > here + 1e-12]
+        low, high = below[-1] if len(below) else here, above[0] if len(above) else here
+        found += [{**atom.shapes, p.name: float(v)} for v in np.linspace(low, high, points)]
     return found
 
 

@@ -6,9 +6,12 @@ import numpy as np
 
 from ..core.recursion import decaying_sum
 from ..records import Record
+from ..records.motion import position_noise
 
 Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
+SMOOTHED = 0.6
+"""Share of the displacement sensor's noise that smoothing a stroke leaves."""
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 80.0])
 
 
@@ -52,33 +55,40 @@ def innovations(z: Array, decay: Array, gain: Array) -> Array:
     return z - decaying_sum(decay[1:] * (1.0 - gain[:-1]), (decay[1:] * gain[:-1])[:, None] * z[:-1])
 
 
-def filter_gains(decay: Array, share: Array) -> tuple[Array, Array]:
-    """Kalman gain and innovation deviation of unit-variance noise, shape (n, g) each.
+def filter_gains(decay: Array, share: Array, extra: Array) -> tuple[Array, Array]:
+    """Kalman gain and innovation deviation, shape (n, g) each, of unit-variance noise plus white noise `extra`.
 
-    `decay` (n, g) is the memory from the sample before, `share` (g,) the correlated part of the variance.
+    `decay` (n, g) is the memory from the sample before, `share` (g,) the correlated part of the unit variance,
+    `extra` (n,) the variance of what is added.
     """
     gain, spread = np.empty_like(decay), np.empty_like(decay)
     variance = share + 0.0
     for i in range(len(decay)):
         predicted = decay[i] ** 2 * variance + (1.0 - decay[i] ** 2) * share
-        total = predicted + 1.0 - share
+        total = predicted + 1.0 - share + extra[i]
         gain[i], spread[i] = predicted / total, np.sqrt(total)
         variance = predicted * (1.0 - gain[i])
     return gain, spread
 
 
-def estimate_noise(record: Record, residual: Array, parameters: int, outlier: Array | None = None) -> Noise:
+def estimate_noise(
+    record: Record, residual: Array, slope: Array, parameters: int, outlier: Array | None = None, white: bool = False
+) -> Noise:
     """Noise from what a model leaves: white, or partly a first-order process.
 
-    `residual` (N, (n,)) of a model with `parameters` free parameters; `outlier` (mask) is found when not given.
+    `residual` (N, (n,)) of a model with `parameters` free parameters; `slope` (N/mm) carries what is left of the
+    displacement sensor's noise into force; `outlier` (mask) is found when not given; `white` forbids colour.
     """
     n = len(residual)
     middle = max(float(np.median(np.abs(residual))) / 0.6745, 1e-9)
     if outlier is None:
         outlier = _isolated(np.abs(residual) > 5.0 * middle)
+    extra = np.zeros(n)
+    if record.inputs.time is not None:
+        extra = (SMOOTHED * position_noise(record.inputs.displacement_mm) * slope / middle) ** 2
     z = np.where(outlier, 0.0, residual / middle)
-    share, memory, clock, decay = _colour(record, z)
-    gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share])))
+    share, memory, clock, decay = (0.0, 0.0, "samples", np.zeros(n)) if white else _colour(record, z, extra)
+    gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share]), extra))
     left = innovations(z[:, None], decay, gain)[:, 0] / spread
     # The scale is profiled out: innovations of a coloured residual need not have unit variance.
     sigma = max(middle * float(np.sqrt(np.sum(left**2) / max((~outlier).sum() - parameters, 1))), 1e-9)
@@ -92,25 +102,25 @@ def _isolated(far: Array) -> Array:
     return far & (near <= 2.0)
 
 
-def _colour(record: Record, z: Array) -> tuple[float, float, str, Array]:
+def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, Array]:
     """Correlated share, memory and clock that make z most likely; white unless clearly better."""
     n = len(z)
     inputs = record.inputs
     white = (0.0, 0.0, "samples", np.zeros(n))
     if inputs.time is None or n < 60:
         return white
-    square = max(float(np.mean(z**2)), 1e-300)
+    square = max(float(np.mean(z**2 / (1.0 + extra))), 1e-300)
     lags = [float(np.mean(z[:-k] * z[k:])) / square for k in (1, 2, 3, 4)]
     if max(lags[0], 0.5 * sum(lags)) < 3.0 / np.sqrt(n):
         return white
     step = np.diff(inputs.time, prepend=inputs.time[0])
     unit = float(np.median(step[1:]))
-    best, least = white, n * float(np.log(square)) - 12.0
+    best, least = white, n * float(np.log(square)) + float(np.sum(np.log(1.0 + extra))) - 12.0
     memories, shares = (m.ravel() for m in np.meshgrid(MEMORY_SAMPLES, SHARES))
     for clock, advance, seconds in (("samples", np.ones(n), 1.0), ("seconds", step / unit, unit)):
         decay = np.exp(-advance[:, None] / memories)
         decay[0] = 0.0
-        gain, spread = filter_gains(decay, shares)
+        gain, spread = filter_gains(decay, shares, extra)
         for g in range(len(shares)):
             left = innovations(z[:, None], decay[:, g], gain[:, g])[:, 0] / spread[:, g]
             cost = n * float(np.log(np.mean(left**2))) + 2.0 * float(np.sum(np.log(spread[:, g])))

@@ -10,7 +10,7 @@ from ..fitting import Fit
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
-from .dictionary import Atom, Slopes, atoms_of, slopes
+from .dictionary import Atom, Slopes, atoms_at, atoms_of, closer, slopes
 from .noise import Noise, estimate_noise
 from .search import Choice, Compressed, Price, orthonormal
 
@@ -86,6 +86,13 @@ class Trial:
         self.cache[key] = verdict
         return verdict
 
+    def weight(self, verdict: Verdict, term: Term) -> float:
+        """How much the mean square error grows when a term is left out, in units of the noise's variance."""
+        fewer = self.refit([t for t in verdict.terms if t is not term], verdict.values)
+        clean = ~self.noise.outlier
+        both = [self._view(v).residual[clean] for v in (fewer, verdict)]
+        return float(np.mean(both[0] ** 2) - np.mean(both[1] ** 2)) / self.noise.sigma**2
+
     def refit_choice(self, data: Compressed, choice: Choice, onto: Verdict) -> Verdict:
         """Fit the set `onto` with what a search found on compressed data, from where the search left it."""
         start = dict(onto.values)
@@ -109,17 +116,19 @@ class Trial:
     def _view(self, verdict: Verdict) -> "View":
         return View(self.record, self.base.model.adding(*verdict.terms), verdict.values)
 
-    def noise_left_by(self, verdict: Verdict) -> Noise:
+    def noise_left_by(self, verdict: Verdict, white: bool = False) -> Noise:
         """Noise as it must be if a set is the whole truth."""
         view = self._view(verdict)
-        return estimate_noise(self.record, view.residual, len(verdict.values), self.noise.outlier)
+        slope = view.around.contraction / self.record.specimen.initial_length_mm
+        return estimate_noise(self.record, view.residual, slope, len(verdict.values), self.noise.outlier, white)
 
     def _noise(self, view: "View", atoms: Sequence[Atom]) -> Noise:
         """Noise is what the law, all suspects together and free curves over contraction still leave."""
         columns = np.hstack([view.law, *[a.columns for a in atoms], _free_curves(self.record)])
         basis = orthonormal(columns if columns.shape[1] < len(self.record) // 3 else view.law)
         left = view.residual - basis @ (basis.T @ view.residual)
-        return estimate_noise(self.record, left, basis.shape[1])
+        slope = view.around.contraction / self.record.specimen.initial_length_mm
+        return estimate_noise(self.record, left, slope, basis.shape[1])
 
     def _drop_unseen(self, data: Compressed) -> None:
         """Note effects that the law absorbs or the record does not excite."""
@@ -183,9 +192,23 @@ class Ground:
         self.residual = residual - self.basis @ (self.basis.T @ residual)
 
     def scan(self, effect: Effect) -> Lead:
-        """The atom of an effect that explains most."""
+        """The atom of an effect that explains most, its shapes zoomed in on twice."""
         atoms = self.view.atoms(effect)
-        gains = np.empty(len(atoms))
+        best, gain, sizes = self._best(atoms)
+        for _ in range(2):
+            points = closer(best)
+            if points:
+                inputs, around = self.view.record.inputs, self.view.around
+                near, value, found = self._best(atoms_at(effect, best.term.form, points, inputs, around))
+                if value > gain:
+                    best, gain, sizes = near, value, found
+        start = dict(self.onto.values) | {f"{effect.name}.{k}": v for k, v in best.shapes.items()}
+        start |= {f"{effect.name}.{p.name}": p.clip(float(x)) for p, x in zip(best.sizes, sizes, strict=True)}
+        return Lead(self.onto, best, gain, len(atoms), start)
+
+    def _best(self, atoms: Sequence[Atom]) -> tuple[Atom, float, Array]:
+        """The atom with the largest gain in whitened squares, that gain, and its sizes."""
+        gains: list[float] = []
         sizes: list[Array] = []
         for begin in range(0, len(atoms), 256):
             part = atoms[begin : begin + 256]
@@ -193,18 +216,15 @@ class Ground:
             matrix -= self.basis @ (self.basis.T @ matrix)
             product = matrix.T @ self.residual
             at = 0
-            for k, atom in enumerate(part):
+            for atom in part:
                 width = len(atom.sizes)
                 block, vector = matrix[:, at : at + width], product[at : at + width]
                 gram = block.T @ block
                 sizes.append(np.linalg.solve(gram + 1e-9 * (np.trace(gram) + 1e-12) * np.eye(width), vector))
-                gains[begin + k] = vector @ sizes[-1]
+                gains.append(float(vector @ sizes[-1]))
                 at += width
-        best = int(np.argmax(gains))
-        atom = atoms[best]
-        start = dict(self.onto.values) | {f"{effect.name}.{k}": v for k, v in atom.shapes.items()}
-        start |= {f"{effect.name}.{p.name}": p.clip(float(x)) for p, x in zip(atom.sizes, sizes[best], strict=True)}
-        return Lead(self.onto, atom, float(gains[best]), len(atoms), start)
+        k = int(np.argmax(gains))
+        return atoms[k], gains[k], sizes[k]
 
 
 def _free_curves(record: Record) -> Array:

@@ -13,6 +13,8 @@ from ..core import Inputs, Param
 from ..model import Model
 
 Array = np.ndarray
+HUGE = 1e60
+"""Residual beyond which a trial point is simply bad: its square must stay a number."""
 Whiten = Callable[[Array], Array]
 """Selects rows and decorrelates noise: (n,) or (n, k) → (m,) or (m, k), linear."""
 
@@ -68,7 +70,7 @@ def solve(
         matrix, target = whiten(columns), whiten(force - fixed)
         linear = bounded_lstsq(matrix, target, model.linear)
         values |= {p.name: float(x) for p, x in zip(model.linear, linear, strict=True)}
-        return values, matrix @ linear - target
+        return values, np.clip(matrix @ linear - target, -HUGE, HUGE)
 
     if not curved:
         best, converged, message = project(np.empty(0))[0], True, "linear"
@@ -137,7 +139,8 @@ def _polish(
     target = whiten(force)
 
     def residual(x: Array) -> Array:
-        return whiten(model.force(inputs, dict(zip(names, x * scale, strict=True)))) - target
+        force = whiten(model.force(inputs, dict(zip(names, x * scale, strict=True))))
+        return np.nan_to_num(np.clip(force - target, -HUGE, HUGE), nan=HUGE)
 
     begin = np.clip(np.array([start[n] for n in names]) / scale, lower + 1e-9, upper - 1e-9)
     result = least_squares(

@@ -1,0 +1,56 @@
+"""The command line: a command a file. Nothing heavy is imported before a command runs."""
+
+import os
+import sys
+
+import typer
+
+from . import add, compare, demo, diagnose, effects, fit, inspect, ladder, report, rig
+from .door import Door
+
+app = typer.Typer(
+    name="pam-ident",
+    cls=Door,
+    help="Compare a force model of a pneumatic artificial muscle with a test-rig record: see where it fails, learn "
+    "which physical effect is missing, add it.",
+    epilog="Exit codes: 0 done, 2 usage, 3 the fit is not valid, 4 bad data.",
+    rich_markup_mode=None,
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+app.command()(demo.demo)
+app.command()(inspect.inspect)
+app.command()(fit.fit)
+app.command()(compare.compare)
+app.command()(diagnose.diagnose)
+app.command()(add.add)
+app.command()(ladder.ladder)
+app.command()(report.report)
+app.command()(rig.rig)
+app.add_typer(effects.app, name="effects")
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from .. import __version__
+
+        typer.echo(f"pam-ident {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: bool = typer.Option(False, "--version", help="Print the version.", callback=_version, is_eager=True),
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Entry point of `pam-ident`, `python -m pam_ident` and `python cli.py`."""
+    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")  # matrices of a few columns: a second thread costs more than it brings
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+    app(prog_name="pam-ident")

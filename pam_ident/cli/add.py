@@ -1,0 +1,64 @@
+"""pam-ident add."""
+
+from typing import Annotated
+
+import typer
+
+from . import options, text
+
+
+def add(
+    record: options.Record,
+    law: options.Law,
+    effect: Annotated[
+        list[str],
+        typer.Option(
+            "--effect", metavar="NAME", help="Effect to add, NAME or NAME:FORM; repeatable.", show_default=False
+        ),
+    ],
+    effect_file: options.EffectFiles = None,
+    free_geometry: options.FreeGeometry = False,
+    specimen: options.SpecimenFile = None,
+    json: options.JsonFile = None,
+) -> None:
+    """Add effects: the error before and after.
+
+    Both are shown on held-out data, too.
+    """
+    options.check_json(json)
+    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    from ..workflow.add_effects import add_effects
+
+    measured = setup.read(record)
+    found = add_effects(measured, setup)
+    if json is not None:
+        from ..workflow.files import write_json
+        from ..workflow.to_json import addition_json
+
+        write_json(json, addition_json(record, found))
+    before, after = found.before, found.after
+    names = " + ".join(after.model.labels)
+    text.say(text.title(record, measured), *text.equation(after.model), "")
+    text.say(
+        f"With {names} the error goes from {text.newtons(before.rmse)} to {text.newtons(after.rmse)}, on held-out data "
+        f"from {text.newtons(found.heldout_before)} to {text.newtons(found.heldout_after)}.",
+        "",
+    )
+    rows = [
+        (name, str(len(one.model.params)), *(text.number(v, 4) for v in (one.rmse, heldout, one.max_error)))
+        for name, one, heldout in (
+            (law, before, found.heldout_before),
+            (f"{law} + {names}", after, found.heldout_after),
+        )
+    ]
+    text.say(*text.table(("model", "free parameters", "rmse [N]", "held out [N]", "largest error [N]"), rows), "")
+    text.say(*text.parameters(after))
+    for term in after.model.terms:
+        richer = [f"{term.effect.name}:{form.name}" for form in term.effect.forms if form is not term.form]
+        if richer:
+            text.say(f"  other forms: {', '.join(richer)}")
+    for warning in found.warnings:
+        text.say("", f"Warning: {warning}")
+    if after.problems:
+        typer.echo(f"{record}: the fit is not valid. {'; '.join(after.problems)}", err=True)
+        raise typer.Exit(3)

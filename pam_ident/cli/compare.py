@@ -1,0 +1,72 @@
+"""pam-ident compare."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import options, text
+
+if TYPE_CHECKING:
+    from ..diagnosis.nouns import Comparison
+
+HEADS = {
+    "pressure_MPa": "by pressure",
+    "contraction": "by contraction",
+    "branch": "by branch",
+    "speed_mm_s": "by speed",
+    "cycle": "by cycle",
+    "time_s": "by time",
+}
+
+
+def compare(
+    record: options.Record,
+    law: options.Law,
+    effect: options.Effects = None,
+    effect_file: options.EffectFiles = None,
+    free_geometry: options.FreeGeometry = False,
+    specimen: options.SpecimenFile = None,
+    json: options.JsonFile = None,
+    out: Annotated[
+        str | None,
+        typer.Option("--out", metavar="FILE.svg|png", help="Save the map of the error, too.", show_default=False),
+    ] = None,
+) -> None:
+    """Show where the fitted law fails."""
+    options.check_json(json)
+    if out is not None:
+        from ..workflow.files import check_target
+
+        check_target(out, (".svg", ".png"))
+    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    from ..workflow.compare_record import compare_record, failure_picture
+    from ..workflow.files import write_json, write_whole
+
+    measured = setup.read(record)
+    comparison = compare_record(measured, setup)
+    if json is not None:
+        from ..workflow.to_json import comparison_json
+
+        write_json(json, comparison_json(record, comparison))
+    if out is not None:
+        write_whole(out, failure_picture(comparison, "." + out.rpartition(".")[2]))
+    text.say(text.title(record, measured), *text.equation(setup.model), "", comparison.sentence)
+    _print(comparison)
+    if out is not None:
+        text.say("", f"map of the error: {out}")
+    if comparison.fit.problems:
+        typer.echo(f"{record}: the fit is not valid. {'; '.join(comparison.fit.problems)}", err=True)
+        raise typer.Exit(3)
+
+
+def _print(comparison: "Comparison") -> None:
+    if comparison.odd is not None:
+        text.say(
+            "",
+            f"odd in the branch {text.percent(comparison.odd)}, even {text.percent(comparison.even)}, "
+            f"neither {text.percent(comparison.rest)} of the squared error",
+        )
+    for key, bins in comparison.by.items():
+        rows = [(b.label, str(b.n), text.number(b.mean, 3), text.number(b.rms, 3), text.percent(b.share)) for b in bins]
+        head = (HEADS.get(key, f"by {key}"), "samples", "mean [N]", "rms [N]", "share")
+        text.say("", *text.table(head, rows))

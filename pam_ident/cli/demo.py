@@ -1,0 +1,29 @@
+"""pam-ident demo."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import text
+from .ladder import rungs
+
+if TYPE_CHECKING:
+    from ..workflow.demo import Stage
+
+
+def demo(
+    out: Annotated[str, typer.Option("--out", metavar="DIR", help="Folder for the report; it is made.")] = (
+        "pam-ident-demo"
+    ),
+) -> None:
+    """The whole job on the data that come along, to an HTML report."""
+    from ..workflow.demo import demo as run
+
+    found = run(out, _tell)
+    text.say(f"report: {found.path}")
+
+
+def _tell(stage: "Stage") -> None:
+    record = stage.section.record
+    text.say(f"{stage.data_set}: {stage.about}", f"  {len(record)} samples, {len(record.levels)} pressures")
+    text.say(*rungs(stage.ladder), f"  {stage.section.diagnosis.sentence}", "")

@@ -1,0 +1,60 @@
+"""pam-ident inspect."""
+
+from typing import TYPE_CHECKING
+
+from . import options, text
+
+if TYPE_CHECKING:
+    from ..workflow.inspect_record import Inspection
+
+
+def inspect(record: options.Record, specimen: options.SpecimenFile = None) -> None:
+    """What was read of a record, and advice on the rig."""
+    from ..workflow.inspect_record import inspect_record
+    from ..workflow.setup import load
+
+    found = inspect_record(load(record, specimen))
+    text.say(text.title(record, found.record), "", *_columns(found), *_motion(found))
+    rows = [
+        (
+            f"{i.pressure_MPa:g}",
+            str(i.n),
+            text.number(i.wander_MPa, 2),
+            f"{i.contraction[0]:.4f} to {i.contraction[1]:.4f}",
+            f"{i.force_N[0]:.1f} to {i.force_N[1]:.1f}",
+        )
+        for i in found.isobars
+    ]
+    text.say("", *text.table(("p [MPa]", "samples", "std. of p [MPa]", "contraction", "force [N]"), rows))
+    text.say("", "Advice:" if found.advice else "Nothing amiss.")
+    text.say(*(f"- {line}" for line in found.advice))
+
+
+def _columns(found: "Inspection") -> list[str]:
+    record, s = found.record, found.record.specimen
+    wall = f"wall {s.wall_thickness_mm:g} mm" if s.wall_thickness_mm is not None else "wall not given"
+    lines = [
+        f"specimen    {s.name}: length {s.initial_length_mm:g} mm, radius {s.initial_radius_mm:g} mm, "
+        f"braid angle {s.braid_angle_deg:g}°, {wall}",
+        f"columns     {', '.join(f'{key} from {column!r}' for key, column in record.columns.items())}",
+    ]
+    if record.masked:
+        lines.append(f"masked      {record.masked} rows marked as slack")
+    return lines
+
+
+def _motion(found: "Inspection") -> list[str]:
+    lines = [f"branches    {', '.join(f'{name} {n}' for name, n in found.branches.items())} samples"]
+    if found.duration_s is None:
+        lines.append("time        none: a static table")
+        return lines
+    speeds = ", ".join(f"{v:.3g}" for v in found.speeds) or "none"
+    lines += [
+        f"time        {found.duration_s:.6g} s",
+        f"strokes     {found.strokes}, at {speeds} mm/s",
+        f"holds       {found.holds} ({found.hold_samples} samples)",
+        f"cycles      {found.cycles} at most on one isobar",
+    ]
+    if found.temperature_C is not None:
+        lines.append(f"temperature {found.temperature_C[0]:.1f} to {found.temperature_C[1]:.1f} °C")
+    return lines

@@ -1,0 +1,49 @@
+"""pam-ident ladder."""
+
+from typing import TYPE_CHECKING
+
+from . import options, text
+
+if TYPE_CHECKING:
+    from ..diagnosis.nouns import Ladder
+
+
+def ladder(
+    record: options.Record,
+    law: options.Law,
+    effect: options.Effects = None,
+    effect_file: options.EffectFiles = None,
+    free_geometry: options.FreeGeometry = False,
+    specimen: options.SpecimenFile = None,
+    json: options.JsonFile = None,
+) -> None:
+    """Diagnose and add down to the noise floor."""
+    options.check_json(json)
+    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    from ..workflow.climb_ladder import climb_ladder
+
+    measured = setup.read(record)
+    found = climb_ladder(measured, setup)
+    if json is not None:
+        from ..workflow.files import write_json
+        from ..workflow.to_json import ladder_json
+
+        write_json(json, ladder_json(record, found))
+    text.say(text.title(record, measured), *text.equation(setup.model), "", found.last.sentence, "", *rungs(found))
+    text.say("", "the last rung's parameters:", *text.parameters(found.rungs[-1].fit))
+
+
+def rungs(found: "Ladder") -> list[str]:
+    """The falling error, a line a rung, and where it stops."""
+    rows = [
+        (
+            str(k),
+            " + ".join([rung.fit.model.law.name, *rung.effects]),
+            str(len(rung.fit.model.params)),
+            text.number(rung.fit.rmse, 3),
+            text.number(rung.heldout_rmse, 3),
+        )
+        for k, rung in enumerate(found.rungs)
+    ]
+    lines = text.table(("rung", "model", "free parameters", "rmse [N]", "held out [N]"), rows, left=(0, 1))
+    return [*lines, f"  noise floor {text.newtons(found.noise_floor)}; {found.verdict}"]

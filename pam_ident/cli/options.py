@@ -1,0 +1,70 @@
+"""Options that several commands share, and what they become."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from ..workflow.setup import Setup
+
+Record = Annotated[str, typer.Argument(metavar="RECORD", help="CSV record of a test rig.", show_default=False)]
+Law = Annotated[
+    str,
+    typer.Option(
+        "--law",
+        metavar="LAW",
+        help="Force law: chou_hannaford, modified_chou_hannaford, exponential_law, sarosi.",
+        show_default=False,
+    ),
+]
+Effects = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--effect", metavar="NAME", help="Effect in the model, NAME or NAME:FORM; repeatable.", show_default=False
+    ),
+]
+EffectFiles = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--effect-file", metavar="FILE.py", help="Python file with an effect of yours; repeatable.", show_default=False
+    ),
+]
+FreeGeometry = Annotated[
+    bool, typer.Option("--free-geometry", help="Fit radius (± 15 %) and braid angle (20° to 35°) too.")
+]
+SpecimenFile = Annotated[
+    str | None,
+    typer.Option(
+        "--specimen",
+        metavar="FILE",
+        help="Specimen file; default: specimen.toml beside the record.",
+        show_default=False,
+    ),
+]
+JsonFile = Annotated[
+    str | None,
+    typer.Option("--json", metavar="FILE", help="Write the answer as JSON, too.", show_default=False),
+]
+
+
+def setup(
+    law: str,
+    effects: list[str] | None,
+    effect_files: list[str] | None,
+    free_geometry: bool,
+    specimen: str | None,
+) -> "Setup":
+    """What the options ask for, with the names looked up."""
+    from ..workflow.setup import Setup
+
+    found = Setup(law, tuple(effects or ()), tuple(effect_files or ()), free_geometry, specimen)
+    _ = found.model
+    return found
+
+
+def check_json(path: str | None) -> None:
+    """Refuse a file that cannot be written before anything is computed."""
+    if path is not None:
+        from ..workflow.files import check_target
+
+        check_target(path)

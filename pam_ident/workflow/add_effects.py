@@ -1,0 +1,34 @@
+"""What adding effects to a law does to the error, on held-out data too."""
+
+from dataclasses import dataclass
+
+from ..core import UsageError
+from ..diagnosis import heldout_rmse
+from ..fitting import Fit, fit
+from ..records import Record
+from .setup import Setup
+
+
+@dataclass(frozen=True)
+class Addition:
+    """The law alone and with the effects, and the error of each on held-out data in N."""
+
+    before: Fit
+    after: Fit
+    heldout_before: float
+    heldout_after: float
+    warnings: tuple[str, ...] = ()
+
+
+def add_effects(record: Record, setup: Setup) -> Addition:
+    """Fit the law alone and with the effects of `setup`.
+
+    Raises UsageError without an effect, DataError where the record lacks what an effect needs.
+    """
+    if not setup.effects:
+        raise UsageError("no effect to add; name one with --effect (see pam-ident effects)")
+    model, alone = setup.model, setup.law_alone
+    after = fit(model, record)
+    before = fit(alone, record)
+    warnings = tuple(f"{term.effect.name}: {term.effect.warning}" for term in model.terms if term.effect.warning)
+    return Addition(before, after, heldout_rmse(alone, record), heldout_rmse(model, record), warnings)

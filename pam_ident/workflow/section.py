@@ -1,0 +1,63 @@
+"""All that a report says about one record."""
+
+from dataclasses import replace
+
+from ..core import FitError
+from ..diagnosis import climb, compare, diagnose
+from ..diagnosis.nouns import Diagnosis, Ladder
+from ..effects import Effect
+from ..fitting import Fit, IsobarTable, fit_isobars, loop_energies
+from ..model import Model
+from ..records import Record
+from ..report import Section
+from .energy import energy_warning, model_loops
+
+
+def build_section(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Section:
+    """Diagnosis, ladder, comparisons before and after, isobars and loops of one record.
+
+    Raises FitError or DataError.
+    """
+    diagnosis = diagnose(model, record, extra)
+    ladder = climb(model, record, extra)
+    best = completed(diagnosis, ladder)
+    loops = model_loops({"together": best or diagnosis.base})
+    return Section(
+        record,
+        compare(diagnosis.base),
+        diagnosis,
+        compare(best) if best is not None else None,
+        ladder,
+        _isobars(model, record),
+        loop_energies(record, record.force),
+        loops,
+        _warnings(best or diagnosis.base, loops),
+    )
+
+
+def completed(diagnosis: Diagnosis, ladder: Ladder) -> Fit | None:
+    """The model with all that was found missing: the ladder's last rung, or the diagnosis' where that fits better.
+
+    None where nothing was added.
+    """
+    found = [diagnosis.best] if diagnosis.selected else []
+    if len(ladder.rungs) > 1:
+        found.append(ladder.rungs[-1].fit)
+    return min(found, key=lambda one: one.rmse) if found else None
+
+
+def _isobars(model: Model, record: Record) -> tuple[IsobarTable, ...]:
+    """The law alone, isobar by isobar, where it has parameters and the isobars have samples enough."""
+    if not model.law.params:
+        return ()
+    both = all((record.inputs.direction == sign).any() for sign in (1.0, -1.0))
+    try:
+        return (fit_isobars(replace(model, terms=()), record, ("contraction", "extension") if both else ("together",)),)
+    except FitError:
+        return ()
+
+
+def _warnings(best: Fit, loops: dict[float, float]) -> tuple[str, ...]:
+    found = [f"{term.effect.title}: {term.effect.warning}" for term in best.model.terms if term.effect.warning]
+    energy = energy_warning(loops)
+    return tuple([*found, energy] if energy else found)

@@ -1,0 +1,70 @@
+"""What every task is asked: a law, effects, a specimen."""
+
+import shlex
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from ..core import DataError, Specimen
+from ..effects import Effect, load_effect_file
+from ..model import Model
+from ..records import Record, read_record, read_specimen
+
+
+def load(record: str | Path, specimen: str | Path | Specimen | None = None) -> Record:
+    """Read a record; that it exists is asked before its specimen. Raises DataError."""
+    if not Path(record).is_file():
+        what = "is a folder, not a file" if Path(record).is_dir() else "no such file"
+        raise DataError(f"{record}: {what}; give the path of a CSV record")
+    return read_record(record, specimen)
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A law by name with effects (`name` or `name:form`), the user's own effect files, and the specimen's file.
+
+    Without `specimen` each record takes the `specimen.toml` beside it. `free_geometry` lets radius and braid angle
+    be fitted.
+    """
+
+    law: str
+    effects: tuple[str, ...] = ()
+    effect_files: tuple[str, ...] = ()
+    free_geometry: bool = False
+    specimen: str | None = None
+
+    @cached_property
+    def extra(self) -> tuple[Effect, ...]:
+        """The effects of the user's own files. Raises UsageError where one cannot be loaded."""
+        return sum((load_effect_file(path) for path in self.effect_files), ())
+
+    @cached_property
+    def model(self) -> Model:
+        """The law with its effects. Raises UsageError for an unknown name."""
+        return Model.build(self.law, self.effects, self.extra, self.free_geometry)
+
+    @cached_property
+    def law_alone(self) -> Model:
+        """The law without effects."""
+        return Model.build(self.law, free_geometry=self.free_geometry)
+
+    @cached_property
+    def _specimen(self) -> Specimen | None:
+        return read_specimen(self.specimen) if self.specimen is not None else None
+
+    def read(self, record: str | Path) -> Record:
+        """The record with its specimen. Raises DataError."""
+        return load(record, self._specimen)
+
+    def command(self, verb: str, record: str, *more: str) -> str:
+        """The command line that asks the same again."""
+        words = ["pam-ident", verb, record, "--law", self.law]
+        for name in self.effects:
+            words += ["--effect", name]
+        for path in self.effect_files:
+            words += ["--effect-file", path]
+        if self.free_geometry:
+            words.append("--free-geometry")
+        if self.specimen is not None:
+            words += ["--specimen", self.specimen]
+        return shlex.join([*words, *more])

@@ -1,0 +1,161 @@
+"""`fit` finds what is there, says in words what is not determined, and answers by the contract."""
+
+import pytest
+
+PAPER = {
+    "contraction": {"a0": -197.8, "a1": 2442.0, "b0": 1735.0, "b1": 5464.0, "c0": -9.3, "c1": 688.3, "mu": 45.0},
+    "extension": {"a0": -344.5, "a1": 2554.0, "b0": -43.2, "b1": 8430.0, "c0": 43.24, "c1": 899.2, "mu": 45.0},
+}
+KEYS = {"schema", "record", "law", "effects", "branches", "passive"}
+
+
+@pytest.fixture
+def paper(root):
+    return root / "datasets" / "paper_laws" / "reconstructed.csv"
+
+
+@pytest.mark.parametrize("method", ["global", "two-stage"])
+def test_the_papers_laws_come_back_to_six_digits_with_a_warning_of_the_loop(answer, paper, method):
+    result, found = answer("fit", paper, "--law", "exponential_law", "--branch", "separate", "--method", method)
+    assert result.exit_code == 0
+    for branch, truth in PAPER.items():
+        for name, value in truth.items():
+            assert found["branches"][branch]["parameters"][name]["value"] == pytest.approx(value, rel=1e-6), name
+    assert found["passive"] is False
+    assert "gives energy back at 0.1, 0.2, 0.3, 0.4, 0.5 MPa" in result.stdout
+    assert "Warning" in result.stdout and "-197.8" in result.stdout
+
+
+def test_json_of_a_fit_is_the_contracts(answer, clean):
+    result, found = answer("fit", clean, "--law", "exponential_law", "--effect", "coulomb_friction")
+    assert result.exit_code == 0
+    assert set(found) == KEYS and found["schema"] == "pam-ident/fit/1"
+    assert found["record"] == str(clean) and found["law"] == "exponential_law"
+    assert found["effects"] == ["coulomb_friction"] and list(found["branches"]) == ["together"]
+    branch = found["branches"]["together"]
+    assert set(branch) == {"parameters", "rmse_N", "max_error_N", "r2", "n"}
+    for one in branch["parameters"].values():
+        assert set(one) == {"value", "stderr", "unit", "at_bound", "identified"}
+    assert branch["n"] == 1200 and 0.9 < branch["rmse_N"] < 1.1
+
+
+def test_true_parameters_lie_within_four_standard_errors(answer, clean, truth):
+    _, found = answer("fit", clean, "--law", "exponential_law")
+    for name, value in truth.items():
+        one = found["branches"]["together"]["parameters"][name]
+        assert abs(one["value"] - value) < 4 * one["stderr"], name
+
+
+def test_the_record_is_named_as_it_was_given(answer, clean, monkeypatch):
+    monkeypatch.chdir(clean.parent)
+    _, found = answer("fit", "./record.csv", "--law", "sarosi")
+    assert found["record"] == "./record.csv"
+
+
+@pytest.mark.parametrize(
+    ("branch", "names", "passive"),
+    [
+        ("separate", ["contraction", "extension"], True),
+        ("contraction", ["contraction"], None),
+        ("extension", ["extension"], None),
+        ("together", ["together"], True),
+    ],
+)
+def test_branches_and_whether_their_loop_is_passive(answer, rubbing, branch, names, passive):
+    _, found = answer("fit", rubbing, "--law", "exponential_law", "--branch", branch)
+    assert list(found["branches"]) == names and found["passive"] is passive
+
+
+def test_friction_of_the_wrong_sign_gives_energy_back(answer, write_record):
+    backwards = write_record(friction=-12.0)
+    result, found = answer("fit", backwards, "--law", "exponential_law", "--branch", "separate")
+    assert found["passive"] is False and "gives energy back at 0.2, 0.3, 0.4 MPa" in result.stdout
+
+
+def test_two_stage_prints_tables_by_isobar_and_correlations(answer, clean):
+    result, found = answer("fit", clean, "--law", "exponential_law", "--branch", "separate", "--method", "two-stage")
+    assert set(found) == KEYS | {"per_pressure", "correlation"}
+    assert [(row["pressure_MPa"], row["branch"]) for row in found["per_pressure"]] == [
+        (p, branch) for branch in ("contraction", "extension") for p in (0.2, 0.3, 0.4)
+    ]
+    for row in found["per_pressure"]:
+        assert set(row["parameters"]) == {"a", "b", "c"}
+        assert all(set(one) == {"value", "stderr"} for one in row["parameters"].values())
+    assert set(found["correlation"]) == {"contraction", "extension"}
+    assert found["correlation"]["contraction"]["a"] > 0.999
+    assert "correlation with pressure: a 1.0000" in result.stdout
+    for name, one in found["branches"]["contraction"]["parameters"].items():
+        assert one["stderr"] is not None and one["stderr"] > 0, name
+
+
+def test_two_stage_of_a_law_without_pairs_still_gives_its_isobars(answer, root):
+    record = root / "datasets" / "dmsp20_300" / "record.csv"
+    result, found = answer("fit", record, "--law", "modified_chou_hannaford", "--method", "two-stage")
+    assert result.exit_code == 0 and found["passive"] is None and found["correlation"] == {}
+    assert {row["branch"] for row in found["per_pressure"]} == {"together"}
+    assert len(found["per_pressure"]) == 8 and "k1" in found["per_pressure"][0]["parameters"]
+
+
+def test_what_is_not_identified_is_said_in_words_and_the_exit_code_is_3(answer, clean):
+    result, found = answer("fit", clean, "--law", "exponential_law", "--effect", "force_bias")
+    assert result.exit_code == 3
+    loose = [name for name, one in found["branches"]["together"]["parameters"].items() if not one["identified"]]
+    assert "a0" in loose and any(name.startswith("force_bias") for name in loose)
+    for name in loose:
+        assert found["branches"]["together"]["parameters"][name]["stderr"] is None
+        line = next(text for text in result.stdout.splitlines() if text.strip().startswith(f"{name} "))
+        assert "not identified" in line and "±" not in line
+    assert "does not determine" in result.stderr and len(result.stderr.strip().splitlines()) <= 2
+
+
+def test_a_parameter_at_its_bound_is_called_so(answer, write_record):
+    result, found = answer(
+        "fit", write_record(friction=-12.0), "--law", "exponential_law", "--effect", "coulomb_friction"
+    )
+    one = found["branches"]["together"]["parameters"]["coulomb_friction.F_c"]
+    assert one["at_bound"] and one["value"] == 0
+    line = next(text for text in result.stdout.splitlines() if "coulomb_friction.F_c" in text)
+    assert "at bound" in line
+
+
+def test_free_geometry_is_fitted_and_counted(answer, root):
+    record = root / "datasets" / "dmsp20_300" / "record.csv"
+    _, fixed = answer("fit", record, "--law", "chou_hannaford")
+    _, free = answer("fit", record, "--law", "chou_hannaford", "--free-geometry")
+    assert fixed["branches"]["together"]["parameters"] == {}
+    assert set(free["branches"]["together"]["parameters"]) == {"r0", "theta0"}
+    assert free["branches"]["together"]["rmse_N"] < fixed["branches"]["together"]["rmse_N"]
+
+
+def test_the_printed_bladder_force_brings_its_warning(ask, root):
+    record = root / "datasets" / "dmsp20_300" / "record.csv"
+    result = ask("fit", record, "--law", "chou_hannaford", "--effect", "bladder_elasticity_printed")
+    assert "Warning: bladder_elasticity_printed: " in result.stdout
+
+
+def test_another_specimen_file_is_used(answer, clean, tmp_path):
+    other = tmp_path / "other.toml"
+    text = (clean.parent / "specimen.toml").read_text().replace("initial_radius_mm = 10.0", "initial_radius_mm = 20.0")
+    other.write_text(text)
+    _, thin = answer("fit", clean, "--law", "modified_chou_hannaford")
+    _, thick = answer("fit", clean, "--law", "modified_chou_hannaford", "--specimen", other)
+    k0 = [one["branches"]["together"]["parameters"]["k0"]["value"] for one in (thin, thick)]
+    assert k0[1] == pytest.approx(k0[0] / 4, rel=1e-4)
+
+
+def test_an_effect_of_the_users_own(answer, clean, tmp_path):
+    own = tmp_path / "ripple.py"
+    own.write_text(
+        "import numpy as np\n"
+        "from pam_ident.core import Param\n"
+        "from pam_ident.effects import AddsForce, Effect\n"
+        "SIZE = Param('A', 'N', 'amplitude', -100.0, 100.0)\n"
+        "def ripple(inputs, shape, force):\n"
+        "    return np.sin(2 * np.pi * inputs.displacement_mm / 5.0)[:, None]\n"
+        "EFFECT = Effect(name='ripple', title='Ripple', source='here', test='look',\n"
+        "                forms=(AddsForce('textbook', 'A sin(2π x/5)', (SIZE,), ripple),))\n"
+    )
+    words = ("--law", "exponential_law", "--effect-file", own, "--effect", "ripple")
+    result, found = answer("fit", clean, *words)
+    assert result.exit_code == 0 and found["effects"] == ["ripple"]
+    assert abs(found["branches"]["together"]["parameters"]["ripple.A"]["value"]) < 0.3

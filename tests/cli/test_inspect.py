@@ -1,0 +1,93 @@
+"""`inspect` counts what is in a record and advises on what is not; `effects` lists; `rig` writes."""
+
+import json
+import math
+
+import pytest
+
+
+def test_what_was_read(ask, clean):
+    text = ask("inspect", clean).stdout
+    assert "1200 samples, 3 pressures, 0.2 to 0.4 MPa" in text
+    assert "pressure from 'pressure_MPa'" in text and "braid angle 25.4°, wall 1.5 mm" in text
+    assert "strokes     24, at 3, 30 mm/s" in text
+    assert "4 at most on one isobar" in text
+    assert "contraction 600, extension 600 samples" in text
+
+
+def test_a_good_record_gets_little_advice(ask, clean):
+    advice = ask("inspect", clean).stdout.partition("Advice:")[2].strip().splitlines()
+    assert len(advice) == 1 and "no temperature" in advice[0]
+
+
+def change(path, write_record, edit):
+    lines = path.read_text().splitlines()
+    rows = [edit(k, *map(float, line.split(","))) for k, line in enumerate(lines[1:])]
+    return write_record(lines[0] + "\n" + "".join(",".join(f"{v:.6f}" for v in row) + "\n" for row in rows))
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        (lambda k, t, p, x, f: (t, p, 3.2 * x, f), "beyond 0.35"),
+        (lambda k, t, p, x, f: (t, p, x - 12.0, f), "zero of the displacement"),
+        (lambda k, t, p, x, f: (t, p, x, max(f, 250.0)), "clipped"),
+        (lambda k, t, p, x, f: (t, p + 0.015 * math.sin(k / 17), x, f), "not isobaric"),
+        (lambda k, t, p, x, f: (t, p, x, f - 600.0), "cannot push"),
+        (lambda k, t, p, x, f: (t, 0.3 + 0.0 * p, x, f), "1 pressure level:"),
+    ],
+    ids=["long", "stretched", "clipped", "wandering", "pushing", "one pressure"],
+)
+def test_advice_on_what_looks_wrong(ask, clean, write_record, edit, words):
+    assert words not in ask("inspect", clean).stdout
+    result = ask("inspect", change(clean, write_record, edit))
+    assert result.exit_code == 0 and words in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [({"speeds": (10.0,)}, "one stroke speed"), ({"cycles": 1, "speeds": (10.0,)}, "no repeated cycle")],
+)
+def test_advice_on_what_is_lacking(ask, clean, write_record, options, words):
+    assert words not in ask("inspect", clean).stdout
+    assert words in ask("inspect", write_record(**options)).stdout
+
+
+def test_advice_on_a_static_table(ask, root):
+    text = ask("inspect", root / "datasets" / "dmsp20_300" / "record.csv").stdout
+    assert "66 rows marked as slack" in text and "no time column" in text and "no branches" in text
+
+
+def test_effects_are_listed_and_shown(ask):
+    text = ask("effects").stdout
+    for name in ("coulomb_friction", "bladder_elasticity_printed", "force_drift"):
+        assert f"  {name} " in text
+    one = ask("effects", "show", "bladder_elasticity_printed").stdout
+    assert "Warning: the printed form" in one and "source: equation (2)" in one
+    forms = ask("effects", "show", "coulomb_friction").stdout
+    assert "form stribeck" in forms and "F_c" in forms and "mm/s" in forms
+
+
+def test_an_effect_of_ones_own_is_listed(ask, tmp_path):
+    own = tmp_path / "own.py"
+    own.write_text(
+        "from pam_ident.core import Param\n"
+        "from pam_ident.effects import AddsForce, Effect\n"
+        "FORM = AddsForce('textbook', 'A', (Param('A', 'N', 'size', -1.0, 1.0),), lambda i, s, f: f[:, None])\n"
+        "EFFECT = Effect(name='of_my_own', title='Mine', source='here', test='look', forms=(FORM,))\n"
+    )
+    assert "of_my_own" in ask("effects", "--effect-file", own).stdout
+    assert "Mine" in ask("effects", "--effect-file", own, "show", "of_my_own").stdout
+    assert "of_my_own" not in ask("effects").stdout
+
+
+def test_rig_writes_sealed_records(ask, tmp_path):
+    result = ask("rig", tmp_path / "set", "--n", 1, "--seed", 3, "--only", "null")
+    assert result.exit_code == 0, result.output
+    assert len(json.loads((tmp_path / "set" / "truth.json").read_text())) == 1
+    assert ask("inspect", tmp_path / "set" / "c000" / "record.csv").exit_code == 0
+
+
+def test_rig_refuses_what_it_does_not_know(ask, tmp_path):
+    result = ask("rig", tmp_path / "set", "--only", "magic")
+    assert result.exit_code == 2 and "magic" in result.stderr and not (tmp_path / "set").exists()
