@@ -132,6 +132,8 @@ class Model:
                 added.append(term.columns(inputs, values, force))
         if pressure is not inputs.pressure:
             pressure = np.maximum(pressure, np.minimum(inputs.pressure, 0.0))
+        if contraction is not inputs.contraction:
+            contraction = np.clip(contraction, -0.5, 0.95)
         columns = self.law.columns(pressure, contraction, inputs.specimen, values)
         fixed = self.law.fixed(pressure, contraction, inputs.specimen, values)
         if self.terms:
@@ -153,7 +155,8 @@ class Model:
         for _ in range(12):
             first = step(force)
             second = step(first)
-            if np.max(np.abs(second - first)) < 1e-9 * (1.0 + np.max(np.abs(second))):
+            miss = float(np.max(np.abs(second - first)))
+            if not miss > 1e-9 * (1.0 + float(np.max(np.abs(second)))):
                 return second
             change = first - force
             slope = np.divide(second - first, change, out=np.zeros_like(change), where=np.abs(change) > 1e-12)

@@ -68,10 +68,7 @@ def _print_isobars(isobars: "IsobarTable") -> None:
         cells = [
             (
                 f"{row.pressure_MPa:g}",
-                *(
-                    f"{text.value_of(e)} {text.error_of(e)}" + (", at bound" if e.at_bound else "")
-                    for e in text.in_order(row.estimates)
-                ),
+                *(f"{text.value_of(e)} {text.error_of(e)}" for e in text.in_order(row.estimates)),
                 text.number(row.rmse, 3),
             )
             for row in rows

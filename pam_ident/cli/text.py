@@ -58,30 +58,23 @@ def value_of(estimate: "Estimate") -> str:
     """A parameter's value with the digits that its standard error leaves, four at least and eight at most."""
     value, error = estimate.value, estimate.stderr
     digits = 6
-    if estimate.identified and error > 0 and value != 0 and math.isfinite(error):
+    if estimate.identified and not estimate.at_bound and error > 0 and value != 0 and math.isfinite(error):
         digits = min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 4), 8)
     return number(value, digits)
 
 
 def error_of(estimate: "Estimate") -> str:
-    """± the standard error, or in words why there is none."""
+    """± the standard error, or in words why there is none that means anything."""
     if not estimate.identified:
-        return "not identified"
+        return "not identified, at bound" if estimate.at_bound else "not identified"
+    if estimate.at_bound:
+        return "at bound"
     return f"± {number(estimate.stderr, 2)}" if math.isfinite(estimate.stderr) else "no error known"
 
 
 def parameters(fit: "Fit") -> list[str]:
     """A table of every parameter with standard error and unit."""
-    rows = [
-        (
-            e.name,
-            value_of(e),
-            error_of(e),
-            "" if e.unit == "1" else e.unit,
-            ("at bound: " if e.at_bound else "") + e.doc,
-        )
-        for e in in_order(fit.estimates)
-    ]
+    rows = [(e.name, value_of(e), error_of(e), "" if e.unit == "1" else e.unit, e.doc) for e in in_order(fit.estimates)]
     return table(("parameter", "value", "std. error", "unit", "meaning"), rows, left=(0, 3, 4))
 
 

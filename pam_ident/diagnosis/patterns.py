@@ -11,6 +11,7 @@ from ..effects import AddsForce, Effect, Form, TransformsContraction
 from ..effects.base import Array, Shape, one, slip
 
 SOURCE = "a description, not a physical effect"
+LENGTHS = 30
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
 COS = Param("cosine", "N", "cosine part", scale=10.0)
 SIN = Param("sine", "N", "sine part", scale=10.0)
@@ -102,8 +103,13 @@ def _sizes(count: int) -> tuple[Param, ...]:
 
 
 def patterns(inputs: Inputs) -> tuple[Effect, ...]:
-    """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask."""
+    """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask.
+
+    A table of few lengths shows none: any curve over contraction passes through its lengths.
+    """
     x = inputs.displacement_mm
+    if len(np.unique(np.round(x, 3))) < LENGTHS:
+        return ()
     low, stroke = float(x.min()), max(float(np.ptp(x)), 1e-9)
     wave_numbers = np.arange(1.0, max(2.0, stroke / 1.0), 0.25)[::-1]
     periods = tuple(float(stroke / k) for k in wave_numbers if stroke / k < 0.5 * stroke)

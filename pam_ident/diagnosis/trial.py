@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -22,7 +23,7 @@ TOO_FLAT = 0.05
 """Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Verdict:
     """A set of terms fitted exactly: values, whitened sum of squares and cost."""
 
@@ -90,7 +91,7 @@ class Trial:
         """How much the mean square error grows when a term is left out, in units of the noise's variance."""
         fewer = self.refit([t for t in verdict.terms if t is not term], verdict.values)
         clean = ~self.noise.outlier
-        both = [self._view(v).residual[clean] for v in (fewer, verdict)]
+        both = [self.view(v).residual[clean] for v in (fewer, verdict)]
         return float(np.mean(both[0] ** 2) - np.mean(both[1] ** 2)) / self.noise.sigma**2
 
     def refit_choice(self, data: Compressed, choice: Choice, onto: Verdict) -> Verdict:
@@ -104,21 +105,23 @@ class Trial:
             }
         return self.refit([*onto.terms, *(data.atoms[a].term for a in choice.atoms)], start)
 
-    def beyond(self, verdict: Verdict, effects: Sequence[Effect]) -> Compressed:
-        """Signatures of further effects around a set, free of what the set itself can follow."""
-        view = self._view(verdict)
+    def beyond(self, verdict: Verdict, effects: Sequence[Effect], record: Record | None = None) -> Compressed:
+        """Signatures of further effects around a set, free of what the set itself can follow; `record` may stand in."""
+        view = View(record or self.record, self.base.model.adding(*verdict.terms), verdict.values)
         return view.compress([a for e in effects for a in view.atoms(e)], self.noise)
 
     def ground(self, verdict: Verdict) -> "Ground":
         """Where patterns are looked for: what a set leaves, whitened."""
-        return Ground(self, verdict, self._view(verdict))
+        return Ground(self, verdict, self.view(verdict))
 
-    def _view(self, verdict: Verdict) -> "View":
+    @lru_cache(maxsize=4)  # noqa: B019 - a trial lives as long as one diagnosis
+    def view(self, verdict: Verdict) -> "View":
+        """A set's model with its slopes."""
         return View(self.record, self.base.model.adding(*verdict.terms), verdict.values)
 
     def noise_left_by(self, verdict: Verdict, white: bool = False) -> Noise:
         """Noise as it must be if a set is the whole truth."""
-        view = self._view(verdict)
+        view = self.view(verdict)
         slope = view.around.contraction / self.record.specimen.initial_length_mm
         return estimate_noise(self.record, view.residual, slope, len(verdict.values), self.noise.outlier, white)
 

@@ -12,7 +12,7 @@ THREE = tuple(
     Param(f"G_{k}", "N", f"relaxing force per contraction, {word} term", 0.0, 1e5, scale=100.0)
     for k, word in enumerate(("fastest", "middle", "slowest"), 1)
 )
-SHARE = Param("share", "1", "share of a change of the braid's force that relaxes", 0.0, 2.0, scale=0.02)
+SHARE = Param("share", "1", "share of a change of force that relaxes", 0.0, 2.0, scale=0.02)
 DECADES = np.logspace(-1.0, 3.0, 9)
 
 
@@ -33,9 +33,7 @@ def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _force(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    s = inputs.specimen
-    ideal = np.pi * s.initial_radius_mm**2 * inputs.pressure * (s.a * (1.0 - inputs.contraction) ** 2 - s.b)
-    return one(_drive(inputs, ideal, shape["tau"]))
+    return one(_drive(inputs, force, shape["tau"]))
 
 
 EFFECT = Effect(
@@ -46,7 +44,7 @@ EFFECT = Effect(
         AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,)),
         AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic),
         AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (TAU,)),
-        AddsForce("force_driven", "−share · q, q̇ = Ḟ − q/τ, F of the ideal braid", (SHARE,), _force, (TAU,)),
+        AddsForce("force_driven", "−share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True),
     ),
     test="holds over three decades of time",
     needs=("motion", "time"),

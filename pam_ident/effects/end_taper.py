@@ -6,7 +6,7 @@ from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsContraction, one
 
 K1 = Param("k1", "1", "effective contraction per contraction", 0.2, 20.0, start=1.0, neutral=1.0)
-SPAN = Param("e_s", "1", "contraction at which the taper is fully formed", 0.005, 1.0, start=0.1, grid=(0.03, 0.1))
+SPAN = Param("e_s", "1", "contraction at which the taper is fully formed", 0.02, 1.0, start=0.1, grid=(0.03, 0.1))
 
 
 def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:

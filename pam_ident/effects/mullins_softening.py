@@ -26,6 +26,14 @@ def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(_fading(inputs, shape) * hoop_force(inputs))
 
 
+def _whole_test(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Cycles counted from the start of the test, not of the isobar."""
+    assert inputs.cycle is not None and inputs.segment is not None
+    begins = np.r_[True, (np.diff(inputs.cycle) != 0) | (np.diff(inputs.segment) != 0)]
+    fading = np.exp(-(np.cumsum(begins) - 1.0) / shape["n_0"])
+    return np.column_stack([fading, -fading * inputs.contraction])
+
+
 def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
     fading = _fading(inputs, shape)
     return np.column_stack([fading, -fading * inputs.contraction])
@@ -39,8 +47,9 @@ EFFECT = Effect(
         ScalesForce("textbook", "F (1 + s exp(−(n−1)/n_0))", (EXTRA,), _whole, (N0,)),
         AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
+        AddsForce("whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,)),
     ),
     test="at least three cycles, and a re-run of the first after rest",
-    needs=("cycle",),
+    needs=("cycle", "time"),
     levers=("cycles",),
 )

@@ -61,24 +61,43 @@ def solve(
     Curved parameters start from `start` where it names them, else from every combination of their grids (at
     most `max_starts`, the two best of which are followed down). `quick` follows one and stops at 1e-8.
     """
-    guess = model.neutral(inputs) | dict(start or {})
+    acting = force
+    given = dict(start or {})
+    for _ in range(1 if model.separable else 3):
+        found = _separated(model, inputs, force, acting, whiten, given, max_starts, quick)
+        if model.separable:
+            return found
+        acting, given = np.clip(model.force(inputs, found.values), -1e6, 1e6), found.values
+    return found if quick else _polish(model, inputs, force, whiten, found.values)
+
+
+def _separated(
+    model: Model,
+    inputs: Inputs,
+    force: Array,
+    acting: Array,
+    whiten: Whiten,
+    start: Mapping[str, float],
+    max_starts: int,
+    quick: bool,
+) -> Solution:
+    """Least squares while the force that effects are given, `acting` (n,) in N, stays what it is."""
+    guess = model.neutral(inputs) | dict(start)
     curved = _bounded(model, inputs)
 
     def project(q: Array) -> tuple[dict[str, float], Array]:
         values = dict(zip([p.name for p in curved], map(float, q), strict=True))
-        columns, fixed = model.design(inputs, values, force)
+        columns, fixed = model.design(inputs, values, acting)
         matrix, target = whiten(columns), whiten(force - fixed)
+        if not (np.all(np.isfinite(matrix)) and np.all(np.isfinite(target))):
+            return values | {p.name: p.start for p in model.linear}, np.full(len(target), HUGE)
         linear = bounded_lstsq(matrix, target, model.linear)
         values |= {p.name: float(x) for p, x in zip(model.linear, linear, strict=True)}
         return values, np.clip(matrix @ linear - target, -HUGE, HUGE)
 
     if not curved:
-        best, converged, message = project(np.empty(0))[0], True, "linear"
-    else:
-        best, converged, message = _search(project, curved, guess, start or {}, max_starts, quick)
-    if model.separable:
-        return Solution(best, converged, message)
-    return _polish(model, inputs, force, whiten, best, quick)
+        return Solution(project(np.empty(0))[0], True, "linear")
+    return Solution(*_search(project, curved, guess, start, max_starts, quick))
 
 
 def _bounded(model: Model, inputs: Inputs) -> list[Param]:
@@ -116,8 +135,8 @@ def _search(
                     max(p.scale, abs(x)) if p.scale != 1.0 else max(abs(x), 1e-3)
                     for p, x in zip(curved, q, strict=True)
                 ],
-                ftol=1e-8 if quick else 1e-13,
-                xtol=1e-7 if quick else 1e-11,
+                ftol=2e-6 if quick else 1e-13,
+                xtol=1e-5 if quick else 1e-11,
                 gtol=1e-13,
                 max_nfev=25 if quick else 200,
             )
@@ -126,9 +145,7 @@ def _search(
     return project(best.x)[0], bool(best.status > 0), str(best.message)
 
 
-def _polish(
-    model: Model, inputs: Inputs, force: Array, whiten: Whiten, start: Mapping[str, float], quick: bool
-) -> Solution:
+def _polish(model: Model, inputs: Inputs, force: Array, whiten: Whiten, start: Mapping[str, float]) -> Solution:
     """All parameters at once, for models in which the force acts back on itself."""
     from scipy.optimize import least_squares
 
@@ -147,10 +164,10 @@ def _polish(
         residual,
         begin,
         bounds=(lower, upper),
-        ftol=1e-8 if quick else 1e-12,
-        xtol=1e-7 if quick else 1e-10,
+        ftol=1e-12,
+        xtol=1e-10,
         gtol=1e-12,
-        max_nfev=25 if quick else 60,
+        max_nfev=60,
     )
     values = {n: float(v) for n, v in zip(names, result.x * scale, strict=True)}
     return Solution(values, bool(result.status > 0), str(result.message))

@@ -1,0 +1,23 @@
+"""Where a model fails, which effect it lacks, and what to test next."""
+
+from .compare import compare
+from .diagnose import diagnose
+from .heldout import heldout_rmse
+from .ladder import climb
+from .nouns import Bin, Comparison, Diagnosis, Experiment, Ladder, Pattern, Region, Rung, Suspect
+
+__all__ = [
+    "Bin",
+    "Comparison",
+    "Diagnosis",
+    "Experiment",
+    "Ladder",
+    "Pattern",
+    "Region",
+    "Rung",
+    "Suspect",
+    "climb",
+    "compare",
+    "diagnose",
+    "heldout_rmse",
+]

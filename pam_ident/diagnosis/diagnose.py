@@ -1,0 +1,192 @@
+"""Which effect is missing, how sure that is, and what is left."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects import Effect, catalogue
+from ..fitting import Fit, fit
+from ..model import Model
+from ..records import Record
+from .confounding import groups, next_experiment
+from .deliberate import investigate
+from .dictionary import Atom
+from .heldout import folds, heldout_rmse, linear_heldout
+from .nouns import Diagnosis, Experiment, Pattern, Suspect
+from .patterns import KINDS
+from .trial import Trial, Verdict
+
+Array = np.ndarray
+REMAINDER = 0.25
+"""Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
+EXACT = 400
+TEMPER = 4.0
+"""Costs are divided by this before they become odds: forms are never exactly right, so evidence counts for less."""
+
+
+def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Diagnosis:
+    """Try every effect of the catalogue and `extra` that the model does not hold yet, and patterns of no known effect.
+
+    Suspects are judged on the record's steady inputs, against noise whose size and colour are estimated with them;
+    the fits in the answer are to the record as measured. Raises FitError or DataError as `fit` does.
+    """
+    base = fit(model, record)
+    known = catalogue(extra)
+    suspects = [e for e in known.values() if e.candidate and e.name not in model.effect_names]
+    steady = replace(record, inputs=record.steady)
+    trial, verdict = investigate(fit(model, steady, detail=False), suspects)
+    named = [t for t in verdict.terms if t.effect.candidate]
+    weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}
+    named.sort(key=lambda t: -weights[t.effect.name])
+    pattern = _pattern(trial, verdict)
+    best = fit(model.adding(*named), record, start=_start(verdict, named)) if named else base
+    selected = tuple(t.effect.name for t in named)
+    classes = groups(trial, verdict)
+    ranking = _ranking(trial, verdict, suspects)
+    heldout = heldout_rmse(model, record, base)
+    after = heldout_rmse(best.model, record, best) if named else heldout
+    outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
+    experiment = _after_pattern(pattern, record) if pattern else next_experiment(record, classes, known)
+    labels = tuple(t.label for t in named)
+    floor = trial.noise.sigma
+    sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
+    return Diagnosis(
+        base, best, outcome, selected, labels, classes, ranking, floor, heldout, after, pattern, experiment, sentence
+    )
+
+
+def _start(verdict: Verdict, named: list) -> dict[str, float]:
+    names = {f"{t.effect.name}." for t in named}
+    return {k: v for k, v in verdict.values.items() if "." not in k or any(k.startswith(n) for n in names)}
+
+
+def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
+    """The pattern in a verdict, in the words of the contract; a large remainder without a shape is one too."""
+    term = next((t for t in verdict.terms if not t.effect.candidate), None)
+    if term is None:
+        return _remainder(trial, verdict)
+    name = term.effect.name
+    explained = trial.empty.squares - verdict.squares
+    rest = trial.refit([t for t in verdict.terms if t is not term], verdict.values)
+    share = min(max((rest.squares - verdict.squares) / max(explained, 1e-9), 0.0), 1.0)
+    shape = {p.name: (verdict.values[f"{name}.{p.name}"], p.unit) for p in term.form.shapes}
+    value, unit = next(iter(shape.values()), (None, ""))
+    coordinate = "time" if name in ("step", "beat", "trend") else "displacement" if shape else "contraction"
+    words = {
+        "local": f"a force in one place, around {value or 0:.3g} mm of contraction",
+        "periodic": f"a ripple with a period of {value or 0:.3g} mm",
+        "beat": f"a beat with a period of {value or 0:.3g} s",
+        "step": f"a step at {value or 0:.4g} s",
+        "trend": "a trend in time that no known drift follows",
+        "other": "a dependence on contraction that no known effect follows",
+    }
+    text = f"{words[name]} ({term.form.name}), {share:.0%} of what is left unexplained"
+    return Pattern(KINDS.get(name, name), coordinate, value, unit, float(share), text)
+
+
+def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
+    n = len(trial.record)
+    left, all_of_it = verdict.squares - n, max(trial.empty.squares - n, 1e-9)
+    if left < REMAINDER * n or left < 0.02 * all_of_it:
+        return None
+    size = trial.noise.sigma * math.sqrt(left / n)
+    text = f"about {size:.3g} N rms without a shape of its own, {left / all_of_it:.0%} of what is left unexplained"
+    return Pattern("other", "contraction", None, "", min(left / all_of_it, 1.0), text)
+
+
+def _ranking(trial: Trial, verdict: Verdict, suspects: list[Effect]) -> tuple[Suspect, ...]:
+    """Every suspect with the error that adding it alone leaves, on all rows and held out.
+
+    Long records are judged linearised around the base model, short ones (up to EXACT rows) by refits.
+    """
+    chance = _probabilities(trial, verdict)
+    best: dict[str, tuple[float, int]] = {}
+    for k, atom in enumerate(trial.data.atoms):
+        gain, _ = trial.data.solve(trial.data.columns([k]))
+        if gain > best.get(atom.effect, (-1.0, 0))[0]:
+            best[atom.effect] = (gain, k)
+    alone = _alone_exactly if len(trial.record) <= EXACT else _alone_linearised
+    found = []
+    for effect in suspects:
+        if effect.name in trial.excluded:
+            status, why = trial.excluded[effect.name]
+            found.append(Suspect(effect.name, effect.name, status, 0.0, why=why))
+            continue
+        atom = trial.data.atoms[best[effect.name][1]]
+        inside, outside = alone(trial, atom)
+        heldout = None if math.isnan(outside) else outside
+        found.append(Suspect(effect.name, atom.term.label, "candidate", chance.get(effect.name, 0.0), inside, heldout))
+    found.sort(key=lambda s: (s.status != "candidate", -s.probability, s.rmse_after or math.inf))
+    return tuple(found)
+
+
+def _alone_linearised(trial: Trial, atom: Atom) -> tuple[float, float]:
+    view = trial.view(trial.empty)
+    return linear_heldout(view.law, atom.columns, view.residual, folds(trial.record))
+
+
+def _alone_exactly(trial: Trial, atom: Atom) -> tuple[float, float]:
+    model = trial.base.model.adding(atom.term)
+    if len(trial.record) - len(model.params) <= 2:
+        return math.nan, math.nan
+    whole = fit(model, trial.record, detail=False)
+    return whole.rmse, heldout_rmse(model, trial.record, whole)
+
+
+def _probabilities(trial: Trial, verdict: Verdict) -> dict[str, float]:
+    """Chance that an effect belongs to the answer: sets weighed by their cost, summed over the sets that hold it."""
+    least = min(v.cost for v in [*trial.cache.values(), verdict])
+    weights = {key: math.exp(-(v.cost - least) / (2.0 * TEMPER)) for key, v in trial.cache.items()}
+    total = sum(weights.values())
+    chance: dict[str, float] = {}
+    for key, weight in weights.items():
+        for name in {label.partition(":")[0] for label in key}:
+            chance[name] = chance.get(name, 0.0) + weight / total
+    return chance
+
+
+def _after_pattern(pattern: Pattern, record: Record) -> Experiment:
+    """What to do about a pattern that no known effect explains."""
+    middle = float(record.levels[len(record.levels) // 2])
+    words = {
+        "periodic": (
+            ("speed",),
+            f"repeat {middle:g} MPa at another speed: a ripple of the screw keeps its period in mm, one of the supply its period in s",
+        ),
+        "local": (
+            ("reversal",),
+            f"drive short strokes through the place at {middle:g} MPa with the muscle turned about its axis: a rub moves or goes",
+        ),
+        "step": (("cycles",), "mark the clamps and repeat the last isobar: a slipped mount shows as a shifted length"),
+        "trend": (("cycles",), "tare before and after, and repeat the first isobar at the end"),
+    }
+    vary, text = words.get(
+        pattern.kind, (("pressure",), "repeat the record on a second specimen: what stays is the rig's")
+    )
+    return Experiment(vary, text[0].upper() + text[1:] + ".")
+
+
+def _sentence(
+    base: Fit,
+    best: Fit,
+    outcome: str,
+    labels: tuple[str, ...],
+    classes: tuple[tuple[str, ...], ...],
+    pattern: Pattern | None,
+    floor: float,
+) -> str:
+    law = base.model.law.name + "".join(f" + {label}" for label in base.model.labels)
+    start = f"{law} leaves {base.rmse:.3g} N rms; the noise is about {floor:.3g} N."
+    if outcome == "adequate":
+        return f"{start} Nothing is missing that this record could show."
+    parts = [start]
+    if labels:
+        parts.append(
+            f"Missing: {', '.join(labels)}. With {'it' if len(labels) == 1 else 'them'} the error falls to {best.rmse:.3g} N."
+        )
+    for members in classes:
+        parts.append(f"This record cannot tell {members[0]} from {' or '.join(members[1:])}.")
+    if pattern:
+        parts.append(f"Something is left that no known effect explains: {pattern.text}.")
+    return " ".join(parts)

@@ -1,0 +1,61 @@
+"""Error on data that a fit has not seen: blocks are held out whole."""
+
+import math
+
+import numpy as np
+
+from ..core import FitError
+from ..fitting import Fit, fit
+from ..fitting.solve import solve
+from ..model import Model
+from ..records import Record
+
+Array = np.ndarray
+FOLDS = 5
+
+
+def folds(record: Record) -> list[Array]:
+    """Masks of the rows to hold out in turn, (n,) each: every length or isobar of a table, every fifth cycle in time."""
+    blocks = np.unique(record.block)
+    if record.inputs.time is None:
+        return [record.block == b for b in blocks]
+    return [np.isin(record.block, blocks[k::FOLDS]) for k in range(min(FOLDS, len(blocks)))]
+
+
+def heldout_rmse(model: Model, record: Record, whole: Fit | None = None) -> float:
+    """Root mean square error in N of each block predicted by the model fitted to the others; NaN with one block only.
+
+    `whole` is the fit to all rows, from which the refits start. Raises FitError as `fit` does.
+    """
+    masks = folds(record)
+    if len(masks) < 2:
+        return math.nan
+    whole = whole or fit(model, record, detail=False)
+    square = 0.0
+    for mask in masks:
+        rows = ~mask
+        if rows.sum() <= len(model.params):
+            raise FitError(
+                f"{record.name}: too few samples to hold a {record.block_kind} out for {len(model.params)} parameters"
+            )
+        values = solve(
+            model, record.inputs, record.force, lambda m, rows=rows: m[rows], whole.values, quick=True
+        ).values
+        square += float(np.sum((record.force - model.force(record.inputs, values))[mask] ** 2))
+    return math.sqrt(square / len(record))
+
+
+def linear_heldout(law: Array, columns: Array, residual: Array, masks: list[Array]) -> tuple[float, float]:
+    """Root mean square error in N when columns (n, k) are added to a linearised law (n, m): on all rows, and held out."""
+    matrix = np.hstack([law, columns])
+    scale = np.linalg.norm(matrix, axis=0)
+    matrix = matrix / np.where(scale > 0, scale, 1.0)
+    gram, product = matrix.T @ matrix, matrix.T @ residual
+    ridge = 1e-10 * np.eye(len(gram))
+    inside = float(np.mean((residual - matrix @ np.linalg.solve(gram + ridge, product)) ** 2))
+    outside = 0.0
+    for mask in masks:
+        part, left = matrix[mask], residual[mask]
+        x = np.linalg.solve(gram - part.T @ part + ridge, product - part.T @ left)
+        outside += float(np.sum((left - part @ x) ** 2))
+    return math.sqrt(inside), math.sqrt(outside / len(residual)) if len(masks) > 1 else math.nan

@@ -1,0 +1,70 @@
+"""From a law up to the noise floor, one effect a rung."""
+
+import math
+
+from ..effects import Effect
+from ..fitting import Fit, fit
+from ..model import Model, Term
+from ..records import Record
+from .diagnose import diagnose
+from .heldout import heldout_rmse
+from .nouns import Diagnosis, Ladder, Rung
+
+MOST_RUNGS = 8
+LEAST_FALL = 0.01
+"""Relative fall of the held-out error below which a rung is not worth an effect."""
+
+
+def climb(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Ladder:
+    """Diagnose, add, and diagnose again, until nothing is missing or the error on held-out data stops falling.
+
+    The effects of one diagnosis are added one at a time, the one that helps most first.
+    """
+    first = fit(model, record)
+    rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]
+    while True:
+        found = diagnose(rungs[-1].fit.model, record, extra)
+        terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
+        new = _rungs(rungs[-1], terms, record, found) if terms and len(rungs) <= MOST_RUNGS else []
+        if not new:
+            return Ladder(tuple(rungs), found.noise_floor, found)
+        rungs += new
+
+
+def _rungs(below: Rung, terms: list[Term], record: Record, found: Diagnosis) -> list[Rung]:
+    """Rungs for the terms in the order that lowers the error fastest; none once held-out data gain nothing."""
+    rungs: list[Rung] = []
+    left = list(terms)
+    while left:
+        base = rungs[-1] if rungs else below
+        trials = [
+            (fit(base.fit.model.adding(Term(t.effect, form)), record), t) for t in left for form in t.effect.forms
+        ]
+        best, term = min(trials, key=lambda pair: _price(pair[0]))
+        heldout = heldout_rmse(best.model, record, best)
+        rungs.append(Rung(best, heldout, _why(base, best, heldout, found)))
+        left.remove(term)
+    while rungs and not _helps((below, *rungs)[-2], rungs[-1]):
+        rungs.pop()
+    return rungs
+
+
+def _helps(before: Rung, after: Rung) -> bool:
+    if math.isnan(after.heldout_rmse):
+        return after.fit.rmse < (1.0 - LEAST_FALL) * before.fit.rmse
+    return after.heldout_rmse < (1.0 - LEAST_FALL) * before.heldout_rmse
+
+
+def _price(candidate: Fit) -> float:
+    """Bayesian information criterion, by which a richer form must earn its parameters."""
+    n = len(candidate.record)
+    return n * math.log(max(candidate.rmse, 1e-12) ** 2) + len(candidate.model.params) * math.log(n)
+
+
+def _why(base: Rung, best: Fit, heldout: float, found: Diagnosis) -> str:
+    term = best.model.terms[-1]
+    chance = next((s.probability for s in found.ranking if s.effect == term.effect.name), math.nan)
+    return (
+        f"{term.effect.title} ({term.form.name}): error {base.fit.rmse:.3g} → {best.rmse:.3g} N, held out "
+        f"{base.heldout_rmse:.3g} → {heldout:.3g} N, probability {chance:.2f}"
+    )
