@@ -7,7 +7,7 @@ Array = np.ndarray
 
 def decaying_sum(decay: Array, gain: Array) -> Array:
     """y with y[0] = 0 and y[i+1] = decay[i] y[i] + gain[i]; decay (n,), gain (n,) or (n, k) → (n + 1, …)."""
-    from scipy.linalg.lapack import dtbtrs
+    from scipy.linalg.lapack import dtbtrs  # pyright: ignore[reportAttributeAccessIssue]
 
     out = np.zeros((len(gain) + 1, *gain.shape[1:]))
     if len(gain):

@@ -1,5 +1,6 @@
 """Where a model fails: error over pressure, contraction, branch, speed, cycle and time."""
 
+import itertools
 import math
 
 import numpy as np
@@ -86,7 +87,7 @@ def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: 
         "pressure_MPa": tuple(_bin(fit, record.level == v, f"{v:g} MPa", v, v, total) for v in levels),
         "contraction": tuple(
             _bin(fit, (inputs.contraction >= a) & (inputs.contraction < b), f"{a:.3f} to {b:.3f}", a, b, total)
-            for a, b in zip(edges[:-1], edges[1:], strict=True)
+            for a, b in itertools.pairwise(edges)
         ),
         "branch": tuple(_bin(fit, inputs.direction == s, NAMES[s], s, s, total) for s in signs),
     }
@@ -111,7 +112,7 @@ def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: 
         marks = np.linspace(inputs.time[0], inputs.time[-1] + 1e-9, 11)
         found["time_s"] = tuple(
             _bin(fit, (inputs.time >= a) & (inputs.time < b), f"{a:.0f} to {b:.0f} s", a, b, total)
-            for a, b in zip(marks[:-1], marks[1:], strict=True)
+            for a, b in itertools.pairwise(marks)
         )
     return {key: tuple(b for b in bins if b.n) for key, bins in found.items()}
 
@@ -135,11 +136,13 @@ def _sentence(
         f"{fit.model.law.name} misses the measurement by {fit.rmse:.3g} N rms (at most {fit.max_error:.3g} N). "
         f"{worst_pressure.share:.0%} of the squared error lies at {worst_pressure.label}; the worst cell is "
         f"{top.pressure_MPa:g} MPa, contraction {top.contraction[0]:.3f} to {top.contraction[1]:.3f}, {top.branch} "
-        f"({top.rms:.3g} N rms, {top.share:.0%} of the squared error, the model {'below' if top.mean > 0 else 'above'} the data)."
+        f"({top.rms:.3g} N rms, {top.share:.0%} of the squared error, "
+        f"the model {'below' if top.mean > 0 else 'above'} the data)."
     )
     if odd is not None and even is not None:
         text += (
             f" {odd:.0%} of the squared error changes sign with the branch (hysteresis: friction, damping, lag), "
-            f"{even:.0%} is the same on both branches (geometry, elasticity, pressure), {max(0.0, 1 - odd - even):.0%} is neither."
+            f"{even:.0%} is the same on both branches (geometry, elasticity, pressure), "
+            f"{max(0.0, 1 - odd - even):.0%} is neither."
         )
     return text

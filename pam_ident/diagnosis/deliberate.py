@@ -19,7 +19,7 @@ NEAR = 30.0
 """Cost within which a linearised estimate is worth an exact fit."""
 PATTERN_MARGIN = 20.0
 PATTERN_TOLERANCE = 0.015
-"""Share of all that is to be explained which an unknown pattern must earn: more than the form error of a known effect."""
+"""The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave."""
 
 
 def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[Trial, Verdict]:

@@ -152,11 +152,13 @@ def _after_pattern(pattern: Pattern, record: Record) -> Experiment:
     words = {
         "periodic": (
             ("speed",),
-            f"repeat {middle:g} MPa at another speed: a ripple of the screw keeps its period in mm, one of the supply its period in s",
+            f"repeat {middle:g} MPa at another speed: "
+            "a ripple of the screw keeps its period in mm, one of the supply its period in s",
         ),
         "local": (
             ("reversal",),
-            f"drive short strokes through the place at {middle:g} MPa with the muscle turned about its axis: a rub moves or goes",
+            f"drive short strokes through the place at {middle:g} MPa with the muscle turned "
+            "about its axis: a rub moves or goes",
         ),
         "step": (("cycles",), "mark the clamps and repeat the last isobar: a slipped mount shows as a shifted length"),
         "trend": (("cycles",), "tare before and after, and repeat the first isobar at the end"),
@@ -183,7 +185,8 @@ def _sentence(
     parts = [start]
     if labels:
         parts.append(
-            f"Missing: {', '.join(labels)}. With {'it' if len(labels) == 1 else 'them'} the error falls to {best.rmse:.3g} N."
+            f"Missing: {', '.join(labels)}. "
+            f"With {'it' if len(labels) == 1 else 'them'} the error falls to {best.rmse:.3g} N."
         )
     for members in classes:
         parts.append(f"This record cannot tell {members[0]} from {' or '.join(members[1:])}.")

@@ -15,7 +15,7 @@ FOLDS = 5
 
 
 def folds(record: Record) -> list[Array]:
-    """Masks of the rows to hold out in turn, (n,) each: every length or isobar of a table, every fifth cycle in time."""
+    """Masks (n,) of the rows to hold out in turn: each length or isobar of a table, every fifth cycle in time."""
     blocks = np.unique(record.block)
     if record.inputs.time is None:
         return [record.block == b for b in blocks]
@@ -46,7 +46,7 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None) -> floa
 
 
 def linear_heldout(law: Array, columns: Array, residual: Array, masks: list[Array]) -> tuple[float, float]:
-    """Root mean square error in N when columns (n, k) are added to a linearised law (n, m): on all rows, and held out."""
+    """Root mean square error in N, on all rows and held out, of a linearised law (n, m) with columns (n, k) added."""
     matrix = np.hstack([law, columns])
     scale = np.linalg.norm(matrix, axis=0)
     matrix = matrix / np.where(scale > 0, scale, 1.0)

@@ -12,7 +12,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Bin:
-    """Error over one interval [low, high] of one coordinate: n samples, mean and rms in N, share of the squared error."""
+    """Error over an interval [low, high] of one coordinate: mean and rms of n samples in N, share of the squares."""
 
     label: str
     low: float

@@ -18,7 +18,7 @@ from .search import Choice, Compressed, Price, orthonormal
 Array = np.ndarray
 NAME_MARGIN = 12.0
 FORM_TOLERANCE = 0.005
-"""Share of all that is to be explained which another name must earn: what a known effect in an unforeseen form leaves."""
+"""Share of all that is to be explained which each name must earn: an unforeseen form may leave as much."""
 TOO_FLAT = 0.05
 """Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
 
@@ -78,7 +78,7 @@ class Trial:
         if price is None and key in self.cache:
             return self.cache[key]
         model = self.base.model.adding(*terms)
-        begin = {k: v for k, v in self.base.values.items()} | dict(start or {})
+        begin = dict(self.base.values.items()) | dict(start or {})
         solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin, quick=True)
         squares = self.squares(model, solution.values)
         if price is None:
@@ -127,8 +127,9 @@ class Trial:
 
     def _noise(self, view: "View", atoms: Sequence[Atom]) -> Noise:
         """Noise is what the law, all suspects together and free curves over contraction still leave."""
-        columns = np.hstack([view.law, *[a.columns for a in atoms], _free_curves(self.record)])
-        basis = orthonormal(columns if columns.shape[1] < len(self.record) // 3 else view.law)
+        free = [] if self.record.inputs.time is None else [a.columns for a in atoms]
+        columns = np.hstack([view.law, *free, _free_curves(self.record)])
+        basis = orthonormal(columns if columns.shape[1] < len(self.record) // 2 else view.law)
         left = view.residual - basis @ (basis.T @ view.residual)
         slope = view.around.contraction / self.record.specimen.initial_length_mm
         return estimate_noise(self.record, left, slope, basis.shape[1])
@@ -176,7 +177,7 @@ class View:
 
 @dataclass(frozen=True)
 class Lead:
-    """The best atom of a pattern beyond a set: its gain in whitened squares, how many atoms were tried, where to start."""
+    """The best atom of a pattern beyond a set: its gain in whitened squares, how many were tried, where to start."""
 
     onto: Verdict
     atom: Atom
@@ -186,7 +187,7 @@ class Lead:
 
 
 class Ground:
-    """What a set leaves, whitened and free of what the set can follow; scanned by many atoms without their Gram matrix."""
+    """What a set leaves, whitened and free of what the set can follow; many atoms are tried on it one by one."""
 
     def __init__(self, trial: Trial, onto: Verdict, view: View) -> None:
         self.onto, self.view, self.noise = onto, view, trial.noise
@@ -231,10 +232,12 @@ class Ground:
 
 
 def _free_curves(record: Record) -> Array:
-    """Smooth curves over contraction for each branch and speed, constant and in proportion to pressure, shape (n, k)."""
+    """Curves over contraction for each branch, constant and in proportion to pressure; over pressure in a table."""
     inputs = record.inputs
     if inputs.time is None:
-        return np.empty((len(record), 0))
+        along = inputs.pressure if record.block_kind == "length" else inputs.contraction
+        blocks = [record.block == b for b in np.unique(record.block)]
+        return np.hstack([np.vander(along, 3) * rows[:, None] for rows in blocks])
     x = inputs.contraction
     knots = np.linspace(x.min(), x.max(), 13)
     hats = np.maximum(0.0, 1.0 - np.abs(x[:, None] - knots) / (knots[1] - knots[0]))

@@ -1,5 +1,6 @@
 """Memory along a record: relaxation in time and elements that slip."""
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -32,7 +33,7 @@ def runs(inputs: Inputs) -> list[slice]:
     if inputs.segment is not None:
         turns |= np.diff(inputs.segment) != 0
     bounds = [0, *(np.flatnonzero(turns) + 1).tolist(), len(inputs)]
-    return [slice(begin, end) for begin, end in zip(bounds[:-1], bounds[1:], strict=True)]
+    return [slice(begin, end) for begin, end in itertools.pairwise(bounds)]
 
 
 def stop_operator(inputs: Inputs, width_mm: float) -> Array:

@@ -82,7 +82,8 @@ class Effect:
             raise UsageError(f"effect {self.name!r}: expected a Python name, at least one form and a source")
         if any(type(form) is Form for form in self.forms):
             raise UsageError(
-                f"effect {self.name}: write each form as AddsForce, ScalesForce, TransformsPressure or TransformsContraction"
+                f"effect {self.name}: write each form as AddsForce, ScalesForce, TransformsPressure "
+                "or TransformsContraction"
             )
 
     def missing(self, inputs: Inputs) -> list[str]:

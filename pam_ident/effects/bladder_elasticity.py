@@ -18,7 +18,7 @@ def wall(inputs: Inputs) -> float:
 
 
 def hoop_force(inputs: Inputs) -> Array:
-    """Force in N per MPa of modulus of a bladder that only stretches around the hoop, shape (n,), ≤ 0 in contraction."""
+    """Force in N per MPa of modulus of a bladder stretched around the hoop only, shape (n,), ≤ 0 in contraction."""
     s, shortened = inputs.specimen, 1.0 - inputs.contraction
     stretch = 1.0 - 1.0 / s.radius_ratio(inputs.contraction)
     return -2.0 * s.a / 3.0 * np.pi * s.initial_radius_mm * wall(inputs) * shortened * stretch
@@ -54,7 +54,8 @@ def _gent(inputs: Inputs, shape: Shape, force: Array) -> Array:
 EFFECT = Effect(
     name="bladder_elasticity",
     title="Elasticity of the bladder",
-    source="hoop energy by virtual work; Klute & Hannaford 2000, ASME J. Dyn. Syst. Meas. Control 122, 386–388 (Mooney–Rivlin); Gent 1996",
+    source="hoop energy by virtual work; Klute & Hannaford 2000, ASME J. Dyn. Syst. Meas. Control 122, 386–388 "
+    "(Mooney–Rivlin); Gent 1996, Rubber Chemistry and Technology 69, 59–61",
     forms=(
         AddsForce("textbook", "−(2a/3) π r0 t E (1−ε)(1 − r0/r)", (E_MOD,), _hoop),
         AddsForce("mooney_rivlin", "−2π r0 t (C1 dI1/dε + C2 dI2/dε)", (C1, C2), _mooney_rivlin),

@@ -27,7 +27,7 @@ EFFECT = Effect(
     levers=("pressure",),
     candidate=False,
     warning=(
-        "the printed form has units N·m, not N: a modulus fitted with it is no Young's modulus and, taken for one, is off by a factor of 11 "
-        "to 13 and L0; use bladder_elasticity"
+        "the printed form has units N·m, not N: with lengths in m a modulus fitted with it comes out 11 to 13 times "
+        "Young's; use bladder_elasticity"
     ),
 )

@@ -37,7 +37,8 @@ def _three(inputs: Inputs, shape: Shape, force: Array) -> Array:
 EFFECT = Effect(
     name="presliding_hysteresis",
     title="Presliding hysteresis",
-    source="Vo-Minh, Tjahjowidodo, Ramon & Van Brussel 2011, IEEE/ASME Trans. Mechatronics 16(1), 177–186 (Maxwell slip); Dahl 1968",
+    source="Vo-Minh, Tjahjowidodo, Ramon & Van Brussel 2011, IEEE/ASME Trans. Mechatronics 16(1), 177–186 "
+    "(Maxwell slip); Dahl 1968",
     forms=(
         AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,)),
         AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,)),

@@ -33,7 +33,7 @@ def bounded_lstsq(columns: Array, target: Array, params: Sequence[Param]) -> Arr
     k = columns.shape[1]
     if k == 0:
         return np.empty(0)
-    packed = np.linalg.qr(np.column_stack([columns, target]), mode="r")
+    packed: Array = np.linalg.qr(np.column_stack([columns, target]), mode="r")  # pyright: ignore
     small, goal = packed[:, :k], packed[:, k]
     scale = np.linalg.norm(small, axis=0)
     scale[scale == 0.0] = 1.0
@@ -61,13 +61,12 @@ def solve(
     Curved parameters start from `start` where it names them, else from every combination of their grids (at
     most `max_starts`, the two best of which are followed down). `quick` follows one and stops at 1e-8.
     """
-    acting = force
-    given = dict(start or {})
-    for _ in range(1 if model.separable else 3):
-        found = _separated(model, inputs, force, acting, whiten, given, max_starts, quick)
-        if model.separable:
-            return found
-        acting, given = np.clip(model.force(inputs, found.values), -1e6, 1e6), found.values
+    found = _separated(model, inputs, force, force, whiten, dict(start or {}), max_starts, quick)
+    if model.separable:
+        return found
+    for _ in range(2):
+        acting = np.clip(model.force(inputs, found.values), -1e6, 1e6)
+        found = _separated(model, inputs, force, acting, whiten, found.values, max_starts, quick)
     return found if quick else _polish(model, inputs, force, whiten, found.values)
 
 

@@ -54,7 +54,7 @@ def read_record(path: str | Path, specimen: str | Path | Specimen | None = None)
     else:
         contraction = 1.0 - values["length"] / length
     _check_ranges(path, where, values, contraction)
-    direction = _directions(path, frame[where["branch"]], where["branch"])[keep] if "branch" in where else None
+    direction = _directions(path, frame, where["branch"])[keep] if "branch" in where else None
     optional = {key: values[key][keep] if key in values else None for key in ("time", "cycle", "temperature")}
     return build_record(
         path.stem if path.stem != "record" else specimen.name,
@@ -167,20 +167,20 @@ def _numbers(path: Path, frame: pd.DataFrame, column: str, key: str) -> np.ndarr
     """One column in internal units, shape (n,)."""
     _, unit = split_header(column)
     factor, offset = conversion(QUANTITIES[key], unit, f"{path}, column {column!r}")
-    numbers = pd.to_numeric(frame[column], errors="coerce").to_numpy(float)
+    numbers = np.asarray(pd.to_numeric(frame[column], errors="coerce"), dtype=float)
     bad = np.flatnonzero(~np.isfinite(numbers))
     if len(bad):
         row, cell = int(bad[0]), frame[column].iloc[int(bad[0])]
         what = "is empty or NaN" if pd.isna(cell) else f"holds {str(cell)[:40]!r}"
         more = f" (and {len(bad) - 1} more rows)" if len(bad) > 1 else ""
         raise DataError(
-            f"{path}, row {row + 2}, column {column!r}: {what}{more}; expected a number. Mend the cell or delete the row"
+            f"{path}, row {row + 2}, column {column!r}: {what}{more}; expected a number. Mend or delete the row"
         )
     return numbers * factor + offset
 
 
-def _directions(path: Path, cells: pd.Series, column: str) -> np.ndarray:
-    words = cells.astype(str).str.strip().str.lower()
+def _directions(path: Path, frame: pd.DataFrame, column: str) -> np.ndarray:
+    words = frame[column].astype(str).str.strip().str.lower()
     numbers = words.map(BRANCHES).to_numpy(float)
     bad = np.flatnonzero(np.isnan(numbers))
     if len(bad):
@@ -204,12 +204,12 @@ def _check_ranges(path: Path, where: dict[str, str], values: dict[str, np.ndarra
     if len(wild):
         key = next(k for k in SHAPES if k in where)
         raise DataError(
-            f"{path}, row {int(wild[0]) + 2}, column {where[key]!r}: contraction ratio {contraction[wild[0]]:.3g}; expected "
-            "within -0.95 to 0.95. Check the unit of the column and initial_length_mm of the specimen"
+            f"{path}, row {int(wild[0]) + 2}, column {where[key]!r}: contraction ratio {contraction[wild[0]]:.3g}; "
+            "expected within -0.95 to 0.95. Check the unit of the column and initial_length_mm of the specimen"
         )
     high = np.flatnonzero(np.abs(values["pressure"]) > 10.0)
     if len(high):
         raise DataError(
-            f"{path}, row {int(high[0]) + 2}, column {where['pressure']!r}: {values['pressure'][high[0]]:g} MPa; expected a "
-            "gauge pressure below 10 MPa. Check the unit of the column"
+            f"{path}, row {int(high[0]) + 2}, column {where['pressure']!r}: {values['pressure'][high[0]]:g} MPa; "
+            "expected a gauge pressure below 10 MPa. Check the unit of the column"
         )

@@ -170,7 +170,7 @@ def _bend(x: Array, begin: int, end: int) -> float:
 
 
 def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
-    """Position and dx/dt along one stroke: a polynomial where it describes the stroke to the noise, else local slopes."""
+    """Position and dx/dt along one stroke: a polynomial where that describes it to the noise, else local slopes."""
     n, width = len(x), float(np.ptp(time))
     if width <= 0.0:
         return x, np.zeros(n)
