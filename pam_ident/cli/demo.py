@@ -26,4 +26,4 @@ def demo(
 def _tell(stage: "Stage") -> None:
     record = stage.section.record
     text.say(f"{stage.data_set}: {stage.about}", f"  {len(record)} samples, {len(record.levels)} pressures")
-    text.say(*rungs(stage.ladder), f"  {stage.section.diagnosis.sentence}", "")
+    text.say(*rungs(stage.ladder), f"  {stage.ladder.last.sentence}", "")

@@ -36,7 +36,7 @@ class Compressed:
         widths = [s.shape[1] for s in signatures]
         self.starts = np.r_[0, np.cumsum(widths)].astype(int)
         matrix = np.hstack(signatures) if signatures else np.empty((len(residual), 0))
-        before = np.linalg.norm(matrix, axis=0)
+        before = self.before = np.linalg.norm(matrix, axis=0)
         basis = orthonormal(law)
         matrix = matrix - basis @ (basis.T @ matrix)
         residual = residual - basis @ (basis.T @ residual)

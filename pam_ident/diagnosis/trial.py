@@ -143,7 +143,7 @@ class Trial:
                 columns = data.columns([a])
                 left = max(left, float(np.max(data.left[columns])))
                 sizes = np.array([p.scale for p in data.atoms[a].sizes])
-                seen = max(seen, float(np.max(data.norm[columns] / np.maximum(data.left[columns], 1e-12) * sizes)) / n)
+                seen = max(seen, float(np.max(data.before[columns] * sizes)) / n)
             if seen * 30.0 < 0.3:
                 self.excluded[effect.name] = ("not_excited", "its signature stays far below the noise in this record")
             elif left < TOO_FLAT:

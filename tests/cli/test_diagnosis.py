@@ -45,7 +45,7 @@ def test_diagnose_names_the_friction_that_is_there(answer, rubbing):
     assert result.exit_code == 0 and set(found) == DIAGNOSIS
     assert found["schema"] == "pam-ident/diagnosis/1" and found["record"] == str(rubbing) and found["n"] == 1200
     assert found["verdict"] == "missing_effect" and found["selected"] == ["coulomb_friction"]
-    assert [set(group) & set(found["selected"]) for group in found["groups"]] == [{"coulomb_friction"}]
+    assert all(set(group) & set(found["selected"]) == {"coulomb_friction"} for group in found["groups"])
     assert found["rmse_after_N"] == pytest.approx(1.0, abs=0.1) and found["rmse_N"] > 5
     assert found["heldout_rmse_after_N"] < 0.3 * found["heldout_rmse_N"]
     for one in found["ranking"]:

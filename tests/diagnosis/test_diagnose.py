@@ -1,0 +1,126 @@
+"""Hidden effects of the virtual rig, whose physics is written apart from the effects, are named; others are not."""
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Param
+from pam_ident.diagnosis import climb, diagnose
+from pam_ident.effects import AddsForce, Effect
+from pam_ident.model import Model
+from pam_ident.records import Record, read_record
+from pam_ident.records.datasets import dataset_record
+from pam_ident.rig import Plan, Secret, make_record, write_case
+
+EXPONENTIAL, CHOU = "exponential_law", "modified_chou_hannaford"
+
+
+def rig_record(folder, **plan) -> Record:
+    write_case(folder, make_record(Plan(**plan)))
+    return read_record(folder / "record.csv")
+
+
+@pytest.mark.parametrize(
+    ("law", "secret", "names"),
+    [
+        (EXPONENTIAL, Secret("coulomb_friction", "tanh", 1.5), {"coulomb_friction"}),
+        (EXPONENTIAL, Secret("pressure_friction", "textbook", 2.0), {"pressure_friction"}),
+        (CHOU, Secret("viscous_damping", "thinning", 3.0), {"viscous_damping"}),
+        (EXPONENTIAL, Secret("pressure_lag", "first_order", 2.0), {"pressure_lag"}),
+        (EXPONENTIAL, Secret("creep", "log_time", 2.0), {"creep"}),
+        (CHOU, Secret("force_drift", "settling", 1.5), {"force_drift"}),
+        (CHOU, Secret("bladder_elasticity", "textbook", 1.5), {"bladder_elasticity"}),
+        (CHOU, Secret("series_compliance", "textbook", 2.0), {"series_compliance"}),
+    ],
+    ids=lambda value: value.name if isinstance(value, Secret) else None,
+)
+def test_one_hidden_effect_is_named_alone_and_its_error_removed(tmp_path, law, secret, names):
+    record = rig_record(tmp_path, seed=41, law=law, secrets=(secret,))
+    answer = diagnose(Model.build(law), record)
+    assert answer.verdict == "missing_effect" and set(answer.selected) == names
+    assert answer.best.rmse < 1.1 * 2.1 and answer.heldout_rmse_after < 0.95 * answer.heldout_rmse
+    assert answer.ranking[0].effect == answer.selected[0] and answer.ranking[0].probability > 0.8
+
+
+def test_a_pair_is_found_as_a_pair(tmp_path):
+    secrets = (Secret("coulomb_friction", "textbook", 2.0), Secret("force_drift", "textbook", 1.5))
+    record = rig_record(tmp_path, seed=42, law=EXPONENTIAL, secrets=secrets)
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert set(answer.selected) == {"coulomb_friction", "force_drift"}
+
+
+@pytest.mark.parametrize("noise", ["white", "ar1", "ou"])
+def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise):
+    record = rig_record(tmp_path, seed=43, law=EXPONENTIAL, noise=noise)
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert answer.verdict == "adequate" and answer.selected == () and answer.pattern is None
+
+
+@pytest.mark.parametrize(
+    ("unknown", "kind"), [("screw_ripple", "periodic"), ("rub", "local"), ("mount_slip", "step")]
+)
+def test_what_no_known_effect_explains_is_described_not_named(tmp_path, unknown, kind):
+    secret = Secret(unknown, "textbook", 2.0)
+    record = rig_record(tmp_path, seed=44, law=EXPONENTIAL, unknown=secret)
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert answer.verdict == "unknown_effect" and answer.pattern is not None
+    assert answer.pattern.kind == kind and answer.selected == ()
+    assert answer.next_experiment is not None
+
+
+@pytest.mark.parametrize("effect", ["coulomb_friction", "viscous_damping"])
+def test_one_speed_cannot_tell_friction_from_damping(tmp_path, effect):
+    secret = Secret(effect, "textbook", 1.5)
+    record = rig_record(tmp_path, seed=45, law=CHOU, secrets=(secret,), protocol="blunt")
+    answer = diagnose(Model.build(CHOU), record)
+    assert any({"coulomb_friction", "viscous_damping"} <= set(group) for group in answer.groups)
+    assert answer.next_experiment is not None and "speed" in answer.next_experiment.vary
+
+
+def test_what_the_law_absorbs_and_what_the_record_lacks_is_marked(tmp_path):
+    record = rig_record(tmp_path, seed=43, law=EXPONENTIAL)
+    status = {s.effect: s.status for s in diagnose(Model.build(EXPONENTIAL), record).ranking}
+    assert status["force_bias"] == "absorbed_by_law" and status["coulomb_friction"] == "candidate"
+    table = read_record(dataset_record("dmsp20_300"))
+    status = {s.effect: s.status for s in diagnose(Model.build("sarosi"), table).ranking}
+    assert status["viscous_damping"] == status["creep"] == "not_excited"
+
+
+def test_the_embedded_record_names_its_effect_and_its_twin_is_adequate():
+    hidden = read_record(dataset_record("hidden_effect"))
+    answer = diagnose(Model.build(EXPONENTIAL), hidden)
+    twin = diagnose(Model.build(EXPONENTIAL), read_record(dataset_record("nothing_hidden")))
+    assert answer.selected == ("pressure_friction",)
+    assert answer.best.rmse < 1.1 * twin.base.rmse < 0.5 * answer.base.rmse
+    assert twin.verdict == "adequate"
+
+
+def test_a_user_s_own_effect_is_a_candidate(tmp_path):
+    record = rig_record(tmp_path, seed=44, law=EXPONENTIAL, unknown=Secret("screw_ripple", "textbook", 3.0))
+    plain = diagnose(Model.build(EXPONENTIAL), record)
+    assert plain.pattern is not None and plain.pattern.value is not None
+    wave = 2.0 * np.pi / plain.pattern.value
+
+    def columns(inputs, shape, force):
+        return np.column_stack([np.cos(wave * inputs.displacement_mm), np.sin(wave * inputs.displacement_mm)])
+
+    sizes = (Param("cosine", "N", "", scale=10.0), Param("sine", "N", "", scale=10.0))
+    mine = Effect("ball_screw", "Ripple of the ball screw", "this test", (AddsForce("textbook", "ripple", sizes, columns),), "-")
+    answer = diagnose(Model.build(EXPONENTIAL), record, (mine,))
+    assert answer.selected == ("ball_screw",) and answer.verdict == "missing_effect"
+
+
+def test_the_ladder_on_the_measured_map_falls_below_15_N_with_named_effects():
+    record = read_record(dataset_record("dmsp20_300"))
+    ladder = climb(Model.build("chou_hannaford", free_geometry=True), record)
+    errors = [rung.fit.rmse for rung in ladder.rungs]
+    heldout = [rung.heldout_rmse for rung in ladder.rungs]
+    assert errors == sorted(errors, reverse=True) and heldout == sorted(heldout, reverse=True)
+    assert errors[0] > 100.0 and errors[-1] <= 15.0
+    assert len(ladder.rungs[-1].fit.model.params) <= 8
+    assert ladder.rungs[-1].effects[0].startswith("bladder_elasticity")
+
+
+def test_the_same_record_gives_the_same_answer_twice(tmp_path):
+    record = rig_record(tmp_path, seed=41, law=EXPONENTIAL, secrets=(Secret("creep", "prony_2", 2.0),))
+    first, second = (diagnose(Model.build(EXPONENTIAL), record) for _ in range(2))
+    assert first.best.values == second.best.values and first.ranking == second.ranking

@@ -1,0 +1,69 @@
+"""Noise is told from signal by size and colour."""
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Specimen
+from pam_ident.core.recursion import decaying_sum
+from pam_ident.diagnosis.noise import estimate_noise, filter_gains, innovations
+from pam_ident.records import build_record
+
+SPECIMEN = Specimen("bench", 200.0, 10.0, 25.4, 1.5)
+
+
+@pytest.fixture
+def record():
+    time = np.arange(4000) * 0.1
+    x = 20.0 - 20.0 * np.cos(2.0 * np.pi * time / 40.0)
+    return build_record("loop", SPECIMEN, np.full(4000, 0.3), x / 200.0, 400.0 - 5.0 * x, time=time)
+
+
+def coloured(rho, n=4000, seed=5):
+    white = np.random.default_rng(seed).standard_normal(n)
+    return np.sqrt(1 - rho**2) * decaying_sum(np.full(n - 1, rho), white[:-1])
+
+
+def test_recursion_against_a_plain_loop():
+    rng = np.random.default_rng(2)
+    decay, gain = rng.uniform(0.0, 1.0, 50), rng.standard_normal((50, 3))
+    expected = np.zeros((51, 3))
+    for i in range(50):
+        expected[i + 1] = decay[i] * expected[i] + gain[i]
+    np.testing.assert_allclose(decaying_sum(decay, gain), expected, atol=1e-13)
+
+
+def test_innovations_have_the_likelihood_of_the_full_covariance():
+    rng = np.random.default_rng(3)
+    n, share, rho, extra = 60, 0.7, 0.8, rng.uniform(0.0, 0.5, 60)
+    decay = np.full((n, 1), rho)
+    decay[0] = 0.0
+    gain, spread = (v[:, 0] for v in filter_gains(decay, np.array([share]), extra))
+    lag = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    covariance = share * rho**lag + np.diag(1.0 - share + extra)
+    z = rng.standard_normal(n)
+    left = innovations(z[:, None], decay[:, 0], gain)[:, 0] / spread
+    assert np.sum(left**2) == pytest.approx(z @ np.linalg.solve(covariance, z), rel=1e-10)
+    assert 2.0 * np.sum(np.log(spread)) == pytest.approx(np.linalg.slogdet(covariance)[1], rel=1e-10)
+
+
+def test_white_noise_is_called_white(record):
+    noise = estimate_noise(record, 2.0 * np.random.default_rng(1).standard_normal(4000), np.zeros(4000), 8)
+    assert not noise.coloured and noise.sigma == pytest.approx(2.0, rel=0.03)
+
+
+@pytest.mark.parametrize("rho", [0.5, 0.9])
+def test_coloured_noise_is_whitened_and_keeps_its_size(record, rho):
+    residual = 3.0 * coloured(rho)
+    noise = estimate_noise(record, residual, np.zeros(4000), 8)
+    left = noise.whiten(residual)
+    assert noise.coloured and noise.sigma == pytest.approx(3.0, rel=0.2)
+    assert abs(np.corrcoef(left[1:], left[:-1])[0, 1]) < 0.05
+    assert np.std(left) == pytest.approx(1.0, rel=0.03)
+
+
+def test_a_spike_is_set_aside_and_a_bump_is_not(record):
+    residual = np.random.default_rng(4).standard_normal(4000)
+    residual[100] += 30.0
+    residual[2000:2020] += 8.0
+    noise = estimate_noise(record, residual, np.zeros(4000), 8)
+    assert noise.outlier[100] and not noise.outlier[2000:2020].any()
