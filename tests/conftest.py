@@ -4,7 +4,10 @@ import os
 import shutil
 from pathlib import Path
 
-import pytest
+for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")  # as the command line does, and before numpy is imported
+
+import pytest  # noqa: E402
 
 ROOT = Path(__file__).parents[1]
 

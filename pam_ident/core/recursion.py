@@ -10,7 +10,7 @@ def decaying_sum(decay: Array, gain: Array) -> Array:
     from scipy.linalg.lapack import dtbtrs  # pyright: ignore[reportAttributeAccessIssue]
 
     out = np.zeros((len(gain) + 1, *gain.shape[1:]))
-    if len(gain):
+    if gain.size:
         band = np.vstack([np.ones(len(gain)), np.r_[-decay[1:], 0.0]])
         rows, _ = dtbtrs(band, gain.reshape(len(gain), -1), uplo="L", diag="U")
         out[1:] = rows.reshape(gain.shape)

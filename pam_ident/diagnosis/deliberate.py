@@ -18,7 +18,7 @@ LIGHT = 0.02
 NEAR = 30.0
 """Cost within which a linearised estimate is worth an exact fit."""
 PATTERN_MARGIN = 20.0
-PATTERN_TOLERANCE = 0.015
+PATTERN_TOLERANCE = 0.04
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave."""
 
 
@@ -50,7 +50,11 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     (_, noise), k = min(scored, key=lambda item: item[0][0])
     _, found = list(rivals.values())[k]
     final = Trial(base, suspects, noise)
-    return final, _weighed(final, final.refit(found.terms, found.values))
+    kept = _weighed(final, final.refit(found.terms, found.values))
+    if len(kept.terms) < len(found.terms):
+        final = Trial(base, suspects, final.noise_left_by(kept))
+        kept = final.refit(kept.terms, kept.values)
+    return final, kept
 
 
 def _weighed(trial: Trial, verdict: Verdict) -> Verdict:

@@ -188,6 +188,8 @@ def _sentence(
             f"Missing: {', '.join(labels)}. "
             f"With {'it' if len(labels) == 1 else 'them'} the error falls to {best.rmse:.3g} N."
         )
+        if pattern is None and best.rmse > 2.0 * floor:
+            parts.append("Much is left: add and diagnose again, or climb the ladder.")
     for members in classes:
         parts.append(f"This record cannot tell {members[0]} from {' or '.join(members[1:])}.")
     if pattern:

@@ -10,6 +10,7 @@ F_HOLD = Param("F_hold", "N", "friction force left in holds", -2000.0, 2000.0, s
 F_BREAK = Param("F_s_minus_F_c", "N", "what friction gains towards rest", 0.0, 2000.0, scale=10.0)
 V_S = Param("v_s", "mm/s", "Stribeck speed", 0.2, 100.0, start=5.0, grid=(1.5, 5.0, 15.0))
 V_0 = Param("v_0", "mm/s", "speed at which friction is fully developed", 0.05, 4.0, start=1.0, grid=(0.5, 2.0))
+TAU_H = Param("tau_h", "s", "time in which friction fades in a hold", 0.05, 1000.0, start=2.0, grid=(0.7, 3.0))
 
 
 def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -26,6 +27,16 @@ def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -np.column_stack([moving * ramp, held])
 
 
+def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """What friction holds at rest fades, because the rubber under the threads creeps."""
+    if inputs.time is None:
+        return _held(inputs, shape, force)
+    moving, held = slip(inputs)
+    begins = np.r_[True, (held[1:] != 0.0) & (held[:-1] == 0.0)]
+    since = inputs.time - inputs.time[np.maximum.accumulate(np.where(begins, np.arange(len(inputs)), 0))]
+    return -np.column_stack([moving, held * np.exp(-since / shape["tau_h"])])
+
+
 def _stribeck(inputs: Inputs, shape: Shape, force: Array) -> Array:
     moving, held = slip(inputs)
     dip = np.exp(-((speed(inputs) / shape["v_s"]) ** 2)) if inputs.velocity is not None else 0.0
@@ -39,6 +50,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−F_c sgn(ε̇)", (F_C,), _sliding),
         AddsForce("held", "−F_c sgn(ε̇), F_hold in holds", (F_C, F_HOLD), _held),
+        AddsForce("relaxing", "−F_c sgn(ε̇), F_hold exp(−t/τ_h) in holds", (F_C, F_HOLD), _relaxing, (TAU_H,)),
         AddsForce("smooth", "−F_c tanh(v/v_0), F_hold in holds", (F_C, F_HOLD), _smooth, (V_0,)),
         AddsForce(
             "stribeck",

@@ -33,7 +33,7 @@ def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _force(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(_drive(inputs, force, shape["tau"]))
+    return one(-_drive(inputs, force, shape["tau"]))
 
 
 EFFECT = Effect(
@@ -44,7 +44,7 @@ EFFECT = Effect(
         AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,)),
         AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic),
         AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (TAU,)),
-        AddsForce("force_driven", "−share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True),
+        AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True),
     ),
     test="holds over three decades of time",
     needs=("motion", "time"),

@@ -144,9 +144,9 @@ def offset_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Setti
 
 
 def braid_stretch(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """-4 pi^2 r0^4 p^2 cos/(sin^4 EA); size 1e6/EA in 1/N."""
+    """-4 pi^2 r0^4 p^2 cos/(sin^4 EA), the sine at rest; size 1e6/EA in 1/N."""
     cos = m.specimen.cosine(c.eps)
-    shape = cos / (1 - cos**2) ** 2
+    shape = cos / (1 - m.specimen.cosine(np.zeros(1)) ** 2) ** 2
     return {}, scaled(-4e-6 * np.pi**2 * m.specimen.initial_radius_mm**4 * c.pressure**2 * shape)
 
 

@@ -1,25 +1,42 @@
 """Which effect a law lacks, record by record."""
 
+import multiprocessing
+import os
 from collections.abc import Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
-import numpy as np
-
-from ..core import FitError, PamError
+from ..core import PamError
 from ..diagnosis import diagnose
 from ..diagnosis.nouns import Diagnosis
+from ..model import Model
 from .setup import Setup
 
+Answer = Diagnosis | PamError
 
-def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str, Diagnosis | PamError]]:
-    """Path and Diagnosis of each record, as they come; in place of a Diagnosis the error of a bad record.
 
-    Raises UsageError for an unknown law or effect, before any record is read.
+def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str, Answer]]:
+    """Path and Diagnosis of each record, in order; in place of a Diagnosis the error of a bad record.
+
+    Several records are shared among the machine's cores, unless the user's own effects are in play, which another
+    process could not look up. Raises UsageError for an unknown law or effect, before any record is read.
     """
-    model, extra = setup.model, setup.extra
-    for path in records:
-        try:
-            yield path, diagnose(model, setup.read(path), extra)
-        except PamError as error:
-            yield path, error
-        except np.linalg.LinAlgError as error:
-            yield path, FitError(f"{path}: the fit broke down ({error}); check the record for constant columns")
+    Model.build(setup.law, setup.effects, setup.extra, setup.free_geometry)
+    paths, workers = list(records), os.cpu_count() or 1
+    one = partial(_diagnose, setup)
+    if len(paths) < 3 or workers < 2 or setup.extra:
+        yield from zip(paths, map(one, paths), strict=True)
+        return
+    with ProcessPoolExecutor(min(workers, len(paths)), mp_context=multiprocessing.get_context("spawn")) as pool:
+        yield from zip(paths, pool.map(one, paths), strict=True)
+
+
+def _diagnose(setup: Setup, path: str) -> Answer:
+    try:
+        return diagnose(setup.model, setup.read(path), setup.extra)
+    except PamError as error:
+        return error
+    except Exception as error:
+        if os.environ.get("PAM_IDENT_DEBUG"):
+            raise
+        return PamError(f"{path}: the diagnosis broke down ({type(error).__name__}: {error}); please report the record")

@@ -55,9 +55,7 @@ def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise):
     assert answer.verdict == "adequate" and answer.selected == () and answer.pattern is None
 
 
-@pytest.mark.parametrize(
-    ("unknown", "kind"), [("screw_ripple", "periodic"), ("rub", "local"), ("mount_slip", "step")]
-)
+@pytest.mark.parametrize(("unknown", "kind"), [("screw_ripple", "periodic"), ("rub", "local"), ("mount_slip", "step")])
 def test_what_no_known_effect_explains_is_described_not_named(tmp_path, unknown, kind):
     secret = Secret(unknown, "textbook", 2.0)
     record = rig_record(tmp_path, seed=44, law=EXPONENTIAL, unknown=secret)
@@ -104,7 +102,9 @@ def test_a_user_s_own_effect_is_a_candidate(tmp_path):
         return np.column_stack([np.cos(wave * inputs.displacement_mm), np.sin(wave * inputs.displacement_mm)])
 
     sizes = (Param("cosine", "N", "", scale=10.0), Param("sine", "N", "", scale=10.0))
-    mine = Effect("ball_screw", "Ripple of the ball screw", "this test", (AddsForce("textbook", "ripple", sizes, columns),), "-")
+    mine = Effect(
+        "ball_screw", "Ripple of the ball screw", "this test", (AddsForce("textbook", "ripple", sizes, columns),), "-"
+    )
     answer = diagnose(Model.build(EXPONENTIAL), record, (mine,))
     assert answer.selected == ("ball_screw",) and answer.verdict == "missing_effect"
 

@@ -163,8 +163,8 @@ def test_creep_is_the_relaxation_of_its_drive():
     )
     _, driven = get_effect("creep:force_driven")
     ideal = get_law("chou_hannaford").force(inputs.pressure, inputs.contraction, MUSCLE, {})
-    got = driven.columns(inputs, {"tau": 10.0}, zero)[:, 0]
-    np.testing.assert_allclose(got, -relax_by_steps(inputs, ideal, 10.0), rtol=1e-6, atol=1e-6)
+    got = driven.columns(inputs, {"tau": 10.0}, ideal)[:, 0]
+    np.testing.assert_allclose(got, relax_by_steps(inputs, ideal, 10.0), rtol=1e-6, atol=1e-6)
 
 
 def test_the_maxwell_slip_form_has_elements_of_three_widths():

@@ -15,8 +15,8 @@ from pam_ident.records import build_record, read_record
 from pam_ident.records.datasets import dataset_record
 
 PAPER = {
-    "contraction": dict(a0=-197.8, a1=2442.0, b0=1735.0, b1=5464.0, c0=-9.3, c1=688.3, mu=45.0),
-    "extension": dict(a0=-344.5, a1=2554.0, b0=-43.2, b1=8430.0, c0=43.24, c1=899.2, mu=45.0),
+    "contraction": {"a0": -197.8, "a1": 2442.0, "b0": 1735.0, "b1": 5464.0, "c0": -9.3, "c1": 688.3, "mu": 45.0},
+    "extension": {"a0": -344.5, "a1": 2554.0, "b0": -43.2, "b1": 8430.0, "c0": 43.24, "c1": 899.2, "mu": 45.0},
 }
 SPECIMEN = Specimen("bench", 200.0, 10.0, 25.4, 1.5)
 
@@ -62,7 +62,9 @@ def test_values_and_errors_agree_with_an_independent_least_squares():
 
 def test_bounded_least_squares_agrees_with_scipy():
     rng = np.random.default_rng(7)
-    params = [Param(f"p{k}", "1", "", lower=low, upper=high) for k, (low, high) in enumerate([(0, 9), (-1, 0.5), (-9, 9)])]
+    params = [
+        Param(f"p{k}", "1", "", lower=low, upper=high) for k, (low, high) in enumerate([(0, 9), (-1, 0.5), (-9, 9)])
+    ]
     hit = 0
     for _ in range(40):
         matrix, goal = rng.standard_normal((30, 3)), 3.0 * rng.standard_normal(30)
