@@ -165,9 +165,8 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
 
 
 def _pattern_price(trial: Trial, lead: Lead) -> float:
-    excess = max(trial.empty.squares - len(trial.record), 0.0)
     search = 2.0 * float(np.log(max(lead.tried, 2)))
-    return PATTERN_MARGIN + search + PATTERN_TOLERANCE * excess + trial.price.per_parameter * lead.atom.free
+    return PATTERN_MARGIN + search + PATTERN_TOLERANCE * trial.excess + trial.price.per_parameter * lead.atom.free
 
 
 def _with_pattern(trial: Trial, lead: Lead, price: float) -> Verdict:

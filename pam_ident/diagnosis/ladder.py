@@ -37,10 +37,8 @@ def _rungs(below: Rung, terms: list[Term], record: Record, found: Diagnosis) -> 
     left = list(terms)
     while left:
         base = rungs[-1] if rungs else below
-        trials = [
-            (fit(base.fit.model.adding(Term(t.effect, form)), record), t) for t in left for form in t.effect.forms
-        ]
-        best, term = min(trials, key=lambda pair: _price(pair[0]))
+        trials = [(fit(base.fit.model.adding(t), record), t) for t in left]
+        best, term = min(trials, key=lambda pair: pair[0].rmse)
         heldout = heldout_rmse(best.model, record, best)
         rungs.append(Rung(best, heldout, _why(base, best, heldout, found)))
         left.remove(term)
@@ -53,12 +51,6 @@ def _helps(before: Rung, after: Rung) -> bool:
     if math.isnan(after.heldout_rmse):
         return after.fit.rmse < (1.0 - LEAST_FALL) * before.fit.rmse
     return after.heldout_rmse < (1.0 - LEAST_FALL) * before.heldout_rmse
-
-
-def _price(candidate: Fit) -> float:
-    """Bayesian information criterion, by which a richer form must earn its parameters."""
-    n = len(candidate.record)
-    return n * math.log(max(candidate.rmse, 1e-12) ** 2) + len(candidate.model.params) * math.log(n)
 
 
 def _why(base: Rung, best: Fit, heldout: float, found: Diagnosis) -> str:

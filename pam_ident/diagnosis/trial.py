@@ -19,6 +19,8 @@ Array = np.ndarray
 NAME_MARGIN = 12.0
 FORM_TOLERANCE = 0.005
 """Share of all that is to be explained which each name must earn: an unforeseen form may leave as much."""
+MOST_TOLERANCE = 0.5
+"""The same in units of the noise: what stands out that far is named, however large the rest."""
 TOO_FLAT = 0.05
 """Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
 
@@ -60,10 +62,23 @@ class Trial:
         self.data = view.compress([a for a in atoms if a.effect not in self.excluded], self.noise)
         self.empty = Verdict((), base.values, self.squares(base.model, base.values), 0.0)
         self.empty = replace(self.empty, cost=self.empty.squares)
-        excess = max(self.empty.squares - len(self.record), 0.0)
+        self.excess = self._excess()
         base_price = 2.0 * np.log(max(len(suspects), 2)) + NAME_MARGIN
-        self.price = Price(float(np.log(max(len(self.record), 10))), float(base_price), FORM_TOLERANCE * excess)
+        self.price = Price(
+            float(np.log(max(len(self.record), 10))),
+            float(base_price),
+            min(FORM_TOLERANCE * self.excess, MOST_TOLERANCE * len(self.record)),
+        )
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
+
+    def _excess(self) -> float:
+        """Whitened squares beyond the noise that the law alone leaves, without the effects already in the model."""
+        alone = self.empty.squares
+        if self.base.model.terms:
+            law = replace(self.base.model, terms=())
+            found = solve(law, self.record.inputs, self.record.force, self.noise.whiten, quick=True)
+            alone = max(alone, self.squares(law, found.values))
+        return max(alone - len(self.record), 0.0)
 
     def squares(self, model: Model, values: Mapping[str, float]) -> float:
         """Whitened sum of squares of a model."""

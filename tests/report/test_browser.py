@@ -2,8 +2,8 @@
 
 import pytest
 
-from pam_ident.report import Section, Story, render
 from pam_ident.diagnosis import compare
+from pam_ident.report import Section, Story, render
 
 pytestmark = pytest.mark.browser
 
