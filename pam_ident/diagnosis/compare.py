@@ -86,7 +86,7 @@ def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: 
     found: dict[str, tuple[Bin, ...]] = {
         "pressure_MPa": tuple(_bin(fit, record.level == v, f"{v:g} MPa", v, v, total) for v in levels),
         "contraction": tuple(
-            _bin(fit, (inputs.contraction >= a) & (inputs.contraction < b), f"{a:.3f} to {b:.3f}", a, b, total)
+            _bin(fit, (inputs.contraction >= a) & (inputs.contraction < b), _span(a, b), a, b, total)
             for a, b in itertools.pairwise(edges)
         ),
         "branch": tuple(_bin(fit, inputs.direction == s, NAMES[s], s, s, total) for s in signs),
@@ -127,6 +127,11 @@ def _bin(fit: Fit, mask: Array, label: str, low: float, high: float, total: floa
     )
 
 
+def _span(low: float, high: float) -> str:
+    """Two contraction ratios in words; a rounded minus zero is zero."""
+    return f"{round(low, 3) + 0.0:.3f} to {round(high, 3) + 0.0:.3f}"
+
+
 def _sentence(
     fit: Fit, by: dict[str, tuple[Bin, ...]], odd: float | None, even: float | None, worst: tuple[Region, ...]
 ) -> str:
@@ -135,7 +140,7 @@ def _sentence(
     text = (
         f"{fit.model.law.name} misses the measurement by {fit.rmse:.3g} N rms (at most {fit.max_error:.3g} N). "
         f"{worst_pressure.share:.0%} of the squared error lies at {worst_pressure.label}; the worst cell is "
-        f"{top.pressure_MPa:g} MPa, contraction {top.contraction[0]:.3f} to {top.contraction[1]:.3f}, {top.branch} "
+        f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}, {top.branch} "
         f"({top.rms:.3g} N rms, {top.share:.0%} of the squared error, "
         f"the model {'below' if top.mean > 0 else 'above'} the data)."
     )

@@ -96,7 +96,7 @@ def next_experiment(record: Record, found: Sequence[Sequence[str]], effects: dic
     levers = list(dict.fromkeys(lever for member in members for lever in member.levers))
     shared = [lever for lever in levers if all(lever in m.levers for m in members)]
     lacking = _lacking(record)
-    kin = any(a.name in b.same_as for a in members for b in members)
+    kin = any(a.name == b.special_case_of for a in members for b in members)
     splitting = shared if kin else [v for v in levers if v not in shared]
     ordered = [v for v in levers if v in lacking] or splitting or levers
     if not ordered:

@@ -15,6 +15,10 @@ from .dictionary import Atom
 Array = np.ndarray
 
 
+SPECIAL = 1.0
+"""What a special case costs beyond the effect that it is a case of, so that alike they do not tie."""
+
+
 @dataclass(frozen=True)
 class Choice:
     """A set of atoms, its gain (fall of the whitened sum of squares) and cost (what is minimised)."""
@@ -171,8 +175,11 @@ class Price:
 
     def of(self, atom: Atom) -> float:
         """Price of one atom."""
-        return self.per_parameter * atom.free + self.per_name
+        return self.total([atom.term])
 
     def total(self, terms: Iterable[Term]) -> float:
         """Price of a set of terms."""
-        return sum(self.per_parameter * len(t.form.params) + self.per_name for t in terms)
+        return sum(
+            self.per_parameter * len(t.form.params) + self.per_name + SPECIAL * bool(t.effect.special_case_of)
+            for t in terms
+        )

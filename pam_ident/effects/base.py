@@ -60,8 +60,9 @@ class Effect:
     """A physical effect that a static law leaves out; its forms go from the simplest to the richest.
 
     `needs` names what a record must hold (branch, motion, time, cycle, temperature); `levers` what must be
-    varied on the rig to see it, in the words of the contract; `same_as` other names of the same physics
-    whose richer forms coincide with this one's; `stateful` that it remembers the record's past.
+    varied on the rig to see it, in the words of the contract; `special_case_of` the effect one of whose richer
+    forms is the same physics, and whose name is preferred where both explain a record alike; `stateful` that it
+    remembers the record's past.
     `candidate` False keeps an effect out of the diagnosis. Raises UsageError without a form or a source.
     """
 
@@ -72,7 +73,7 @@ class Effect:
     test: str
     needs: tuple[str, ...] = ()
     levers: tuple[str, ...] = ()
-    same_as: tuple[str, ...] = ()
+    special_case_of: str = ""
     stateful: bool = False
     candidate: bool = True
     warning: str = ""

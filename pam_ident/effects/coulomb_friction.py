@@ -63,5 +63,4 @@ EFFECT = Effect(
     test="slow reversals at several pressures: the gap between the branches keeps its width",
     needs=("branch",),
     levers=("speed", "pressure"),
-    same_as=("stribeck_friction",),
 )

@@ -37,5 +37,5 @@ EFFECT = Effect(
     test="at least four speeds over two decades: the gap narrows with speed",
     needs=("branch", "motion"),
     levers=("speed",),
-    same_as=("coulomb_friction",),
+    special_case_of="coulomb_friction",
 )

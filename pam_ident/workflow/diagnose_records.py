@@ -4,6 +4,7 @@ import multiprocessing
 import os
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 
 from ..core import PamError
@@ -28,7 +29,13 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
         yield from zip(paths, map(one, paths), strict=True)
         return
     with ProcessPoolExecutor(min(workers, len(paths)), mp_context=multiprocessing.get_context("spawn")) as pool:
-        yield from zip(paths, pool.map(one, paths), strict=True)
+        futures = [pool.submit(one, path) for path in paths]
+        for path, future in zip(paths, futures, strict=True):
+            try:
+                answer = future.result()
+            except BrokenProcessPool:
+                answer = one(path)  # a worker was killed; what it was asked is not lost
+            yield path, answer
 
 
 def _diagnose(setup: Setup, path: str) -> Answer:

@@ -196,7 +196,7 @@ def test_an_effect_names_itself_its_source_and_its_test(effect):
     assert effect.name.isidentifier() and effect.title and effect.source.strip() and effect.test.strip()
     assert set(effect.needs) <= NEEDS and effect.levers and set(effect.levers) <= LEVERS
     assert len({form.name for form in effect.forms}) == len(effect.forms)
-    assert set(effect.same_as) <= set(catalogue()) - {effect.name}
+    assert effect.special_case_of in {"", *catalogue()} - {effect.name}
 
 
 @EACH_EFFECT
