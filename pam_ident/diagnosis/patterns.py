@@ -15,6 +15,7 @@ LENGTHS = 30
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
 COS = Param("cosine", "N", "cosine part", scale=10.0)
 SIN = Param("sine", "N", "sine part", scale=10.0)
+WAVE = (COS, SIN)
 SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
 
 
@@ -57,6 +58,16 @@ def _pressed_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _pressed_odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -_pressed_bump(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _box(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Constant within the width, with soft edges a fifth of it wide, so that place and width can be searched."""
+    off = np.abs(inputs.displacement_mm - shape["place"])
+    return one(0.5 - 0.5 * np.tanh((off - shape["width"]) / (0.2 * shape["width"])))
+
+
+def _odd_box(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -_box(inputs, shape, force) * slip(inputs)[0][:, None]
 
 
 def _stop(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -114,9 +125,7 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
     wave_numbers = np.arange(1.0, max(2.0, stroke / 1.0), 0.25)[::-1]
     periods = tuple(float(stroke / k) for k in wave_numbers if stroke / k < 0.5 * stroke)
     period = _span("period", "mm", "period over displacement", periods or (0.25 * stroke,))
-    place = Param(
-        "place", "mm", "where", low - stroke, low + 2 * stroke, start=low + stroke / 2, grid=_steps(low, stroke, 40)
-    )
+    place = Param("place", "mm", "where", low, low + stroke, start=low + stroke / 2, grid=_steps(low, stroke, 40))
     width = Param(
         "width",
         "mm",
@@ -142,6 +151,8 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
                     _pressed_odd_bump,
                     (place, width),
                 ),
+                AddsForce("box", "step up and down", (SIZE,), _box, (place, width)),
+                AddsForce("odd_box", "step up and down against motion", (SIZE,), _odd_box, (place, width)),
                 AddsForce("stop", "force beyond a place", (SIZE,), _stop, (place,)),
             ],
         ),
@@ -150,9 +161,9 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
             "ripple over displacement",
             ("contraction",),
             [
-                AddsForce("even", "ripple", (COS, SIN), _ripple, (period,)),
-                AddsForce("loaded", "ripple in proportion to force", (COS, SIN), _loaded_ripple, (period,)),
-                AddsForce("odd", "ripple against motion", (COS, SIN), _odd_ripple, (period,)),
+                AddsForce("even", "ripple", WAVE, _ripple, (period,)),
+                AddsForce("loaded", "ripple in proportion to force", WAVE, _loaded_ripple, (period,), uses_force=True),
+                AddsForce("odd", "ripple against motion", WAVE, _odd_ripple, (period,)),
             ],
         ),
         _pattern(
@@ -188,7 +199,7 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
                     TransformsContraction("length", "step of the length", (SHIFT,), _length_step, (moment,)),
                 ],
             ),
-            _pattern("beat", "beat in time", ("time",), [AddsForce("even", "beat", (COS, SIN), _beat, (beats,))]),
+            _pattern("beat", "beat in time", ("time",), [AddsForce("even", "beat", WAVE, _beat, (beats,))]),
             _pattern(
                 "trend", "free curve in time", ("time",), [AddsForce("even", "free curve", _sizes(7), _time_curve)]
             ),

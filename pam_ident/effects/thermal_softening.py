@@ -1,10 +1,13 @@
 """The rubber softens as it warms."""
 
+import numpy as np
+
 from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
 ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the start", -0.1, 0.1, scale=0.001)
+ALPHA_2 = Param("alpha_2", "1/K²", "change of that loss with warming", -0.01, 0.01, scale=3e-5)
 E_LOSS = Param("E_loss", "MPa/K", "loss of the bladder's modulus per kelvin", -20.0, 20.0, scale=0.01)
 G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvin", -1e4, 1e4, scale=1.0)
 
@@ -17,6 +20,10 @@ def warming(inputs: Inputs) -> Array:
 
 def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-warming(inputs))
+
+
+def _quadratic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -np.column_stack([warming(inputs), warming(inputs) ** 2])
 
 
 def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -33,6 +40,7 @@ EFFECT = Effect(
     source="temperature dependence of rubber elasticity, first order in ΔT",
     forms=(
         ScalesForce("textbook", "F (1 − α ΔT)", (ALPHA,), _whole),
+        ScalesForce("quadratic", "F (1 − α ΔT − α_2 ΔT²)", (ALPHA, ALPHA_2), _quadratic),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
     ),
