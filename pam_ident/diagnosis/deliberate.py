@@ -13,8 +13,8 @@ from .patterns import patterns
 from .search import Choice, beam_search
 from .trial import Lead, Trial, Verdict
 
-LIGHT = 0.02
-"""Share of the noise's variance that an effect must explain: a wrong name for so little is worse than none."""
+LIGHT, LIGHT_PATTERN = 0.04, 0.1
+"""Share of the noise's variance that an effect, or a pattern, must explain: for less a wrong name is worse."""
 NEAR = 30.0
 """Cost within which a linearised estimate is worth an exact fit."""
 PATTERN_MARGIN = 20.0
@@ -60,9 +60,10 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
 def _weighed(trial: Trial, verdict: Verdict) -> Verdict:
     """Take out, lightest first, what is significant but does not matter: less than LIGHT of the noise's variance."""
     while verdict.terms:
-        weights = {k: trial.weight(verdict, term) for k, term in enumerate(verdict.terms)}
-        lightest = min(weights, key=lambda k: weights[k])
-        if weights[lightest] >= LIGHT:
+        least = [LIGHT if term.effect.candidate else LIGHT_PATTERN for term in verdict.terms]
+        weights = [trial.weight(verdict, term) / limit for term, limit in zip(verdict.terms, least, strict=True)]
+        lightest = int(np.argmin(weights))
+        if weights[lightest] >= 1.0:
             break
         verdict = trial.refit([t for k, t in enumerate(verdict.terms) if k != lightest], verdict.values)
     return verdict

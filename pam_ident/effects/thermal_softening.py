@@ -7,7 +7,7 @@ from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
 ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the start", -0.1, 0.1, scale=0.001)
-ALPHA_2 = Param("alpha_2", "1/K²", "change of that loss with warming", -0.01, 0.01, scale=3e-5)
+ALPHA_2 = Param("alpha_2", "1/K^2", "change of that loss with warming", -0.01, 0.01, scale=3e-5)
 E_LOSS = Param("E_loss", "MPa/K", "loss of the bladder's modulus per kelvin", -20.0, 20.0, scale=0.01)
 G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvin", -1e4, 1e4, scale=1.0)
 
