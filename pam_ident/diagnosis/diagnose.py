@@ -49,7 +49,8 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     experiment = _after_pattern(pattern, record) if pattern else next_experiment(record, classes, known)
     labels = tuple(t.label for t in named)
-    floor = trial.noise_left_by(verdict).sigma if pattern else trial.noise.sigma
+    shaped = len(verdict.terms) > len(named)
+    floor = trial.noise_left_by(verdict).sigma if shaped else trial.noise.sigma
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     return Diagnosis(
         base, best, outcome, selected, labels, classes, ranking, floor, heldout, after, pattern, experiment, sentence

@@ -39,7 +39,7 @@ def _force(inputs: Inputs, shape: Shape, force: Array) -> Array:
 EFFECT = Effect(
     name="creep",
     title="Creep and stress relaxation",
-    source="standard linear solid and Prony series; Vo-Minh, Kamers, Ramon & Van Brussel 2012, Mechatronics 22, 923–933",
+    source="standard linear solid, Prony series; Vo-Minh, Kamers, Ramon & Van Brussel 2012, Mechatronics 22, 923–933",
     forms=(
         AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,)),
         AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic),

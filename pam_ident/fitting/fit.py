@@ -10,7 +10,7 @@ import numpy as np
 from ..core import DataError, FitError
 from ..model import Model
 from ..records import Record
-from .solve import jacobian, solve
+from .solve import curved_within_bounds, jacobian, solve
 
 Array = np.ndarray
 
@@ -138,7 +138,7 @@ def _check(model: Model, record: Record, rows: Array) -> None:
 def _estimates(
     model: Model, record: Record, rows: Array, values: Mapping[str, float], detail: bool
 ) -> tuple[Estimate, ...]:
-    params = model.params
+    params = (*model.linear, *curved_within_bounds(model, record.inputs))
     stderr, identified = np.full(len(params), math.nan), np.ones(len(params), bool)
     if detail and params:
         matrix = jacobian(model, record.inputs, values, record.force)[rows]

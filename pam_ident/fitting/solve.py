@@ -4,7 +4,7 @@ Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413–432 (variable projection).
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice, product
 
 import numpy as np
@@ -82,7 +82,7 @@ def _separated(
 ) -> Solution:
     """Least squares while the force that effects are given, `acting` (n,) in N, stays what it is."""
     guess = model.neutral(inputs) | dict(start)
-    curved = _bounded(model, inputs)
+    curved = curved_within_bounds(model, inputs)
 
     def project(q: Array) -> tuple[dict[str, float], Array]:
         values = dict(zip([p.name for p in curved], map(float, q), strict=True))
@@ -99,10 +99,8 @@ def _separated(
     return Solution(*_search(project, curved, guess, start, max_starts, quick))
 
 
-def _bounded(model: Model, inputs: Inputs) -> list[Param]:
+def curved_within_bounds(model: Model, inputs: Inputs) -> list[Param]:
     """Curved parameters; the radius is kept within 15 % of the specimen's."""
-    from dataclasses import replace
-
     r0 = inputs.specimen.initial_radius_mm
     return [replace(p, lower=0.85 * r0, upper=1.15 * r0, start=r0) if p.name == "r0" else p for p in model.curved]
 
@@ -148,7 +146,7 @@ def _polish(model: Model, inputs: Inputs, force: Array, whiten: Whiten, start: M
     """All parameters at once, for models in which the force acts back on itself."""
     from scipy.optimize import least_squares
 
-    params = [*model.linear, *_bounded(model, inputs)]
+    params = [*model.linear, *curved_within_bounds(model, inputs)]
     names = [p.name for p in params]
     scale = np.array([max(abs(start[p.name]), p.scale) for p in params])
     lower, upper = (np.array([getattr(p, side) for p in params]) / scale for side in ("lower", "upper"))

@@ -115,6 +115,13 @@ def test_free_geometry_is_found_and_counted():
     assert found.values["theta0"] == pytest.approx(27.0, abs=0.1)
 
 
+def test_a_radius_that_wants_to_leave_its_bounds_is_marked():
+    factor = math.pi * 13.0**2
+    record = table(lambda p, e: factor * p * (SPECIMEN.a * (1.0 - e) ** 2 - SPECIMEN.b), sigma=0.5)
+    marks = {e.name: e.at_bound for e in fit(Model.build("chou_hannaford", free_geometry=True), record).estimates}
+    assert marks == {"r0": True, "theta0": False}
+
+
 def test_series_compliance_is_solved_for_the_force():
     record = table(lambda p, e: chou(p, e, 1.0, 1.1, 5.0))
     model = Model.build("modified_chou_hannaford", ("series_compliance",))
