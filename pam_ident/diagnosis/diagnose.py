@@ -7,7 +7,7 @@ import numpy as np
 
 from ..effects import Effect, catalogue
 from ..fitting import Fit, fit
-from ..model import Model
+from ..model import Model, Term
 from ..records import Record
 from .confounding import groups, next_experiment
 from .deliberate import investigate
@@ -40,16 +40,15 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
     pattern = _pattern(trial, verdict)
-    best = fit(model.adding(*named), record, start=_start(verdict, named)) if named else base
-    selected = tuple(t.effect.name for t in named)
-    classes = groups(trial, verdict)
-    ranking = _ranking(trial, verdict, suspects)
     heldout = heldout_rmse(model, record, base)
-    after = heldout_rmse(best.model, record, best) if named else heldout
+    best, after, named = _confirmed(base, heldout, named, verdict)
+    selected = tuple(t.effect.name for t in named)
+    classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
+    ranking = _ranking(trial, verdict, suspects)
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     experiment = _after_pattern(pattern, record) if pattern else next_experiment(record, classes, known)
     labels = tuple(t.label for t in named)
-    shaped = len(verdict.terms) > len(named)
+    shaped = any(not t.effect.candidate for t in verdict.terms)
     floor = trial.noise_left_by(verdict).sigma if shaped else trial.noise.sigma
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     return Diagnosis(
@@ -57,7 +56,25 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     )
 
 
-def _start(verdict: Verdict, named: list) -> dict[str, float]:
+def _confirmed(base: Fit, heldout: float, named: list[Term], verdict: Verdict) -> tuple[Fit, float, list[Term]]:
+    """Fit, held-out error and names once every name has gone without which held-out data are predicted better."""
+
+    def attempt(terms: list[Term]) -> tuple[float, Fit]:
+        model = base.model.adding(*terms)
+        found = fit(model, base.record, start=_start(verdict, terms))
+        if found.rmse > base.rmse:
+            found = fit(model, base.record, start=base.values)
+        return heldout_rmse(model, base.record, found), found
+
+    after, best = attempt(named) if named else (heldout, base)
+    while named and not (math.isnan(after) or after < heldout):
+        fewer = [[t for t in named if t is not gone] for gone in named]
+        trials = [(*attempt(terms), terms) if terms else (heldout, base, terms) for terms in fewer]
+        after, best, named = min(trials, key=lambda item: item[0])
+    return best, after, named
+
+
+def _start(verdict: Verdict, named: list[Term]) -> dict[str, float]:
     names = {f"{t.effect.name}." for t in named}
     return {k: v for k, v in verdict.values.items() if "." not in k or any(k.startswith(n) for n in names)}
 
