@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import Effect
+from ..model import Term
 from ..records import Record
 from .nouns import Experiment
 from .search import Choice, Compressed
@@ -25,7 +26,8 @@ def groups(trial: Trial, verdict: Verdict) -> tuple[tuple[str, ...], ...]:
         if not term.effect.candidate:
             continue
         rest = trial.refit([t for i, t in enumerate(verdict.terms) if i != k], verdict.values)
-        twins = _close(trial, verdict, rest, term.effect)
+        twins = _same_form(trial, term)
+        twins += [n for n in _close(trial, verdict, rest, term.effect) if n not in twins]
         if one_speed(trial.record):
             twins += [n for n in _same_at_one_speed(trial, rest, term.effect) if n not in twins]
         twins = [n for n in twins if n not in verdict.names]
@@ -41,6 +43,12 @@ def one_speed(record: Record) -> bool:
         return False
     live = speed[record.inputs.moving]
     return len(live) > 0 and float(np.quantile(live, 0.95)) < SPEED_RATIO * float(np.quantile(live, 0.05))
+
+
+def _same_form(trial: Trial, term: Term) -> list[str]:
+    """The special case that goes by the name of the selected form: the same formula, so no record tells them apart."""
+    cases = [e.name for e in trial.suspects if e.special_case_of == term.effect.name]
+    return [name for name in cases if name.startswith(term.form.name.partition("_")[0])]
 
 
 def _others(trial: Trial, verdict: Verdict, effect: Effect) -> list[Effect]:

@@ -49,7 +49,9 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     experiment = _after_pattern(pattern, record) if pattern else next_experiment(record, classes, known)
     labels = tuple(t.label for t in named)
     shaped = any(not t.effect.candidate for t in verdict.terms)
-    floor = trial.noise_left_by(verdict).sigma if shaped else trial.noise.sigma
+    noise = trial.noise_left_by(verdict) if shaped else trial.noise
+    left = trial.view(verdict).residual[~noise.outlier]
+    floor = min(noise.sigma, float(np.sqrt(np.mean(left**2))))
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     return Diagnosis(
         base, best, outcome, selected, labels, classes, ranking, floor, heldout, after, pattern, experiment, sentence

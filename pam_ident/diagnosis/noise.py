@@ -12,7 +12,7 @@ Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
 SMOOTHED = 0.6
 """Share of the displacement sensor's noise that smoothing a stroke leaves."""
-MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 80.0, 160.0, 320.0])
+MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 80.0])
 
 
 @dataclass(frozen=True)

@@ -83,6 +83,11 @@ def _force_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(_after(inputs, shape))
 
 
+def _pulse(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.time is not None
+    return one(_after(inputs, shape) * (inputs.time < shape["moment"] + shape["length"]))
+
+
 def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(_after(inputs, shape) / inputs.specimen.initial_length_mm)
 
@@ -188,6 +193,7 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
             start=first + duration / 2,
             grid=_steps(first, duration, 150),
         )
+        length = Param("length", "s", "how long", 0.0, duration, start=duration / 8, grid=_steps(0.0, duration / 2, 12))
         beats = _span("period", "s", "period in time", tuple(duration / np.arange(3.0, 400.0, 0.4)))
         found += [
             _pattern(
@@ -196,6 +202,7 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
                 ("time",),
                 [
                     AddsForce("force", "step of the force", (SIZE,), _force_step, (moment,)),
+                    AddsForce("pulse", "step of the force, and back", (SIZE,), _pulse, (moment, length)),
                     TransformsContraction("length", "step of the length", (SHIFT,), _length_step, (moment,)),
                 ],
             ),

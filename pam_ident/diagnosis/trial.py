@@ -103,11 +103,18 @@ class Trial:
         return verdict
 
     def weight(self, verdict: Verdict, term: Term) -> float:
-        """How much the mean square error grows when a term is left out, in units of the noise's variance."""
-        fewer = self.refit([t for t in verdict.terms if t is not term], verdict.values)
+        """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
+        rest = [t for t in verdict.terms if t is not term]
+        whole, fewer = (self._plain_square(terms, verdict.values) for terms in (verdict.terms, rest))
+        return (fewer - whole) / max(whole, 1e-18)
+
+    def _plain_square(self, terms: Sequence[Term], start: Mapping[str, float]) -> float:
+        """Mean square error in N² of a set fitted without whitening."""
         clean = ~self.noise.outlier
-        both = [self.view(v).residual[clean] for v in (fewer, verdict)]
-        return float(np.mean(both[0] ** 2) - np.mean(both[1] ** 2)) / self.noise.sigma**2
+        model = self.base.model.adding(*terms)
+        found = solve(model, self.record.inputs, self.record.force, lambda m: m[clean], start, quick=True)
+        left = self.record.force - model.force(self.record.inputs, found.values)
+        return float(np.mean(left[clean] ** 2))
 
     def refit_choice(self, data: Compressed, choice: Choice, onto: Verdict) -> Verdict:
         """Fit the set `onto` with what a search found on compressed data, from where the search left it."""

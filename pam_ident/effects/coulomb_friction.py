@@ -1,5 +1,7 @@
 """Dry friction between braid, bladder and threads."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..core import Inputs, Param
@@ -8,6 +10,7 @@ from .base import AddsForce, Array, Effect, Shape, one, slip, speed
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
 F_HOLD = Param("F_hold", "N", "friction force left in holds", -2000.0, 2000.0, scale=10.0)
 F_BREAK = Param("F_s_minus_F_c", "N", "what friction gains towards rest", 0.0, 2000.0, scale=10.0)
+HOLD_GAIN = Param("F_hold_gain", "N", "what that gains after slow strokes", -2000.0, 2000.0, scale=10.0)
 V_S = Param("v_s", "mm/s", "Stribeck speed", 0.2, 100.0, start=5.0, grid=(1.5, 5.0, 15.0))
 V_0 = Param("v_0", "mm/s", "speed at which friction is fully developed", 0.05, 4.0, start=1.0, grid=(0.5, 2.0))
 TAU_H = Param("tau_h", "s", "time in which friction fades in a hold", 0.05, 1000.0, start=2.0, grid=(0.7, 3.0))
@@ -37,10 +40,25 @@ def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -np.column_stack([moving, held * np.exp(-since / shape["tau_h"])])
 
 
-def _stribeck(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
+    """Sliding, its gain towards rest, and both as a hold keeps them from the stroke before it, shape (n, 4).
+
+    `dip` takes a speed in mm/s to a share of the gain. A table without speeds has no gain.
+    """
     moving, held = slip(inputs)
-    dip = np.exp(-((speed(inputs) / shape["v_s"]) ** 2)) if inputs.velocity is not None else 0.0
-    return -np.column_stack([moving, moving * dip, held])
+    if inputs.velocity is None or inputs.stroke_speed is None:
+        return -np.column_stack([moving, 0.0 * moving, held, 0.0 * held])
+    return -np.column_stack([moving, moving * dip(speed(inputs)), held, held * dip(inputs.stroke_speed)])
+
+
+def gaussian_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Columns of the Stribeck form exp(−(v/v_s)²)."""
+    return stribeck_columns(inputs, lambda v: np.exp(-((v / shape["v_s"]) ** 2)))
+
+
+def exponential_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Columns of the Stribeck form exp(−v/v_s)."""
+    return stribeck_columns(inputs, lambda v: np.exp(-v / shape["v_s"]))
 
 
 EFFECT = Effect(
@@ -55,8 +73,15 @@ EFFECT = Effect(
         AddsForce(
             "stribeck",
             "−[F_c + (F_s−F_c) exp(−(v/v_s)²)] sgn(ε̇), F_hold in holds",
-            (F_C, F_BREAK, F_HOLD),
-            _stribeck,
+            (F_C, F_BREAK, F_HOLD, HOLD_GAIN),
+            gaussian_dip,
+            (V_S,),
+        ),
+        AddsForce(
+            "stribeck_exponential",
+            "−[F_c + (F_s−F_c) exp(−v/v_s)] sgn(ε̇), F_hold in holds",
+            (F_C, F_BREAK, F_HOLD, HOLD_GAIN),
+            exponential_dip,
             (V_S,),
         ),
     ),

@@ -155,12 +155,19 @@ def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: floa
             x, first + 1, first + 3
         ):
             first += 1
+    # A neighbour at the level of an end is the hold already, and that end the corner.
     for _ in range(2):
-        if last + 1 < len(x) and not taken[last + 1] and abs(x[last] - x[last - 1]) > 1.5 * tolerance:
+        if last + 1 < len(x) and not taken[last + 1] and _steps(x, (last - 1, last, last + 1), tolerance, noise):
             last += off(last + 1, np.arange(last - 2, last + 1)) < tolerance + _bend(x, last - 2, last)
-        if first > 0 and not taken[first - 1] and abs(x[first + 1] - x[first]) > 1.5 * tolerance:
+        if first > 0 and not taken[first - 1] and _steps(x, (first + 1, first, first - 1), tolerance, noise):
             first -= off(first - 1, np.arange(first, first + 3)) < tolerance + _bend(x, first, first + 2)
     return np.arange(first, last + 1)
+
+
+def _steps(x: Array, at: tuple[int, int, int], tolerance: float, noise: float) -> bool:
+    """Whether the last step of a stroke and the one beyond its end both exceed the noise."""
+    inner, end, outer = x[list(at)]
+    return abs(end - inner) > 1.5 * tolerance and abs(outer - end) > 4.0 * noise
 
 
 def _bend(x: Array, begin: int, end: int) -> float:

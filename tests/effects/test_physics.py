@@ -223,8 +223,9 @@ def test_coulomb_friction_opposes_the_motion_and_may_keep_another_value_in_holds
 
 @pytest.mark.parametrize("name", ["stribeck_friction", "coulomb_friction:stribeck"])
 def test_stribeck_friction_falls_from_breakaway_to_sliding(name):
-    got = columns(name, moved(), v_s=4.0) @ [20.0, 10.0, 5.0]
-    expected = [-(20.0 + 10.0 * math.exp(-4.0)), -5.0, 20.0 + 10.0 * math.exp(-0.25), 5.0]
+    got = columns(name, moved(stroke_speed=[8.0, 8.0, 2.0, 2.0]), v_s=4.0) @ [20.0, 10.0, 5.0, 3.0]
+    fast, slow = math.exp(-4.0), math.exp(-0.25)
+    expected = [-(20.0 + 10.0 * fast), -(5.0 + 3.0 * fast), 20.0 + 10.0 * slow, 5.0 + 3.0 * slow]
     np.testing.assert_allclose(got, expected)
 
 
