@@ -44,9 +44,9 @@ class Compressed:
         basis = orthonormal(law)
         matrix = matrix - basis @ (basis.T @ matrix)
         residual = residual - basis @ (basis.T @ residual)
-        self.norm = np.linalg.norm(matrix, axis=0)
-        self.left = np.divide(self.norm, before, out=np.zeros_like(before), where=before > 0)
-        self.scale = np.where(self.norm > 1e-7 * np.maximum(before, 1e-300), self.norm, np.inf)
+        norm = np.linalg.norm(matrix, axis=0)
+        self.left = np.divide(norm, before, out=np.zeros_like(before), where=before > 0)
+        self.scale = np.where(norm > 1e-7 * np.maximum(before, 1e-300), norm, np.inf)
         matrix = matrix / self.scale
         self.gram = matrix.T @ matrix
         self.product = matrix.T @ residual

@@ -88,12 +88,12 @@ class Trial:
     def refit(
         self, terms: Sequence[Term], start: Mapping[str, float] | None = None, price: float | None = None
     ) -> Verdict:
-        """Fit a set exactly, noise whitened; remembered by labels unless `price` overrides what the set costs."""
+        """Fit a set exactly, noise whitened, and remember it by its labels; `price` overrides what the set costs."""
         key = tuple(sorted(f"{t.effect.name}:{t.form.name}" for t in terms))
         if price is None and key in self.cache:
             return self.cache[key]
         model = self.base.model.adding(*terms)
-        begin = dict(self.base.values.items()) | dict(start or {})
+        begin = self.base.values | dict(start or {})
         solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin, quick=True)
         squares = self.squares(model, solution.values)
         if price is None:
