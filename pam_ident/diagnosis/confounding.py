@@ -22,10 +22,10 @@ SPEED_RATIO = 1.5
 def groups(trial: Trial, verdict: Verdict) -> tuple[tuple[str, ...], ...]:
     """For each selected effect that has one, the group of effects that could stand in its place."""
     found = []
-    for k, term in enumerate(verdict.terms):
+    for term in verdict.terms:
         if not term.effect.candidate:
             continue
-        rest = trial.refit([t for i, t in enumerate(verdict.terms) if i != k], verdict.values)
+        rest = trial.refit(verdict.without(term), verdict.values)
         twins = _same_form(trial, term)
         twins += [n for n in _close(trial, verdict, rest, term.effect) if n not in twins]
         if one_speed(trial.record):

@@ -34,13 +34,15 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     if not (trial.noise.coloured or trial.noise_left_by(verdict).coloured):
         return trial, _weighed(trial, verdict)
     trials = [(trial, verdict)]
-    for noise in (
-        lambda: trial.noise_left_by(verdict, white=True),
-        lambda: trial.noise_left_by(trial.empty),
-        lambda: trials[-1][0].noise_left_by(trials[-1][1]),
-    ):
-        again = Trial(base, suspects, noise())
+
+    def judge_again(noise: Noise) -> None:
+        again = Trial(base, suspects, noise)
         trials.append((again, _answer(again, most)))
+
+    judge_again(trial.noise_left_by(verdict, white=True))
+    judge_again(trial.noise_left_by(trial.empty))
+    last, answer = trials[-1]
+    judge_again(last.noise_left_by(answer))
     rivals: dict[tuple[str, ...], tuple[Trial, Verdict]] = {}
     for court, found in trials:
         for size in range(len(found.terms) + 1):
@@ -65,7 +67,7 @@ def _weighed(trial: Trial, verdict: Verdict) -> Verdict:
         lightest = int(np.argmin(weights))
         if weights[lightest] >= 1.0:
             break
-        verdict = trial.refit([t for k, t in enumerate(verdict.terms) if k != lightest], verdict.values)
+        verdict = trial.refit(verdict.without(verdict.terms[lightest]), verdict.values)
     return verdict
 
 
@@ -114,7 +116,7 @@ def _leaders(trial: Trial, choices: Sequence[Choice]) -> list[Choice]:
 def _mend(trial: Trial, verdict: Verdict, most: int) -> Verdict:
     """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
     for _ in range(4):
-        rivals = [trial.refit([t for t in verdict.terms if t is not term], verdict.values) for term in verdict.terms]
+        rivals = [trial.refit(verdict.without(term), verdict.values) for term in verdict.terms]
         rivals += [trial.refit(terms, _without(verdict.values, terms)) for terms in _other_forms(verdict)]
         if len(verdict.terms) < most:
             rivals += _additions(trial, verdict)

@@ -88,7 +88,7 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
         return _remainder(trial, verdict)
     name = term.effect.name
     explained = trial.empty.squares - verdict.squares
-    rest = trial.refit([t for t in verdict.terms if t is not term], verdict.values)
+    rest = trial.refit(verdict.without(term), verdict.values)
     share = min(max((rest.squares - verdict.squares) / max(explained, 1e-9), 0.0), 1.0)
     shape = {p.name: (verdict.values[f"{name}.{p.name}"], p.unit) for p in term.form.shapes}
     value, unit = next(iter(shape.values()), (None, ""))

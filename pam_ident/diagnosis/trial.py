@@ -39,6 +39,10 @@ class Verdict:
         """Effects of the set."""
         return frozenset(t.effect.name for t in self.terms)
 
+    def without(self, term: Term) -> list[Term]:
+        """The set less one of its terms."""
+        return [t for t in self.terms if t is not term]
+
 
 class Trial:
     """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted."""
@@ -60,8 +64,8 @@ class Trial:
         self._drop_unseen(view.compress(atoms, self.noise))
         self.suspects = [e for e in self.suspects if e.name not in self.excluded]
         self.data = view.compress([a for a in atoms if a.effect not in self.excluded], self.noise)
-        self.empty = Verdict((), base.values, self.squares(base.model, base.values), 0.0)
-        self.empty = replace(self.empty, cost=self.empty.squares)
+        squares = self.squares(base.model, base.values)
+        self.empty = Verdict((), base.values, squares, squares)
         self.excess = self._excess()
         base_price = 2.0 * np.log(max(len(suspects), 2)) + NAME_MARGIN
         self.price = Price(
@@ -104,8 +108,8 @@ class Trial:
 
     def weight(self, verdict: Verdict, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
-        rest = [t for t in verdict.terms if t is not term]
-        whole, fewer = (self._plain_square(terms, verdict.values) for terms in (verdict.terms, rest))
+        sets = (verdict.terms, verdict.without(term))
+        whole, fewer = (self._plain_square(terms, verdict.values) for terms in sets)
         return (fewer - whole) / max(whole, 1e-18)
 
     def _plain_square(self, terms: Sequence[Term], start: Mapping[str, float]) -> float:
@@ -129,7 +133,8 @@ class Trial:
 
     def beyond(self, verdict: Verdict, effects: Sequence[Effect], record: Record | None = None) -> Compressed:
         """Signatures of further effects around a set, free of what the set itself can follow; `record` may stand in."""
-        view = View(record or self.record, self.base.model.adding(*verdict.terms), verdict.values)
+        model = self.base.model.adding(*verdict.terms)
+        view = self.view(verdict) if record is None else View(record, model, verdict.values)
         return view.compress([a for e in effects for a in view.atoms(e)], self.noise)
 
     def ground(self, verdict: Verdict) -> "Ground":

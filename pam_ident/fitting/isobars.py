@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core import FitError, UsageError
+from ..core import FitError
 from ..laws import Law
 from ..model import Model
 from ..records import Record
@@ -99,8 +99,6 @@ def _lines(rows: list[IsobarRow], names: tuple[str, ...]) -> dict[str, tuple[flo
 
 def _one_pressure(law: Law) -> Law:
     """The exponential law at one pressure: its columns for p = 0 under the names a, b, c."""
-    if law.name != "exponential_law":
-        raise UsageError(f"{law.name} has no form per isobar in a, b, c")
     linear = tuple(replace(p, name=p.name[0]) for p in law.linear if p.name.endswith("0"))
     pick = [i for i, p in enumerate(law.linear) if p.name.endswith("0")]
     return replace(law, linear=linear, columns=lambda p, e, s, q: law.columns(p, e, s, q)[:, pick], min_levels=1)

@@ -22,9 +22,8 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
     Several records are shared among the machine's cores, unless the user's own effects are in play, which another
     process could not look up. Raises UsageError for an unknown law or effect, before any record is read.
     """
-    Model.build(setup.law, setup.effects, setup.extra, setup.free_geometry)
+    one = partial(_diagnose, setup, setup.model)
     paths, workers = list(records), os.cpu_count() or 1
-    one = partial(_diagnose, setup)
     if len(paths) < 3 or workers < 2 or setup.extra:
         yield from zip(paths, map(one, paths), strict=True)
         return
@@ -38,9 +37,9 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
             yield path, answer
 
 
-def _diagnose(setup: Setup, path: str) -> Answer:
+def _diagnose(setup: Setup, model: Model, path: str) -> Answer:
     try:
-        return diagnose(setup.model, setup.read(path), setup.extra)
+        return diagnose(model, setup.read(path), setup.extra)
     except PamError as error:
         return error
     except Exception as error:
