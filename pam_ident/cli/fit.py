@@ -26,9 +26,22 @@ def fit(
     free_geometry: options.FreeGeometry = False,
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
+    figures: Annotated[
+        str | None,
+        typer.Option(
+            "--figures",
+            metavar="DIR",
+            help="Folder for SVG figures of the isobars, the fit, other laws and the coefficients; it is made.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Fit a law: parameters with standard errors."""
     options.check_json(json)
+    if figures is not None:
+        from ..workflow.paper_figures import make_folder
+
+        make_folder(figures)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..workflow.fit_record import check_choice, fit_record
 
@@ -42,6 +55,10 @@ def fit(
         write_json(json, fit_json(record, law, answer))
     text.say(text.title(record, measured), *text.equation(setup.model))
     _print(answer)
+    if figures is not None:
+        from ..workflow.paper_figures import paper_figures, write_figures
+
+        text.say("", *(f"figure: {path}" for path in write_figures(figures, paper_figures(answer))))
     if answer.problems:
         typer.echo(f"{record}: the fit is not valid. {'; '.join(answer.problems)}", err=True)
         raise typer.Exit(3)

@@ -3,12 +3,26 @@
 Figures are built without pyplot and leave no global state behind; what they show is tested through `data`.
 """
 
-from . import failure_map, ladder, measured_against_model, profiles, residual_pattern, signature, suspects
+from . import (
+    coefficients,
+    failure_map,
+    isobars,
+    ladder,
+    laws_compared,
+    measured_against_model,
+    profiles,
+    residual_pattern,
+    signature,
+    suspects,
+)
 from .style import to_png, to_svg
 
 __all__ = [
+    "coefficients",
     "failure_map",
+    "isobars",
     "ladder",
+    "laws_compared",
     "measured_against_model",
     "profiles",
     "residual_pattern",

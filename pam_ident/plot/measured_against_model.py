@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..core import Inputs
 from ..fitting import Fit
+from .curves import by_isobar, label_isobars, model_curve, stride
 from .style import (
     BRANCH_COLOUR,
     BRANCH_DASH,
@@ -17,15 +17,11 @@ from .style import (
     GREY,
     INK,
     canvas,
-    spread,
     styled,
-    thin,
     zero_line,
 )
 
 Array = np.ndarray
-CELLS = 60
-MOST_LABELS = 12
 
 
 @dataclass(frozen=True)
@@ -52,17 +48,12 @@ def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Curve, 
     together; in a static table it is the model itself at the isobar's pressure.
     """
     record, last = fit.record, after or fit
-    groups = [
-        (float(level), sign, np.flatnonzero(fit.rows & (record.level == level) & (record.inputs.direction == sign)))
-        for level in record.levels
-        for sign in (1.0, -1.0, 0.0)
-    ]
-    groups = [group for group in groups if len(group[2])]
-    step = _step([len(rows) for _, _, rows in groups], limit)
+    groups = list(by_isobar(record, fit.rows))
+    step = stride([len(rows) for _, _, rows in groups], limit)
     curves = []
     for level, sign, rows in groups:
-        shown = rows[np.argsort(record.inputs.contraction[rows], kind="stable")][::step]
-        line, line_force = _line(last, rows, sign)
+        shown = rows[::step]
+        line, line_force = model_curve(last, rows, sign)
         curves.append(
             Curve(
                 level,
@@ -76,36 +67,6 @@ def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Curve, 
             )
         )
     return tuple(curves)
-
-
-def _step(sizes: list[int], limit: int) -> int:
-    """The smallest stride that leaves at most `limit` points, or one a curve."""
-    step = 1
-    while sum(-(-n // step) for n in sizes) > max(limit, len(sizes)) and step < max(sizes):
-        step += 1
-    return step
-
-
-def _line(fit: Fit, rows: Array, sign: float) -> tuple[Array, Array]:
-    inputs = fit.record.inputs
-    contraction = inputs.contraction[rows]
-    if inputs.time is None and np.ptp(contraction) > 0.0:
-        grid = np.linspace(contraction.min(), contraction.max(), CELLS)
-        ones = np.ones(CELLS)
-        dense = Inputs(
-            pressure=inputs.pressure[rows].mean() * ones,
-            contraction=grid,
-            specimen=inputs.specimen,
-            direction=sign * ones,
-            temperature=None if inputs.temperature is None else inputs.temperature[rows].mean() * ones,
-        )
-        return grid, fit.model.force(dense, fit.values)
-    width = max(float(np.ptp(contraction)), 1e-12) / CELLS
-    cell = np.minimum(((contraction - contraction.min()) / width).astype(int), CELLS - 1)
-    count = np.bincount(cell, minlength=CELLS)
-    full = count > 0
-    mean_x = np.bincount(cell, contraction, CELLS)[full] / count[full]
-    return mean_x, np.bincount(cell, fit.force[rows], CELLS)[full] / count[full]
 
 
 @styled
@@ -127,7 +88,9 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
             axes[2].plot(curve.contraction, curve.after, alpha=0.45, **dots)
     top.set_ylabel("force (N)")
     top.set_title(f"Measured (points) and {'completed model' if after else 'model'} (lines)")
-    _label_isobars(top, curves)
+    levels = dict.fromkeys(c.pressure_MPa for c in curves)
+    starts = {p: float(np.mean([c.line_force[0] for c in curves if c.pressure_MPa == p])) for p in levels}
+    label_isobars(top, starts, min(float(c.line[0]) for c in curves), max(float(c.line[-1]) for c in curves))
     _legend(top, curves)
     reach = 1.08 * max(float(np.max(np.abs(c.before))) for c in curves)
     for panel, one, title in zip(axes[1:], (fit, after), ("Error of the model as given", "Error after"), strict=False):
@@ -137,21 +100,6 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
         panel.set_title(f"{title}: {one.rmse:.3g} N rms" if one else title)
     axes[-1].set_xlabel("contraction ratio ε (1)")
     return figure
-
-
-def _label_isobars(axes: Axes, curves: tuple[Curve, ...]) -> None:
-    """Pressure beside the left end of each isobar, moved apart where they would overlap."""
-    levels = sorted({c.pressure_MPa for c in curves})
-    levels = [levels[i] for i in thin(len(levels), MOST_LABELS)]
-    starts = np.array([np.mean([c.line_force[0] for c in curves if c.pressure_MPa == level]) for level in levels])
-    left = min(float(c.line[0]) for c in curves)
-    span = max(float(c.line[-1]) for c in curves) - left or 0.01
-    low, high = axes.get_ylim()
-    places = spread(starts, 0.047 * (high - low))
-    for level, place in zip(levels, places, strict=True):
-        axes.text(left - 0.012 * span, place, f"{level:.3g} MPa", ha="right", va="center", fontsize=8.5, clip_on=False)
-    axes.set_xlim(left - 0.1 * span, left + 1.03 * span)
-    axes.set_ylim(min(low, float(places.min())), max(high, float(places.max())))
 
 
 def _legend(axes: Axes, curves: tuple[Curve, ...]) -> None:

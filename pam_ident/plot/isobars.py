@@ -1,0 +1,82 @@
+"""Measured force over contraction, an isobar each (Figure 7 of the paper), from any record."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..records import Record
+from .curves import by_isobar, label_isobars, mean_curve, stride
+from .style import BRANCH_COLOUR, BRANCH_DASH, BRANCH_MARK, BRANCH_NAME, INK, canvas, styled
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Isobar:
+    """One isobar and branch: points (n,) and their mean over cells of contraction (m,), forces in N."""
+
+    pressure_MPa: float
+    branch: str
+    contraction: Array
+    force: Array
+    line: Array
+    line_force: Array
+
+
+def data(record: Record, limit: int = 1500) -> tuple[Isobar, ...]:
+    """Isobars by pressure and branch, at most `limit` points in all; the mean is over all samples."""
+    groups = list(by_isobar(record))
+    step = stride([len(rows) for _, _, rows in groups], limit)
+    found = []
+    for level, sign, rows in groups:
+        contraction, force = record.inputs.contraction[rows], record.force[rows]
+        line, line_force = mean_curve(contraction, force)
+        found.append(Isobar(level, BRANCH_NAME[sign], contraction[::step], force[::step], line, line_force))
+    return tuple(found)
+
+
+@styled
+def draw(record: Record, limit: int = 1500) -> Figure:
+    """Samples as pale points, their mean as a line, the pressure at the left end of each isobar."""
+    curves = data(record, limit)
+    size = 3.2 if sum(len(c.force) for c in curves) > 300 else 4.2
+    figure = canvas(4.8)
+    axes = figure.subplots()
+    for curve in curves:
+        colour = BRANCH_COLOUR[curve.branch]
+        axes.plot(
+            curve.contraction,
+            curve.force,
+            linestyle="",
+            marker=BRANCH_MARK[curve.branch],
+            markersize=size,
+            markeredgewidth=0.0,
+            color=colour,
+            alpha=0.5,
+        )
+        axes.plot(curve.line, curve.line_force, color=colour, linestyle=BRANCH_DASH[curve.branch], linewidth=1.2)
+    levels = dict.fromkeys(curve.pressure_MPa for curve in curves)
+    starts = {p: float(np.mean([c.line_force[0] for c in curves if c.pressure_MPa == p])) for p in levels}
+    label_isobars(axes, starts, min(float(c.line[0]) for c in curves), max(float(c.line[-1]) for c in curves))
+    axes.set_title("Measured (points) and their mean (lines)")
+    axes.set_xlabel("contraction ratio ε (1)")
+    axes.set_ylabel("force (N)")
+    shown = [name for name in BRANCH_COLOUR if any(c.branch == name for c in curves)]
+    handles = [
+        Line2D(
+            [],
+            [],
+            color=BRANCH_COLOUR[name],
+            linestyle=BRANCH_DASH[name],
+            marker=BRANCH_MARK[name],
+            markersize=4.5,
+            markeredgewidth=0.0,
+            linewidth=1.2,
+            label="no branch" if name == "static" else name,
+        )
+        for name in shown
+    ]
+    axes.legend(handles=handles, loc="upper right", labelcolor=INK)
+    return figure
