@@ -2,7 +2,8 @@
 
 Each end is a truncated cone from the radius r0 of the fitting to the radius r of the cylinder, m (r − r0) long. The
 muscle then holds (2π m/3)(r − r0)²(2r + r0) less than the whole cylinder, and the virtual work −p dV/dL of that loss is
-what the ends cost. The bladder's part is the virtual work of the hoop energy of a thin tube.
+what the ends cost, with r from the contraction of the whole muscle. The bladder's part is the virtual work of the hoop
+energy of a thin tube.
 """
 
 import math
