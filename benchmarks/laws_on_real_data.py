@@ -155,7 +155,7 @@ def heldout_between(whole: Fit) -> float:
 
 def table_of(record: Record) -> list[str]:
     """A Markdown table, the law with the smallest error first."""
-    rows = sorted((judge(law, record) for law in catalogue().values()), key=lambda row: row.rmse)
+    rows = sorted((judge(law, record) for law in catalogue().values()), key=lambda row: (round(row.rmse, 2), row.law))
     kind = "every fifth cycle" if record.inputs.time is not None else f"one {record.block_kind}"
     lines = [
         f"**{record.name}**: {len(record)} samples, {record.force.min():.0f} to {record.force.max():.0f} N; "

@@ -7,7 +7,7 @@ from .base import Array, Law, Shape
 def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     xp = p.__array_namespace__()
     decay = xp.exp(-shape["mu"] * e)
-    return xp.stack([xp.ones_like(p), p, -e, -e * p, decay, decay * p], axis=1)
+    return xp.stack([xp.ones_like(p), p, -e, -e * p, decay, decay * p]).T
 
 
 LAW = Law(

@@ -8,7 +8,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     xp = p.__array_namespace__()
     square, root = e * e, xp.cbrt(e)
     # odd in ε, so that a stretched membrane pulls
-    return xp.stack([p, p * e, p * square, -xp.ones_like(p), -e, -square, -root * xp.abs(root)], axis=1)
+    return xp.stack([p, p * e, p * square, -xp.ones_like(p), -e, -square, -root * xp.abs(root)]).T
 
 
 LAW = Law(

@@ -16,7 +16,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     a, b = 3.0 / xp.tan(angle) ** 2, 1.0 / xp.sin(angle) ** 2
     shortened = 1.0 - e
     hoop = a * shortened * (1.0 / braid_radius_ratio(a, b, shortened) - 1.0)
-    return xp.stack([p * (a * shortened**2 - b), hoop, -xp.ones_like(p), -e, -e * e], axis=1)
+    return xp.stack([p * (a * shortened**2 - b), hoop, -xp.ones_like(p), -e, -e * e]).T
 
 
 LAW = Law(

@@ -7,7 +7,7 @@ from .chou_hannaford import ideal_force
 
 def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     xp = p.__array_namespace__()
-    return xp.stack([ideal_force(p, shape["k1"] * e, specimen, shape), xp.ones_like(p)], axis=1)
+    return xp.stack([ideal_force(p, shape["k1"] * e, specimen, shape), xp.ones_like(p)]).T
 
 
 LAW = Law(

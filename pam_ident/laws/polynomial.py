@@ -7,7 +7,7 @@ from .base import Array, Law, Shape
 def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     xp = p.__array_namespace__()
     square = e * e
-    return xp.stack([p, p * e, p * square, xp.ones_like(p), e, square, square * e], axis=1)
+    return xp.stack([p, p * e, p * square, xp.ones_like(p), e, square, square * e]).T
 
 
 LAW = Law(

@@ -7,7 +7,7 @@ from .base import Array, Law, Shape
 def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     xp = p.__array_namespace__()
     decay = xp.exp(shape["s3"] * e)
-    return xp.stack([decay * p, decay, e * p, p, xp.ones_like(p)], axis=1)
+    return xp.stack([decay * p, decay, e * p, p, xp.ones_like(p)]).T
 
 
 LAW = Law(

@@ -19,7 +19,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     radius, widening = specimen.initial_radius_mm, ratio - 1.0
     slope = -2.0 * math.pi / 3.0 * specimen.a * radius * shortened * widening
     ends = 2.0 * radius**2 / specimen.initial_length_mm * p * slope
-    return p.__array_namespace__().stack([ends, slope / ratio], axis=1)
+    return p.__array_namespace__().stack([ends, slope / ratio]).T
 
 
 LAW = Law(

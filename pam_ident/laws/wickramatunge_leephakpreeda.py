@@ -8,7 +8,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     xp = p.__array_namespace__()
     stretch = specimen.initial_length_mm * (shape["e_free"] - e)
     square = stretch * stretch
-    return xp.stack([stretch, square * stretch, p * square, p * p * stretch], axis=1)
+    return xp.stack([stretch, square * stretch, p * square, p * p * stretch]).T
 
 
 LAW = Law(
