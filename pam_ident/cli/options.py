@@ -13,7 +13,7 @@ Law = Annotated[
     typer.Option(
         "--law",
         metavar="LAW",
-        help="Force law: chou_hannaford, modified_chou_hannaford, exponential_law, sarosi.",
+        help="Force law by name; `pam-ident laws` lists them.",
         show_default=False,
     ),
 ]

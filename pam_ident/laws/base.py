@@ -13,12 +13,21 @@ Shape = Mapping[str, float]
 
 def no_columns(pressure: Array, contraction: Array, specimen: Specimen, shape: Shape) -> Array:
     """A law without linear parameters, shape (n, 0)."""
-    return np.empty((len(pressure), 0))
+    return pressure[:, None][:, :0]
 
 
 def no_force(pressure: Array, contraction: Array, specimen: Specimen, shape: Shape) -> Array:
     """A law without a fixed part, shape (n,)."""
-    return np.zeros(len(pressure))
+    return pressure.__array_namespace__().zeros(len(pressure))
+
+
+def braid_radius_ratio(a: float, b: float, shortened: Array) -> Array:
+    """r / r0 of the ideal braid with a = 3/tan²θ0 and b = 1/sin²θ0 at L/L0 = `shortened`, any shape.
+
+    From cosθ = (L/L0) cosθ0 (Chou & Hannaford 1996); held at a tenth where the threads lie along the axis.
+    """
+    xp = shortened.__array_namespace__()
+    return xp.sqrt(xp.maximum(b - a / 3.0 * shortened**2, 0.01))
 
 
 @dataclass(frozen=True)
@@ -26,8 +35,11 @@ class Law:
     """F(p, ε) = fixed + columns · linear: linear in `linear`, curved in `shape` alone.
 
     `columns(pressure, contraction, specimen, shape)` has shape (n, len(linear)), `fixed` shape (n,), both
-    in N per unit of the parameter, for p in MPa (gauge) and contraction ratio ε. `min_levels` is the number
-    of isobars without which the parameters cannot be told apart.
+    in N per unit of the parameter, for p in MPa (gauge) and contraction ratio ε. Both take their functions from
+    the arrays they are given and change none in place, so that JAX can trace them, shape values included; the
+    specimen stays plain numbers. Columns are stacked as rows and turned, because whole columns in memory make a
+    fit faster. `min_levels` is the number of isobars without which the parameters cannot be
+    told apart.
     """
 
     name: str
@@ -48,5 +60,5 @@ class Law:
     def force(self, pressure: Array, contraction: Array, specimen: Specimen, values: Shape) -> Array:
         """Force in N, shape (n,), for parameter values by name."""
         columns = self.columns(pressure, contraction, specimen, values)
-        sizes = np.array([values[p.name] for p in self.linear])
+        sizes = pressure.__array_namespace__().asarray([values[p.name] for p in self.linear], dtype=pressure.dtype)
         return self.fixed(pressure, contraction, specimen, values) + columns @ sizes

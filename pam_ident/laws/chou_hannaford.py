@@ -1,13 +1,14 @@
 """The ideal braid: a thin cylinder, no friction, no wall."""
 
-import numpy as np
+import math
 
 from ..core import Specimen
 from .base import Array, Law, Shape
 
 
-def _force(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
-    return np.pi * specimen.initial_radius_mm**2 * p * (specimen.a * (1.0 - e) ** 2 - specimen.b)
+def ideal_force(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+    """π r0² p [a(1−ε)² − b] in N, shape (n,)."""
+    return math.pi * specimen.initial_radius_mm**2 * p * (specimen.a * (1.0 - e) ** 2 - specimen.b)
 
 
 LAW = Law(
@@ -15,5 +16,5 @@ LAW = Law(
     title="Ideal law of Chou and Hannaford",
     formula="F = π r0² p [a(1−ε)² − b],  a = 3/tan²θ0,  b = 1/sin²θ0",
     source="Chou & Hannaford 1996, IEEE Trans. Robotics and Automation 12(1), 90–102",
-    fixed=_force,
+    fixed=ideal_force,
 )

@@ -1,14 +1,13 @@
 """The empirical law of the paper: a line and a decaying exponential in contraction, each linear in pressure."""
 
-import numpy as np
-
 from ..core import Param, Specimen
 from .base import Array, Law, Shape
 
 
 def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
-    decay = np.exp(-shape["mu"] * e)
-    return np.column_stack([np.ones_like(p), p, -e, -e * p, decay, decay * p])
+    xp = p.__array_namespace__()
+    decay = xp.exp(-shape["mu"] * e)
+    return xp.stack([xp.ones_like(p), p, -e, -e * p, decay, decay * p]).T
 
 
 LAW = Law(

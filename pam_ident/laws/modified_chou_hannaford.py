@@ -1,15 +1,13 @@
 """The ideal braid with the three corrections of the paper, shared by all pressures."""
 
-import numpy as np
-
 from ..core import Param, Specimen
 from .base import Array, Law, Shape
+from .chou_hannaford import ideal_force
 
 
 def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
-    square = specimen.a * (1.0 - shape["k1"] * e) ** 2
-    ideal = np.pi * specimen.initial_radius_mm**2 * p * (square - specimen.b)
-    return np.column_stack([ideal, np.ones_like(p)])
+    xp = p.__array_namespace__()
+    return xp.stack([ideal_force(p, shape["k1"] * e, specimen, shape), xp.ones_like(p)]).T
 
 
 LAW = Law(

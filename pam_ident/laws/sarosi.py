@@ -1,14 +1,13 @@
 """Sárosi's six-parameter law."""
 
-import numpy as np
-
 from ..core import Param, Specimen
 from .base import Array, Law, Shape
 
 
 def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
-    decay = np.exp(shape["s3"] * e)
-    return np.column_stack([decay * p, decay, e * p, p, np.ones_like(p)])
+    xp = p.__array_namespace__()
+    decay = xp.exp(shape["s3"] * e)
+    return xp.stack([decay * p, decay, e * p, p, xp.ones_like(p)]).T
 
 
 LAW = Law(
