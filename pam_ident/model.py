@@ -3,12 +3,18 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from inspect import Parameter, Signature
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .core import Inputs, Param, UsageError
+from .core.lmfit_names import from_lmfit_names, to_parameters
 from .effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure, get_effect
 from .laws import Law, get_law
+
+if TYPE_CHECKING:
+    import lmfit
 
 Array = np.ndarray
 Values = Mapping[str, float]
@@ -111,6 +117,32 @@ class Model:
         if self.free_geometry:
             values |= {"r0": inputs.specimen.initial_radius_mm, "theta0": inputs.specimen.braid_angle_deg}
         return values
+
+    def bounded(self, inputs: Inputs) -> tuple[Param, ...]:
+        """All free parameters, linear then curved, with the radius kept within 15 % of the specimen's."""
+        r0 = inputs.specimen.initial_radius_mm
+        near = {"lower": 0.85 * r0, "upper": 1.15 * r0, "start": r0}
+        return tuple(replace(p, **near) if p.name == "r0" else p for p in self.params)
+
+    def to_lmfit(self, inputs: Inputs, rows: Array | None = None) -> "tuple[lmfit.Model, lmfit.Parameters]":
+        """This model for lmfit: `model.fit(force[rows], parameters, inputs=inputs)`, force (n,) in N.
+
+        `rows` (mask, shape (n,), default all) picks the samples to fit. A parameter `effect.name` is `effect__name` in
+        lmfit; `fitting.from_lmfit` leads back. Bounds as here, starts off the bounds, where lmfit would stick. Raises
+        UsageError for a name that could not come back.
+        """
+        import lmfit
+
+        neutral = self.neutral(inputs)
+        parameters = to_parameters((p, p.inside(neutral[p.name])) for p in self.bounded(inputs))
+
+        def force(inputs: Inputs, **values: float) -> Array:
+            found = self.force(inputs, from_lmfit_names(values))
+            return found if rows is None else found[rows]
+
+        names = [Parameter(name, Parameter.KEYWORD_ONLY) for name in ("inputs", *parameters)]
+        force.__signature__ = Signature(names)  # pyright: ignore[reportFunctionMemberAccess]
+        return lmfit.Model(force, independent_vars=["inputs"], name=self.law.name), parameters
 
     def design(self, inputs: Inputs, values: Values, force: Array) -> tuple[Array, Array]:
         """Columns (n, len(linear)) and fixed part (n,) in N, so that F = fixed + columns · linear.

@@ -28,6 +28,15 @@ def realdata() -> Path:
 
 
 @pytest.fixture(scope="session")
+def nist() -> Path:
+    """NIST's 27 .dat files of nonlinear regression, PAM_IDENT_NIST or ../shared/nist; skips where they are absent."""
+    folder = Path(os.environ.get("PAM_IDENT_NIST", ROOT.parent / "shared" / "nist"))
+    if not (folder / "Misra1a.dat").is_file():
+        pytest.skip(f"no NIST problems at {folder}; set PAM_IDENT_NIST")
+    return folder
+
+
+@pytest.fixture(scope="session")
 def chromium() -> str:
     """Path of a chromium; skips where there is none, or fails if PAM_IDENT_REQUIRE_BROWSER is set."""
     found = os.environ.get("PAM_IDENT_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")

@@ -38,3 +38,15 @@ class Param:
     def clip(self, value: float) -> float:
         """`value` moved into the bounds."""
         return min(max(value, self.lower), self.upper)
+
+    def typical(self, value: float) -> float:
+        """The larger of `scale` and the magnitude of `value`; a `scale` left at 1 counts as 1e-3. Never zero."""
+        return max(abs(value), self.scale if self.scale != 1.0 else 1e-3)
+
+    def inside(self, value: float) -> float:
+        """`value` moved off the bounds by a hundredth of its typical size, or of the span where that is less.
+
+        Solvers that keep bounds by a smooth transform cannot leave a bound on which they start.
+        """
+        margin = 0.01 * min(self.typical(value), self.upper - self.lower)
+        return min(max(value, self.lower + margin), self.upper - margin)

@@ -1,0 +1,232 @@
+"""Separable least squares with bounds, as a noun that knows no muscle: what a solver is given and what it answers.
+
+Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413–432 (variable projection).
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice, product
+
+import numpy as np
+
+from ..core import Param, UsageError
+
+Array = np.ndarray
+Design = Callable[[Mapping[str, float]], tuple[Array, Array]]
+Whiten = Callable[[Array], Array]
+"""Selects rows and decorrelates noise: (n,) or (n, k) → (m,) or (m, k), linear."""
+HUGE = 1e60
+"""Residual beyond which a trial point is simply bad: its square must stay a number."""
+STEP = 1e-5
+"""Step of central differences in units of a parameter's typical size."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where a search ended: values by name, and whether it converged with what message."""
+
+    values: dict[str, float]
+    converged: bool
+    message: str
+
+
+def all_rows(rows: Array) -> Array:
+    """Rows as they are: a problem in which none is left out and the noise is white."""
+    return rows
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Minimise |whiten(fixed + columns · linear − target)|² over `linear` and `curved`, within their bounds.
+
+    `design(values)` gives columns (n, len(linear)) and fixed part (n,) at the curved parameters in `values`; `target`
+    has shape (n,), and `whiten`, which is linear, makes m rows of n. A curved parameter named in `start` begins
+    there, another at each value of its grid, or at its own start where it has none.
+    """
+
+    linear: tuple[Param, ...]
+    curved: tuple[Param, ...]
+    design: Design
+    target: Array
+    start: Mapping[str, float] = field(default_factory=dict)
+    whiten: Whiten = all_rows
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        """All parameters: linear, then curved; the order of the Jacobian's columns."""
+        return self.linear + self.curved
+
+    def project(self, q: Array) -> tuple[dict[str, float], Array]:
+        """Values by name with the best linear parameters at the curved ones (len(curved),), and the residual (m,)."""
+        trial = self.at(q)
+        return trial.values, trial.residual
+
+    def at(self, q: Array) -> "Projection":
+        """The projection at curved parameters (len(curved),); a residual of HUGE where the design is not finite."""
+        point = dict(zip([p.name for p in self.curved], map(float, q), strict=True))
+        columns, fixed = self.design(point)
+        packed = self.whiten(np.column_stack([columns, self.target - fixed]))
+        triangle: Array = np.linalg.qr(packed, mode="r")  # pyright: ignore
+        sizes = _within_bounds(triangle, self.linear) if np.all(np.abs(triangle) < HUGE) else np.array([np.inf])
+        if not np.all(np.isfinite(sizes)):
+            sizes = np.array([p.start for p in self.linear])
+            return Projection(self, q, point, np.zeros_like(packed[:, :-1]), sizes, np.full(len(packed), HUGE))
+        columns, goal = packed[:, :-1], packed[:, -1]
+        return Projection(self, q, point, columns, sizes, np.clip(columns @ sizes - goal, -HUGE, HUGE))
+
+    def residual(self, values: Mapping[str, float]) -> Array:
+        """whiten(model − target), shape (m,); entries that are no number, or beyond it, are HUGE."""
+        columns, fixed = self.design(values)
+        sizes = np.array([values[p.name] for p in self.linear])
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = self.whiten(fixed + columns @ sizes - self.target)
+            return np.nan_to_num(np.clip(found, -HUGE, HUGE), nan=HUGE)
+
+    def jacobian(self, values: Mapping[str, float]) -> Array:
+        """Derivative of the residual (m, len(params)): linear columns are exact, curved ones central differences."""
+        columns, _ = self.design(values)
+        sizes = np.array([values[p.name] for p in self.linear])
+        return self.whiten(np.column_stack([columns, self._slopes(values, sizes)]))
+
+    def _slopes(self, values: Mapping[str, float], sizes: Array) -> Array:
+        """d(fixed + columns · sizes)/d(curved), shape (n, len(curved)), by central differences within the bounds."""
+        found = np.empty((len(self.target), len(self.curved)))
+        for k, p in enumerate(self.curved):
+            step = STEP * max(abs(values[p.name]), 0.01 * p.scale if p.scale != 1.0 else 1e-3)
+            high, low = p.clip(values[p.name] + step), p.clip(values[p.name] - step)
+            (up, above), (down, below) = (self.design({**values, p.name: x}) for x in (high, low))
+            with np.errstate(over="ignore", invalid="ignore"):
+                found[:, k] = (above - below + (up - down) @ sizes) / (high - low)
+        return found
+
+    def holding(self, **values: float) -> "Problem":
+        """The same problem with parameters held at values, which no longer count among its own.
+
+        Raises UsageError for a name that is no parameter of the problem.
+        """
+        unknown = set(values) - {p.name for p in self.params}
+        if unknown:
+            known = ", ".join(p.name for p in self.params)
+            raise UsageError(f"cannot hold {', '.join(sorted(unknown))}; the free parameters are {known}")
+        if not values:
+            return self
+        moved = [k for k, p in enumerate(self.linear) if p.name in values]
+        kept = [k for k, p in enumerate(self.linear) if p.name not in values]
+        sizes = np.array([values[self.linear[k].name] for k in moved])
+
+        def design(free: Mapping[str, float]) -> tuple[Array, Array]:
+            columns, fixed = self.design({**free, **values})
+            return columns[:, kept], fixed + columns[:, moved] @ sizes
+
+        return replace(
+            self,
+            linear=tuple(self.linear[k] for k in kept),
+            curved=tuple(p for p in self.curved if p.name not in values),
+            design=design,
+            start={name: value for name, value in self.start.items() if name not in values},
+        )
+
+    def starts(self, most: int) -> "list[Projection]":
+        """Projections at no more than `most` starts of the curved parameters, that of the smallest error first."""
+        lower, upper = bounds(self.curved)
+        grids = [(self.start[p.name],) if p.name in self.start else p.grid or (p.start,) for p in self.curved]
+        found = [self.at(np.clip(np.array(q), lower, upper)) for q in islice(product(*grids), most)]
+        return sorted(found, key=lambda trial: trial.cost)
+
+    def begin(self, most: int) -> dict[str, float]:
+        """A start of all parameters by name, off their bounds: as `start` has it, else the best of `starts`."""
+        values = self.starts(most)[0].values | dict(self.start)
+        return {p.name: p.inside(values[p.name]) for p in self.params}
+
+
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """A problem at curved parameters `q`, by name `point`: whitened columns (m, k), best sizes (k,), residual (m,)."""
+
+    problem: Problem
+    q: Array
+    point: dict[str, float]
+    columns: Array
+    sizes: Array
+    residual: Array
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters by name, curved and linear."""
+        return self.point | {p.name: float(x) for p, x in zip(self.problem.linear, self.sizes, strict=True)}
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares of the residual."""
+        return float(self.residual @ self.residual)
+
+    def jacobian(self) -> Array:
+        """Derivative of the projected residual by the curved parameters, shape (m, len(curved)).
+
+        The slopes at fixed sizes, less what the linear parameters that are not at a bound can follow: Kaufman 1975,
+        BIT 15, 49–57. The gradient Jᵀr is exact, because the residual is normal to those columns.
+        """
+        slopes = self.problem.whiten(self.problem._slopes(self.point, self.sizes))
+        slopes = np.nan_to_num(slopes, posinf=0.0, neginf=0.0)
+        lower, upper = bounds(self.problem.linear)
+        free = (self.sizes > lower) & (self.sizes < upper)
+        columns = self.columns if np.all(free) else self.columns[:, free]
+        triangle: Array = np.linalg.qr(np.column_stack([columns, slopes]), mode="r")  # pyright: ignore
+        return slopes - columns @ _lstsq(triangle, columns.shape[1])
+
+
+def bounds(params: Sequence[Param]) -> tuple[Array, Array]:
+    """Lower and upper bounds, each of shape (len(params),)."""
+    return np.array([p.lower for p in params]), np.array([p.upper for p in params])
+
+
+def bounded_lstsq(columns: Array, target: Array, params: Sequence[Param]) -> Array:
+    """x that minimises |columns · x − target| within the parameters' bounds, shape (k,); minimum norm if flat."""
+    return _within_bounds(np.linalg.qr(np.column_stack([columns, target]), mode="r"), params)  # pyright: ignore
+
+
+def _within_bounds(triangle: Array, params: Sequence[Param]) -> Array:
+    """Bounded least squares from R of the QR decomposition of [columns, target]."""
+    if not params:
+        return np.empty(0)
+    x = _lstsq(triangle, len(params))[:, 0]
+    lower, upper = bounds(params)
+    if np.all((x >= lower) & (x <= upper)):
+        return x
+    from scipy.optimize import lsq_linear
+
+    scale = _norms(triangle[:, :-1])
+    limits = (lower * scale, upper * scale)
+    result = lsq_linear(triangle[:, :-1] / scale, triangle[:, -1], limits, method="bvls", lsmr_tol="auto")
+    return np.clip(result.x / scale, lower, upper)
+
+
+def _lstsq(triangle: Array, k: int) -> Array:
+    """Least squares of each later column of R by its first k, shape (k, columns − k); minimum norm if flat."""
+    scale = _norms(triangle[:, :k])
+    return np.linalg.lstsq(triangle[:, :k] / scale, triangle[:, k:], rcond=1e-12)[0] / scale[:, None]
+
+
+def _norms(columns: Array) -> Array:
+    scale = np.linalg.norm(columns, axis=0)
+    scale[scale == 0.0] = 1.0
+    return scale
+
+
+def white_covariance(jacobian: Array, residual: Array) -> Array:
+    """Covariance of parameters under white noise, shape (k, k): residual variance times (JᵀJ)⁻¹, J of shape (m, k).
+
+    Rows and columns of parameters that the residual (m,) leaves flat are NaN.
+    """
+    m, k = jacobian.shape
+    scale = np.linalg.norm(jacobian, axis=0)
+    dead = scale < 1e-300
+    scale[dead] = 1.0
+    _, sigma, vt = np.linalg.svd(np.linalg.qr(jacobian / scale, mode="r"))
+    flat = sigma < 1e-8 * max(float(sigma[0]), 1e-300)
+    loose = dead | (np.sum(vt[flat] ** 2, axis=0) >= 1e-3)
+    root = vt.T * np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, sigma)) / scale[:, None]
+    covariance = root @ root.T * (float(residual @ residual) / max(m - k, 1))
+    covariance[loose], covariance[:, loose] = math.nan, math.nan
+    return covariance

@@ -1,0 +1,250 @@
+"""Solvers: objects that take a Problem to its Solution. What is heavy is imported when a solver is asked to solve."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from ..core import Param, UsageError
+from ..core.lmfit_names import from_lmfit_names, to_parameters
+from .problem import Problem, Projection, Solution, bounds
+
+if TYPE_CHECKING:
+    import jax
+    import lmfit
+
+Array = np.ndarray
+FIRST_STEP = 0.3
+"""First radius of a trust region in units of typical sizes: a longer first step may cross a pole of the model."""
+
+
+class Solver(Protocol):
+    """Anything that solves a Problem within the bounds of its parameters."""
+
+    def solve(self, problem: Problem) -> Solution:
+        """The best parameters found, and whether the search converged."""
+        ...
+
+
+@dataclass(frozen=True)
+class VariableProjection:
+    """Linear parameters are eliminated at each trial of the curved ones, which a trust region searches.
+
+    Of all starts, `max_starts` at most, the `keep` best are followed down, and from the lowest the search goes on until
+    rounding stops it, unless not `polish`.
+    """
+
+    max_starts: int = 24
+    keep: int = 2
+    polish: bool = True
+
+    def solve(self, problem: Problem) -> Solution:
+        """The best of the descents; exact at once where nothing is curved."""
+        if not problem.curved:
+            return Solution(problem.at(np.empty(0)).values, True, "linear")
+        found = [_descend(trial, 2e-6, 1e-5, 25) for trial in problem.starts(self.max_starts)[: self.keep]]
+        best, status, message = min(found, key=lambda one: one[0].cost)
+        if self.polish:
+            best, status, message = _descend(best, 1e-15, 1e-9, 200)
+        return Solution(best.values, status > 0, message)
+
+
+def _descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
+    """Follow a projection down in a trust region: where it ended, status (positive when it converged) and message.
+
+    It ends when the sum of squares changes by less than `ftol` or the parameters by less than `xtol`, both relative.
+    """
+    from scipy.optimize import least_squares
+
+    problem, last = start.problem, start
+    unit = FIRST_STEP * np.array([p.typical(x) for p, x in zip(problem.curved, start.q, strict=True)])
+    lower, upper = bounds(problem.curved)
+    inside = 1e-9 * np.minimum(unit, upper - lower)
+    origin = np.clip(start.q, lower + inside, upper - inside)
+    begin = np.full(len(unit), len(unit) ** -0.5)  # its length, 1, is the first radius of scipy's trust region
+
+    def at(z: Array) -> Projection:
+        nonlocal last
+        q = np.clip(origin + (z - begin) * unit, lower, upper)
+        if not np.array_equal(last.q, q):
+            last = problem.at(q)
+        return last
+
+    result = least_squares(
+        lambda z: at(z).residual,
+        begin,
+        lambda z: at(z).jacobian() * unit,  # pyright: ignore[reportArgumentType]
+        bounds=((lower - origin) / unit + begin, (upper - origin) / unit + begin),
+        ftol=ftol,
+        xtol=xtol,
+        gtol=None,  # pyright: ignore[reportArgumentType]
+        max_nfev=evaluations,
+    )
+    return at(result.x), int(result.status), str(result.message)
+
+
+QUICK = VariableProjection(keep=1, polish=False)
+"""One descent to about 1e-8, for the many refits of a diagnosis."""
+
+
+@dataclass(frozen=True)
+class LevenbergMarquardt:
+    """All parameters at once by optimistix in double precision, to which it sets JAX; bounds by a smooth transform.
+
+    Begins where `start` says, else at the best of `max_starts` starts; ends after `steps`, or when the parameters in
+    units of their typical sizes and the sum of squares in units of the first change by less than `tolerance`.
+    """
+
+    max_starts: int = 24
+    tolerance: float = 1e-12
+    steps: int = 2000
+
+    def solve(self, problem: Problem) -> Solution:
+        """Where the search ended, and optimistix's own word on how.
+
+        What ended on a bound is held there while the others are searched again: where the transform is flat, damped
+        steps come near, but no nearer.
+        """
+        if not problem.params:
+            return Solution({}, True, "all at bounds")
+        import jax
+        import optimistix
+
+        jax.config.update("jax_enable_x64", True)
+        begin = problem.begin(self.max_starts)
+        free = _Unbounded(problem, begin)
+        found = optimistix.least_squares(
+            free.traceable(),
+            optimistix.LevenbergMarquardt(rtol=self.tolerance, atol=self.tolerance),
+            jax.numpy.asarray(free.outer(begin)),
+            max_steps=self.steps,
+            throw=False,
+        )
+        done = bool(found.result == optimistix.RESULTS.successful)
+        message = "converged" if done else str(optimistix.RESULTS[found.result])
+        values = free.inner(np.asarray(found.value))
+        held = free.at_bounds(values)
+        if not held:
+            return Solution(values, done, message)
+        rest = self.solve(replace(problem, start=values).holding(**held))
+        return replace(rest, values=rest.values | held)
+
+
+class _Unbounded:
+    """A problem in variables u (k,) that know neither bounds nor units, its residual in units of that at `begin`.
+
+    A sine between two bounds, a root above or below one: James & Roos 1975, Comput. Phys. Commun. 10, 343–367.
+    """
+
+    def __init__(self, problem: Problem, begin: Mapping[str, float]) -> None:
+        self.problem = problem
+        self.unit = {p.name: p.typical(begin[p.name]) for p in problem.params}
+        self.norm = float(np.linalg.norm(problem.residual(begin))) or 1.0
+
+    def outer(self, values: Mapping[str, float]) -> Array:
+        """u of values strictly within their bounds."""
+        return np.array([self._outer(p, values[p.name]) for p in self.problem.params])
+
+    def inner(self, u: Array) -> dict[str, float]:
+        """Values within their bounds of any u."""
+        return {p.name: p.clip(self._inner(p, x)[0]) for p, x in zip(self.problem.params, map(float, u), strict=True)}
+
+    def at_bounds(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Bounds that values have reached, by name."""
+        nearest = {p.name: min((p.lower, p.upper), key=lambda b: abs(b - values[p.name])) for p in self.problem.params}
+        return {name: b for name, b in nearest.items() if abs(b - values[name]) < 1e-6 * self.unit[name]}
+
+    def residual(self, u: Array) -> Array:
+        """Residual (m,) at u."""
+        return self.problem.residual(self.inner(u)) / self.norm
+
+    def jacobian(self, u: Array) -> Array:
+        """Its derivative by u, shape (m, k); 0 where it is no number."""
+        slopes = [self._inner(p, x)[1] for p, x in zip(self.problem.params, map(float, u), strict=True)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = self.problem.jacobian(self.inner(u)) * slopes / self.norm
+        return np.nan_to_num(found, posinf=0.0, neginf=0.0)
+
+    def traceable(self) -> "Callable[[jax.Array, object], jax.Array]":
+        """The residual as JAX may trace it: it calls back to NumPy, for the derivative as well."""
+        import jax
+
+        m, k = len(self.problem.whiten(self.problem.target)), len(self.problem.params)
+        value, slope = (jax.ShapeDtypeStruct(shape, np.float64) for shape in ((m,), (m, k)))
+
+        @jax.custom_jvp
+        def residual(u):
+            return jax.pure_callback(lambda x: self.residual(np.asarray(x)), value, u)
+
+        @residual.defjvp
+        def derivative(primals, tangents):
+            matrix = jax.pure_callback(lambda x: self.jacobian(np.asarray(x)), slope, *primals)
+            return residual(*primals), matrix @ tangents[0]
+
+        return lambda u, _: residual(u)
+
+    def _outer(self, p: Param, x: float) -> float:
+        unit, half = self.unit[p.name], 0.5 * (p.upper - p.lower)
+        if math.isfinite(half):
+            return math.asin((x - p.lower) / half - 1.0) * half / unit
+        away = x - p.lower if math.isfinite(p.lower) else p.upper - x
+        return math.sqrt((away / unit + 1.0) ** 2 - 1.0) if math.isfinite(away) else x / unit
+
+    def _inner(self, p: Param, u: float) -> tuple[float, float]:
+        """Value and its derivative by u."""
+        unit, half = self.unit[p.name], 0.5 * (p.upper - p.lower)
+        if math.isfinite(half):
+            return p.lower + half * (1.0 + math.sin(u * unit / half)), unit * math.cos(u * unit / half)
+        root = math.hypot(u, 1.0)
+        if math.isfinite(p.lower):
+            return p.lower + unit * (root - 1.0), unit * u / root
+        if math.isfinite(p.upper):
+            return p.upper - unit * (root - 1.0), -unit * u / root
+        return u * unit, unit
+
+
+@dataclass(frozen=True)
+class Lmfit:
+    """All parameters at once by lmfit's Minimizer and one of its methods; bounds are lmfit's own.
+
+    Raises UsageError for a method that lmfit does not have: by itself it would take Nelder–Mead without a word.
+    """
+
+    method: str = "leastsq"
+    max_starts: int = 24
+
+    def __post_init__(self) -> None:
+        from lmfit.minimizer import SCALAR_METHODS
+
+        known = {
+            "leastsq",
+            "least_squares",
+            "ampgo",
+            "basinhopping",
+            "brute",
+            "dual_annealing",
+            "shgo",
+            *SCALAR_METHODS,
+        }
+        if self.method not in known:
+            raise UsageError(f"lmfit has no method {self.method!r}; it has {', '.join(sorted(known))}")
+
+    def solve(self, problem: Problem) -> Solution:
+        """Where the search ended, and lmfit's own word on how."""
+        import lmfit
+
+        def values(parameters: "lmfit.Parameters") -> dict[str, float]:
+            return from_lmfit_names(parameters.valuesdict())
+
+        begin = problem.begin(self.max_starts)
+        found: Any = lmfit.Minimizer(
+            lambda parameters: problem.residual(values(parameters)),
+            to_parameters((p, begin[p.name]) for p in problem.params),
+            calc_covar=False,
+        ).minimize(
+            method=self.method,
+            **({"Dfun": lambda parameters: problem.jacobian(values(parameters))} if self.method == "leastsq" else {}),
+        )
+        return Solution(values(found.params), bool(found.success), str(found.message))
