@@ -105,6 +105,11 @@ class Model:
         return self.linear + self.curved
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all free parameters."""
+        return tuple(p.name for p in self.params)
+
+    @property
     def separable(self) -> bool:
         """Whether `design` is exact, that is, no effect depends on the force itself."""
         return not any(term.form.uses_force for term in self.terms)

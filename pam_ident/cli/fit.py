@@ -8,6 +8,7 @@ from . import options, text
 
 if TYPE_CHECKING:
     from ..fitting import IsobarTable
+    from ..workflow.compare_methods import MethodRow
     from ..workflow.fit_record import FitAnswer
 
 
@@ -19,8 +20,28 @@ def fit(
     ] = "together",
     method: Annotated[
         str,
-        typer.Option("--method", metavar="METHOD", help="global, or two-stage: each isobar alone, then over pressure."),
+        typer.Option(
+            "--method",
+            metavar="METHOD",
+            help="global; two-stage: each isobar alone, then over pressure; both: side by side, held out too.",
+        ),
     ] = "global",
+    hold: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--hold", metavar="NAME=VALUE", help="Parameter that keeps a value; repeatable.", show_default=False
+        ),
+    ] = None,
+    weights: Annotated[
+        str,
+        typer.Option("--weights", metavar="WEIGHTS", help="equal, or sensors: from [sensors] in the specimen's file."),
+    ] = "equal",
+    loss: Annotated[
+        str, typer.Option("--loss", metavar="LOSS", help="linear, or huber: outliers count by size, not square.")
+    ] = "linear",
+    intervals: Annotated[
+        str, typer.Option("--intervals", metavar="HOW", help="linear, profile (likelihood) or bootstrap (by cycles).")
+    ] = "linear",
     effect: options.Effects = None,
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
@@ -43,11 +64,11 @@ def fit(
 
         make_folder(figures)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
-    from ..workflow.fit_record import check_choice, fit_record
+    from ..workflow.fit_record import Wishes, fit_record
 
-    check_choice(branch, method)
+    wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals)
     measured = setup.read(record)
-    answer = fit_record(measured, setup, branch, method)
+    answer = fit_record(measured, setup, wishes)
     if json is not None:
         from ..workflow.files import write_json
         from ..workflow.to_json import fit_json
@@ -66,16 +87,47 @@ def fit(
 
 def _print(answer: "FitAnswer") -> None:
     for branch, one in answer.fits.items():
-        name = "both branches together" if branch == "together" else branch
+        name = text.branch(branch)
         if answer.isobars is not None:
             name += (
                 ", from straight lines through the isobars" if branch in answer.two_stage else ", all isobars at once"
             )
-        text.say("", f"{name}: {text.quality(one)}", *text.parameters(one))
+        text.say("", f"{name}: {text.quality(one)}", *text.parameters(one), *text.checks(answer.checks[branch]))
+        for profile in answer.profiles.get(branch, ()):
+            met = dict.fromkeys(other for stuck in profile.bounded for other in stuck)
+            if met:
+                text.say(f"  along {profile.name} another parameter met its bound: {', '.join(met)}")
     if answer.isobars is not None:
         _print_isobars(answer.isobars)
+    if answer.methods:
+        _print_methods(answer.methods)
+    if answer.measured_loops:
+        rows = [
+            (f"{p:g}", text.number(measured, 3), text.number(answer.loops.get(p), 3))
+            for p, measured in sorted(answer.measured_loops.items())
+        ]
+        text.say("", "energy of a cycle (positive: taken up):")
+        text.say(*text.table(("p [MPa]", "measured [J]", "modelled [J]"), rows))
     for warning in answer.warnings:
         text.say("", f"Warning: {warning}")
+
+
+def _print_methods(methods: "tuple[MethodRow, ...]") -> None:
+    for branch in dict.fromkeys(row.branch for row in methods):
+        mine = [row for row in methods if row.branch == branch]
+        names = sorted(mine[0].values)
+        rows = [
+            (
+                row.method,
+                "fitted" if row.mu is None else f"{row.mu:g}",
+                text.number(row.rmse, 3),
+                text.number(row.heldout, 3),
+                *(text.number(row.values[name], 4) for name in names),
+            )
+            for row in mine
+        ]
+        text.say("", f"both methods, {text.branch(branch)}; held out: each isobar from the others")
+        text.say(*text.table(("method", "μ", "rmse [N]", "held out [N]", *names), rows))
 
 
 def _print_isobars(isobars: "IsobarTable") -> None:
@@ -90,8 +142,7 @@ def _print_isobars(isobars: "IsobarTable") -> None:
             )
             for row in rows
         ]
-        name = "both branches together" if branch == "together" else branch
-        text.say("", f"each isobar alone, {name}:")
+        text.say("", f"each isobar alone, {text.branch(branch)}:")
         text.say(*text.table(("p [MPa]", *head, "rmse [N]"), cells))
         if branch in isobars.correlation:
             pairs = ", ".join(f"{key} {text.number(r, 5)}" for key, r in isobars.correlation[branch].items())

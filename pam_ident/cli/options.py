@@ -68,3 +68,17 @@ def check_json(path: str | None) -> None:
         from ..workflow.files import check_target
 
         check_target(path)
+
+
+def held(pairs: list[str] | None) -> dict[str, float]:
+    """Parameters to hold, from NAME=VALUE. Raises UsageError for anything else."""
+    from ..core import UsageError
+
+    found = {}
+    for pair in pairs or ():
+        name, _, value = pair.partition("=")
+        try:
+            found[name.strip()] = float(value)
+        except ValueError:
+            raise UsageError(f"--hold {pair!r}: expected NAME=VALUE, such as mu=45") from None
+    return found

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from ..fitting.fit import Estimate
     from ..model import Model
     from ..records import Record
+    from ..workflow.fit_record import Checks
 
 INDENT = "  "
 
@@ -65,17 +66,30 @@ def value_of(estimate: "Estimate") -> str:
 
 def error_of(estimate: "Estimate") -> str:
     """± the standard error, or in words why there is none that means anything."""
-    if not estimate.identified:
-        return "not identified, at bound" if estimate.at_bound else "not identified"
-    if estimate.at_bound:
-        return "at bound"
+    words = {"flat": "not identified", "dead": "not identified", "at_bound": "at bound", "held": "held"}
+    if estimate.verdict.kind in words:
+        return words[estimate.verdict.kind]
     return f"± {number(estimate.stderr, 2)}" if math.isfinite(estimate.stderr) else "no error known"
 
 
+def interval_of(estimate: "Estimate") -> str:
+    """The 95 % interval, with an open end where the data do not close it."""
+    if not math.isfinite(estimate.stderr):
+        return ""
+    digits = 5
+    if estimate.value != 0 and estimate.stderr > 0:
+        digits = min(max(math.floor(math.log10(abs(estimate.value) / estimate.stderr)) + 3, 3), 8)
+    low, high = (number(end, digits) if math.isfinite(end) else "open" for end in (estimate.low, estimate.high))
+    return f"{low} to {high}"
+
+
 def parameters(fit: "Fit") -> list[str]:
-    """A table of every parameter with standard error and unit."""
-    rows = [(e.name, value_of(e), error_of(e), "" if e.unit == "1" else e.unit, e.doc) for e in in_order(fit.estimates)]
-    return table(("parameter", "value", "std. error", "unit", "meaning"), rows, left=(0, 3, 4))
+    """A table of every parameter with standard error, interval and unit, and a line for each that is not pinned."""
+    ordered = in_order(fit.estimates)
+    rows = [(e.name, value_of(e), error_of(e), interval_of(e), "" if e.unit == "1" else e.unit, e.doc) for e in ordered]
+    head = ("parameter", "value", "std. error", "95 % interval", "unit", "meaning")
+    notes = [f"{INDENT}{e.name}: {e.verdict.text}" for e in ordered if e.verdict.kind not in ("pinned", "held")]
+    return table(head, rows, left=(0, 4, 5)) + notes
 
 
 def in_order(estimates: "Sequence[Estimate]") -> "list[Estimate]":
@@ -108,3 +122,30 @@ def title(path: str, record: "Record") -> str:
 def percent(share: float | None) -> str:
     """A share in per cent."""
     return "-" if share is None or not math.isfinite(share) else f"{max(100 * share, 0.0):.0f} %"
+
+
+def branch(name: str) -> str:
+    """A branch in words."""
+    return "both branches together" if name == "together" else name
+
+
+def checks(found: "Checks") -> list[str]:
+    """What a fit is held against, a line each."""
+    lines = []
+    if found.floor is not None:
+        memory = f", {number(found.floor.memory, 2)} samples count as one" if found.floor.memory > 1.5 else ""
+        lines.append(
+            f"{INDENT}noise between {found.floor.strokes} repeated strokes: {newtons(found.floor.sigma)}{memory}"
+        )
+    if found.lack is not None:
+        verdict = "nothing but noise is left" if found.lack.adequate else "the model leaves more than noise"
+        lines.append(
+            f"{INDENT}lack of fit: {verdict} (F {number(found.lack.statistic, 3)}, p {found.lack.p_value:.2g})"
+        )
+    twins: dict[str, list[str]] = {}
+    for one in found.stand_ins:
+        twins.setdefault(one.calibration, []).append(" with ".join(one.parameters))
+    if twins:
+        lines.append(f"{INDENT}faults of the sensors that the parameters take up without trace:")
+        lines += [f"{INDENT * 2}{name.replace('_', ' ')}: by {' or '.join(how)}" for name, how in twins.items()]
+    return lines

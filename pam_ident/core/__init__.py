@@ -1,8 +1,8 @@
 """What every layer speaks: parameters, the inputs of a force law, units, errors."""
 
 from .errors import DataError, FitError, PamError, UsageError
-from .inputs import Inputs, Specimen
+from .inputs import Inputs, Sensors, Specimen
 from .param import Param
 from .tables import blank_nan
 
-__all__ = ["DataError", "FitError", "Inputs", "PamError", "Param", "Specimen", "UsageError", "blank_nan"]
+__all__ = ["DataError", "FitError", "Inputs", "PamError", "Param", "Sensors", "Specimen", "UsageError", "blank_nan"]

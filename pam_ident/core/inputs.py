@@ -16,8 +16,25 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
+class Sensors:
+    """Standard deviations of the sensors' errors from sample to sample. Raises DataError for one below 0, or for a
+    force that is read without error."""
+
+    force_N: float
+    pressure_MPa: float = 0.0
+    displacement_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        for key in ("force_N", "pressure_MPa", "displacement_mm"):
+            value = getattr(self, key)
+            if not (math.isfinite(value) and value >= 0.0) or self.force_N == 0.0:
+                raise DataError(f"sensors: {key} = {value}; expected a standard deviation, above 0 for force_N")
+
+
+@dataclass(frozen=True)
 class Specimen:
-    """Geometry of a muscle at rest: length and radius in mm, braid angle in degrees to the axis.
+    """Geometry of a muscle at rest: length and radius in mm, braid angle in degrees to the axis. `sensors` are those
+    of the rig it was measured on, where they are known.
 
     Raises DataError for lengths that are not positive or an angle outside 5 to 54 degrees (at
     54.7 degrees a braided muscle no longer contracts).
@@ -28,6 +45,7 @@ class Specimen:
     initial_radius_mm: float = 10.0
     braid_angle_deg: float = 25.0
     wall_thickness_mm: float | None = None
+    sensors: Sensors | None = None
 
     def __post_init__(self) -> None:
         for key in ("initial_length_mm", "initial_radius_mm", "wall_thickness_mm"):
@@ -103,6 +121,26 @@ class Inputs:
             "temperature": self.temperature,
         }
         return field[need] is not None
+
+    def take(self, rows: Array | slice) -> "Inputs":
+        """Some of the samples, by index, mask or slice."""
+        fields = {
+            name: value[rows]
+            for name in (
+                "pressure",
+                "contraction",
+                "direction",
+                "time",
+                "velocity",
+                "stroke_speed",
+                "moving",
+                "cycle",
+                "temperature",
+                "segment",
+            )
+            if (value := getattr(self, name)) is not None
+        }
+        return replace(self, **fields)
 
     def with_geometry(self, radius_mm: float, angle_deg: float) -> "Inputs":
         """The same samples on a specimen of another radius (mm) and braid angle (degrees)."""

@@ -1,10 +1,15 @@
-"""Least squares: a model and a record in, a Fit out."""
+"""Least squares: a model and a record in, a Fit out, with what its parameters are worth."""
 
+from .bootstrap import bootstrap
+from .covariance import covariance
 from .fit import Fit, fit, fit_branches
+from .floor import lack_of_fit, noise_floor
 from .isobars import IsobarTable, fit_isobars, loop_energies
 from .lmfit_bridge import from_lmfit, lmfit_result
 from .problem import Problem, Solution, white_covariance
+from .profile import profile
 from .solvers import LevenbergMarquardt, Lmfit, Solver, VariableProjection
+from .weigh import Weighing
 
 __all__ = [
     "Fit",
@@ -15,11 +20,17 @@ __all__ = [
     "Solution",
     "Solver",
     "VariableProjection",
+    "Weighing",
+    "bootstrap",
+    "covariance",
     "fit",
     "fit_branches",
     "fit_isobars",
     "from_lmfit",
+    "lack_of_fit",
     "lmfit_result",
     "loop_energies",
+    "noise_floor",
+    "profile",
     "white_covariance",
 ]

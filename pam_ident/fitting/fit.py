@@ -1,23 +1,31 @@
 """Fit a model to a record."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..core import DataError, FitError
+from ..core import DataError, FitError, Inputs, Param, UsageError
 from ..model import Model
 from ..records import Record
+from .covariance import Covariance, covariance
+from .identifiability import AT_BOUND, HELD, PINNED, StandIn, Verdict, flat_directions, stand_ins, verdicts
+from .large import solve_large
 from .solve import curved_within_bounds, jacobian, solve
+from .solvers import Solver
+from .weigh import PLAIN, Weighing
 
 Array = np.ndarray
+LEVEL = 0.95
+"""Level of all intervals."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One fitted parameter. `stderr` is NaN where the record does not determine it."""
+    """One fitted parameter. `stderr` and the 95 % interval `low` … `high` are NaN where the record does not
+    determine it; `verdict` says why. `dof` are the degrees of freedom of its Student distribution."""
 
     name: str
     unit: str
@@ -26,13 +34,18 @@ class Estimate:
     stderr: float
     at_bound: bool
     identified: bool
+    low: float = math.nan
+    high: float = math.nan
+    dof: float = math.nan
+    verdict: Verdict = PINNED
 
 
 @dataclass(frozen=True)
 class Fit:
     """A model fitted to the rows `rows` (mask, shape (n,)) of a record; force and residual cover all n rows.
 
-    `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
+    `valid` needs convergence and every parameter identified; `problems` says in words what is wrong. `weights` (n,)
+    multiply the residuals that were minimised, `held` are the values of parameters that were not fitted.
     """
 
     model: Model
@@ -41,6 +54,10 @@ class Fit:
     estimates: tuple[Estimate, ...]
     converged: bool
     message: str
+    weights: Array | None = None
+    held: Mapping[str, float] = field(default_factory=dict)
+    weighing: Weighing = PLAIN
+    covariance: Covariance | None = None
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -83,6 +100,34 @@ class Fit:
             found.append(f"the record does not determine {', '.join(loose)}; drop an effect, or vary more on the rig")
         return found
 
+    @cached_property
+    def free(self) -> tuple[str, ...]:
+        """Names of the parameters that were fitted and do not stand at a bound, in the order of `covariance`."""
+        return tuple(e.name for e in self.estimates if e.name not in self.held and not e.at_bound)
+
+    @property
+    def stand_ins(self) -> tuple[StandIn, ...]:
+        """Scales and zeros of the sensors that the fitted parameters take up without trace in this record."""
+        fitted = [k for k, e in enumerate(self.estimates) if e.name not in self.held]
+        matrix = jacobian(self.model, self.record.inputs, self.values, self.record.force)[:, fitted]
+        names = [self.estimates[k].name for k in fitted]
+        return stand_ins(self.model, self.record.inputs, self.values, matrix, names)
+
+    def band(self, inputs: Inputs) -> tuple[Array, Array, Array]:
+        """Force in N at `inputs` with the 95 % interval of the fitted curve: force, low, high, shape (n,) each.
+
+        To first order in the parameters; noise of a new reading is not in it. NaN where no errors were asked for.
+        """
+        from scipy.special import stdtrit
+
+        force = self.model.force(inputs, self.values)
+        if self.covariance is None:
+            return force, np.full(len(force), math.nan), np.full(len(force), math.nan)
+        index = [k for k, e in enumerate(self.estimates) if e.name in self.free]
+        stderr, dof = self.covariance.error(jacobian(self.model, inputs, self.values, force)[:, index])
+        half = stdtrit(dof, 0.5 + 0.5 * LEVEL) * stderr
+        return force, force - half, force + half
+
     @property
     def valid(self) -> bool:
         """Converged, and every parameter identified."""
@@ -95,16 +140,47 @@ def fit(
     rows: Array | None = None,
     start: Mapping[str, float] | None = None,
     detail: bool = True,
+    *,
+    held: Mapping[str, float] | None = None,
+    weighing: Weighing = PLAIN,
+    white: bool = False,
+    solver: Solver | None = None,
 ) -> Fit:
     """Least-squares fit over `rows` (mask, default all), errors of the parameters included unless not `detail`.
 
-    Raises FitError when the record cannot identify the law at all, DataError when an effect lacks a column.
+    `held` parameters keep the given values. Errors allow for residuals that are correlated along the strokes of a
+    record in time, unless `white`. `solver` searches the parameters in place of variable projection.
+
+    Raises FitError when the record cannot identify the law at all, DataError when an effect lacks a column,
+    UsageError when a parameter to hold is unknown or out of its bounds.
     """
     rows = np.ones(len(record), bool) if rows is None else rows
-    _check(model, record, rows)
-    solution = solve(model, record.inputs, record.force, lambda m: m[rows], start)
-    estimates = _estimates(model, record, rows, solution.values, detail)
-    return Fit(model, record, rows, estimates, solution.converged, solution.message)
+    held = dict(held or {})
+    _check(model, record, rows, held)
+    values, weights, converged, message = dict(start or {}), weighing.first(record), False, ""
+    for _ in range(weighing.rounds):
+        pick = picker(rows, weights)
+        solution = None
+        if weights is None and rows.all() and not held and solver is None:
+            solution = solve_large(model, record.inputs, record.force, values)
+        if solution is None:
+            solution = solve(model, record.inputs, record.force, pick, values, held=held, solver=solver)
+        values, converged, message = solution.values, solution.converged, solution.message
+        renewed = weighing.next(model, record, rows, values)
+        settled = renewed is None or (weights is not None and np.allclose(renewed, weights, rtol=1e-6))
+        weights = renewed
+        if settled:
+            break
+    one = Fit(model, record, rows, (), converged, message, weights, held, weighing)
+    return _with_estimates(one, values, detail, white)
+
+
+def picker(rows: Array, weights: Array | None) -> Callable[[Array], Array]:
+    """Selects rows and weighs them: (n,) or (n, k) → (m,) or (m, k)."""
+    if weights is None:
+        return lambda m: m[rows]
+    chosen = weights[rows]
+    return lambda m: m[rows] * (chosen if m.ndim == 1 else chosen[:, None])
 
 
 def fit_branches(model: Model, record: Record, branch: str) -> dict[str, Fit]:
@@ -113,8 +189,14 @@ def fit_branches(model: Model, record: Record, branch: str) -> dict[str, Fit]:
     return {name: fit(model, record, record.branch_rows(name)) for name in names}
 
 
-def _check(model: Model, record: Record, rows: Array) -> None:
+def _check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) -> None:
     where = record.source or record.name
+    known = {p.name: p for p in model.params}
+    for name, value in held.items():
+        if name not in known:
+            raise UsageError(f"no parameter {name!r} to hold in {model.law.name}; it has {', '.join(known)}")
+        if not known[name].lower <= value <= known[name].upper:
+            raise UsageError(f"{name} = {value:g} is outside its bounds {known[name].lower:g} to {known[name].upper:g}")
     levels = len(np.unique(record.level[rows]))
     if levels < model.law.min_levels:
         raise FitError(
@@ -135,36 +217,62 @@ def _check(model: Model, record: Record, rows: Array) -> None:
             )
 
 
-def _estimates(
-    model: Model, record: Record, rows: Array, values: Mapping[str, float], detail: bool
-) -> tuple[Estimate, ...]:
-    params = (*model.linear, *curved_within_bounds(model, record.inputs))
-    stderr, identified = np.full(len(params), math.nan), np.ones(len(params), bool)
+def _with_estimates(one: Fit, values: Mapping[str, float], detail: bool, white: bool) -> Fit:
+    """The fit with an estimate of each parameter, in the model's order; what stands at a bound is taken as given."""
+    model, record = one.model, one.record
+    params = [*model.linear, *curved_within_bounds(model, record.inputs)]
+    stuck = {p.name for p in params if p.name not in one.held and at_bound(p, values[p.name])}
+    given = {p.name: HELD if p.name in one.held else AT_BOUND for p in params if p.name in one.held or p.name in stuck}
+    found: dict[str, Estimate] = {}
+    cov = None
     if detail and params:
-        matrix = jacobian(model, record.inputs, values, record.force)[rows]
-        residual = (record.force - model.force(record.inputs, values))[rows]
-        stderr, identified = _uncertainty(matrix, residual)
-    return tuple(
-        Estimate(p.name, p.unit, p.doc, values[p.name], float(s), _at_bound(p.lower, p.upper, values[p.name]), bool(ok))
-        for p, s, ok in zip(params, stderr, identified, strict=True)
-    )
+        pick = picker(one.rows, one.weights)
+        matrix = pick(jacobian(model, record.inputs, values, record.force))
+        residual = pick(record.force - model.force(record.inputs, values))
+        fitted = [k for k, p in enumerate(params) if p.name not in one.held]
+        flat = flat_directions([params[k].name for k in fitted], matrix[:, fitted])
+        free = [k for k, p in enumerate(params) if p.name not in given]
+        cov = covariance(matrix[:, free], residual, None if white else clusters(record, one.rows))
+        cov = replace(cov, middle=cov.middle * one.weighing.inflation(residual))
+        found = {e.name: e for e in _determined([params[k] for k in free], values, cov, flat)}
+        given |= {name: verdict for name, verdict in flat.items() if name in stuck}
+    estimates = []
+    for p in params:
+        verdict = given.get(p.name, PINNED)
+        loose = verdict.kind in ("flat", "dead")
+        plain = Estimate(p.name, p.unit, p.doc, values[p.name], math.nan, p.name in stuck, not loose, verdict=verdict)
+        estimates.append(found.get(p.name, plain))
+    return replace(one, estimates=tuple(estimates), covariance=cov)
 
 
-def _uncertainty(matrix: Array, residual: Array) -> tuple[Array, Array]:
-    """Standard errors from the linearised model, NaN along directions that the data leave flat."""
-    n, k = matrix.shape
-    scale = np.linalg.norm(matrix, axis=0)
-    dead = scale < 1e-300
-    scale[dead] = 1.0
-    _, sigma, vt = np.linalg.svd(np.linalg.qr(matrix / scale, mode="r"))
-    flat = sigma < 1e-8 * max(float(sigma[0]), 1e-300)
-    identified = ~dead & (np.sum(vt[flat] ** 2, axis=0) < 1e-3)
-    inverse = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, sigma))
-    variance = float(residual @ residual) / max(n - k, 1)
-    stderr = np.sqrt(np.sum((vt.T * inverse) ** 2, axis=1) * variance) / scale
-    return np.where(identified, stderr, math.nan), identified
+def _determined(
+    free: list[Param], values: Mapping[str, float], cov: Covariance, flat: Mapping[str, Verdict]
+) -> Iterator[Estimate]:
+    """Estimates of the free parameters with their intervals and verdicts."""
+    from scipy.special import stdtrit
+
+    stderr, dof = cov.error(np.eye(len(free)))
+    half = stdtrit(dof, 0.5 + 0.5 * LEVEL) * stderr
+    for p, s, d, h, verdict in zip(free, stderr, dof, half, verdicts(free, values, cov, half), strict=True):
+        verdict = flat.get(p.name, verdict)
+        value, known = values[p.name], verdict.determined
+        s, d, h = (float(x) if known else math.nan for x in (s, d, h))
+        yield Estimate(p.name, p.unit, p.doc, value, s, False, known, value - h, value + h, d, verdict)
 
 
-def _at_bound(lower: float, upper: float, value: float) -> bool:
-    span = upper - lower if math.isfinite(upper - lower) else max(abs(value), 1.0)
-    return min(value - lower, upper - value) <= 1e-7 * span
+def clusters(record: Record, rows: Array) -> Array | None:
+    """Numbers the runs of `rows` along which residuals may be correlated, shape (rows,); None in a static table.
+
+    On one branch a run is a stroke of a cycle. On both it goes from the middle of a stroke to the middle of the
+    next one, because what a law gets wrong, and much of what it must learn, sits at the reversals.
+    """
+    if record.inputs.time is None:
+        return None
+    both = len(np.unique(np.sign(record.inputs.direction[rows]))) > 1
+    return (record.turn if both else record.stroke)[rows]
+
+
+def at_bound(p: Param, value: float) -> bool:
+    """Whether a value stands at a bound of its parameter."""
+    span = p.upper - p.lower if math.isfinite(p.upper - p.lower) else max(abs(value), 1.0)
+    return min(value - p.lower, p.upper - value) <= 1e-7 * span

@@ -1,5 +1,6 @@
 """Per isobar and branch: the tables of the paper, and the energy of each loop."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,46 +38,49 @@ class IsobarTable:
     two_stage: dict[str, dict[str, float]]
 
 
-def fit_isobars(model: Model, record: Record, branches: tuple[str, ...], mu: float | None = None) -> IsobarTable:
-    """Fit each isobar alone, as the paper does.
+def fit_isobars(
+    model: Model,
+    record: Record,
+    branches: tuple[str, ...],
+    held: Mapping[str, float] | None = None,
+    rows: Array | None = None,
+) -> IsobarTable:
+    """Fit each isobar alone, as the paper does, over `rows` (mask, default all); `held` parameters keep their values.
 
-    For exponential_law the isobar's law is a − b ε + c exp(−μ ε) with μ shared by all isobars (given, or from
+    For exponential_law the isobar's law is a − b ε + c exp(−μ ε) with μ shared by all isobars (held, or from
     the global fit of the branch), then a line in p through each of a, b, c. Other laws keep their own
     parameters per isobar. Raises FitError when no isobar can be fitted.
     """
-    rows: list[IsobarRow] = []
+    found: list[IsobarRow] = []
     correlation: dict[str, dict[str, float]] = {}
     two_stage: dict[str, dict[str, float]] = {}
     folded = FOLDED.get(model.law.name)
+    alone = replace(model, law=_one_pressure(model.law) if folded else replace(model.law, min_levels=1))
     for branch in branches:
-        mask = record.branch_rows(branch)
-        values: dict[str, float] = {}
-        isobar_model = (
-            replace(model, law=_one_pressure(model.law))
-            if folded
-            else replace(model, law=replace(model.law, min_levels=1))
-        )
+        mask = record.branch_rows(branch) if rows is None else record.branch_rows(branch) & rows
+        given = dict(held or {})
         if folded:
-            values["mu"] = fit(model, record, mask, detail=False).values["mu"] if mu is None else mu
-            isobar_model = replace(isobar_model, law=_freeze(isobar_model.law, "mu", values["mu"]))
-        mine = _rows(isobar_model, record, mask, branch)
-        rows += mine
+            shared = fit(model, record, mask, detail=False, held=given).values
+            given = {p.name: given.get(p.name, shared[p.name]) for p in model.law.shape} | given
+        mine = _rows(alone, record, mask, branch, {k: v for k, v in given.items() if k in alone.names})
+        found += mine
         if folded and len(mine) >= 2:
             lines = _lines(mine, folded)
             correlation[branch] = {key: line[2] for key, line in lines.items()}
-            two_stage[branch] = values | {f"{k}{i}": line[i] for k, line in lines.items() for i in (0, 1)}
-    if not rows:
+            two_stage[branch] = given | {f"{k}{i}": line[i] for k, line in lines.items() for i in (0, 1)}
+    if not found:
         raise FitError(f"{record.source or record.name}: no isobar has enough samples for {model.law.name}")
-    return IsobarTable(tuple(rows), correlation, two_stage)
+    return IsobarTable(tuple(found), correlation, two_stage)
 
 
-def _rows(model: Model, record: Record, mask: Array, branch: str) -> list[IsobarRow]:
+def _rows(model: Model, record: Record, mask: Array, branch: str, held: Mapping[str, float]) -> list[IsobarRow]:
     found = []
     for level in record.levels:
         here = mask & (record.level == level)
-        if here.sum() > len(model.params) and np.ptp(record.inputs.contraction[here]) > 0.0:
-            one: Fit = fit(model, record, here)
-            found.append(IsobarRow(float(level), branch, one.estimates, one.rmse))
+        if here.sum() > len(model.params) - len(held) and np.ptp(record.inputs.contraction[here]) > 0.0:
+            one: Fit = fit(model, record, here, held=held)
+            free = tuple(e for e in one.estimates if e.name not in held)
+            found.append(IsobarRow(float(level), branch, free, one.rmse))
     return found
 
 
@@ -102,12 +106,6 @@ def _one_pressure(law: Law) -> Law:
     linear = tuple(replace(p, name=p.name[0]) for p in law.linear if p.name.endswith("0"))
     pick = [i for i, p in enumerate(law.linear) if p.name.endswith("0")]
     return replace(law, linear=linear, columns=lambda p, e, s, q: law.columns(p, e, s, q)[:, pick], min_levels=1)
-
-
-def _freeze(law: Law, name: str, value: float) -> Law:
-    """The law with one shape parameter fixed."""
-    shape = tuple(p for p in law.shape if p.name != name)
-    return replace(law, shape=shape, columns=lambda p, e, s, q: law.columns(p, e, s, {**q, name: value}))
 
 
 def loop_energies(record: Record, force: Array) -> dict[float, float]:

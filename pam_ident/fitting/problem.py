@@ -90,14 +90,21 @@ class Problem:
         return self.whiten(np.column_stack([columns, self._slopes(values, sizes)]))
 
     def _slopes(self, values: Mapping[str, float], sizes: Array) -> Array:
-        """d(fixed + columns · sizes)/d(curved), shape (n, len(curved)), by central differences within the bounds."""
+        """d(fixed + columns · sizes)/d(curved), shape (n, len(curved)), by second-order differences in the bounds."""
         found = np.empty((len(self.target), len(self.curved)))
         for k, p in enumerate(self.curved):
-            step = STEP * max(abs(values[p.name]), 0.01 * p.scale if p.scale != 1.0 else 1e-3)
-            high, low = p.clip(values[p.name] + step), p.clip(values[p.name] - step)
-            (up, above), (down, below) = (self.design({**values, p.name: x}) for x in (high, low))
-            with np.errstate(over="ignore", invalid="ignore"):
-                found[:, k] = (above - below + (up - down) @ sizes) / (high - low)
+            at = values[p.name]
+            step = STEP * max(abs(at), 0.01 * p.scale if p.scale != 1.0 else 1e-3)
+            if p.lower <= at - step and at + step <= p.upper:
+                points, weights = (at - step, at + step), (-0.5, 0.5)
+            else:  # at a bound, from its inner side, as exact
+                step = step if at + step <= p.upper else -step
+                points, weights = (at, at + step, at + 2.0 * step), (-1.5, 2.0, -0.5)
+            found[:, k] = 0.0
+            for point, weight in zip(points, weights, strict=True):
+                columns, fixed = self.design({**values, p.name: point})
+                with np.errstate(over="ignore", invalid="ignore"):
+                    found[:, k] += weight / step * (fixed + columns @ sizes)
         return found
 
     def holding(self, **values: float) -> "Problem":

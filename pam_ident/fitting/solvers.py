@@ -79,7 +79,7 @@ def _descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> t
         bounds=((lower - origin) / unit + begin, (upper - origin) / unit + begin),
         ftol=ftol,
         xtol=xtol,
-        gtol=None,  # pyright: ignore[reportArgumentType]
+        gtol=float(np.finfo(float).eps),
         max_nfev=evaluations,
     )
     return at(result.x), int(result.status), str(result.message)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ..core import DataError, Specimen
+from ..core import DataError, Sensors, Specimen
 from ..core.units import TO_INTERNAL, conversion, split_header
 from .record import Record, build_record
 
@@ -92,21 +92,32 @@ def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
         )
     given: dict[str, Any] = {}
     for item in fields(Specimen):
-        if item.name not in table:
-            if item.name != "wall_thickness_mm":
-                raise DataError(f"{path}: [specimen] lacks {item.name}; add it")
-            continue
-        value = table[item.name]
-        if item.name == "name":
-            given["name"] = str(value)
-        elif isinstance(value, bool) or not isinstance(value, int | float):
-            raise DataError(f"{path}: [specimen] {item.name} = {value!r}; expected a number")
-        else:
-            given[item.name] = float(value)
+        if item.name == "name" and item.name in table:
+            given["name"] = str(table["name"])
+        elif item.name in table and item.name != "sensors":
+            given[item.name] = _toml_number(path, "specimen", item.name, table[item.name])
+        elif item.name not in ("wall_thickness_mm", "sensors"):
+            raise DataError(f"{path}: [specimen] lacks {item.name}; add it")
     try:
-        return Specimen(**given)
+        return Specimen(**given, sensors=_read_sensors(path, content.get("sensors")))
     except DataError as error:
         raise DataError(f"{path}: {error}") from None
+
+
+def _read_sensors(path: Path, table: object) -> Sensors | None:
+    """The optional table [sensors]."""
+    if table is None:
+        return None
+    names = [item.name for item in fields(Sensors)]
+    if not isinstance(table, dict) or "force_N" not in table or not set(table) <= set(names):
+        raise DataError(f"{path}: [sensors] needs force_N and may hold {', '.join(names[1:])}, standard deviations")
+    return Sensors(**{name: _toml_number(path, "sensors", name, value) for name, value in table.items()})
+
+
+def _toml_number(path: Path, table: str, name: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise DataError(f"{path}: [{table}] {name} = {value!r}; expected a number")
+    return float(value)
 
 
 def file_sha256(path: str | Path) -> str:

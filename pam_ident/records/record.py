@@ -1,6 +1,7 @@
 """A measured record, ready to be fitted."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -47,6 +48,22 @@ class Record:
     def levels(self) -> Array:
         """The isobars' nominal pressures in MPa, ascending."""
         return np.unique(self.level)
+
+    @cached_property
+    def turn(self) -> Array:
+        """Number of the turn a sample belongs to, from the middle of a stroke to the middle of the next, shape (n,).
+
+        All 0 in a static table.
+        """
+        if self.inputs.segment is None:
+            return np.zeros(len(self), int)
+        cut = np.r_[False, np.diff(self.inputs.segment) != 0]
+        x = self.inputs.displacement_mm
+        edges = np.flatnonzero(np.diff(self.stroke) != 0) + 1
+        for rows in np.split(np.arange(len(self)), edges):
+            gone = np.abs(x[rows] - x[rows[0]])
+            cut[rows[int(np.argmax(gone >= 0.5 * gone.max()))]] = True
+        return np.cumsum(cut)
 
     def branch_rows(self, branch: str) -> Array:
         """Mask of the samples of `contraction`, `extension` or `together` (all).

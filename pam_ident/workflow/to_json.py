@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from ..fitting import Fit
     from ..fitting.fit import Estimate
     from .add_effects import Addition
-    from .fit_record import FitAnswer
+    from .fit_record import Checks, FitAnswer
 
 Json = dict[str, Any]
 
@@ -21,6 +21,10 @@ def parameters(estimates: "tuple[Estimate, ...]") -> Json:
             "unit": e.unit,
             "at_bound": e.at_bound,
             "identified": e.identified,
+            "interval": [e.low, e.high],
+            "freedom": e.dof,
+            "verdict": e.verdict.kind,
+            "partners": list(e.verdict.partners),
         }
         for e in estimates
     }
@@ -34,7 +38,7 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
         "record": record,
         "law": law,
         "effects": next(iter(fits.values())).model.labels,
-        "branches": {branch: _branch(one) for branch, one in fits.items()},
+        "branches": {branch: _branch(one) | _checks(answer.checks[branch]) for branch, one in fits.items()},
     }
     if answer.isobars is not None:
         found["per_pressure"] = [
@@ -47,8 +51,36 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
             for row in answer.isobars.rows
         ]
         found["correlation"] = answer.isobars.correlation
+    if answer.methods:
+        found["methods"] = [
+            {
+                "method": row.method,
+                "mu_held": row.mu,
+                "branch": row.branch,
+                "parameters": dict(row.values),
+                "rmse_N": row.rmse,
+                "heldout_pressure_rmse_N": row.heldout,
+            }
+            for row in answer.methods
+        ]
+    found["loops"] = [
+        {"pressure_MPa": p, "measured_J": energy, "modelled_J": answer.loops.get(p)}
+        for p, energy in sorted(answer.measured_loops.items())
+    ]
     found["passive"] = answer.passive
     return found
+
+
+def _checks(checks: "Checks") -> Json:
+    floor, lack = checks.floor, checks.lack
+    return {
+        "noise_floor_N": None if floor is None else floor.sigma,
+        "noise_memory_samples": None if floor is None else floor.memory,
+        "lack_of_fit": None
+        if lack is None
+        else {"F": lack.statistic, "freedom": list(lack.freedom), "p_value": lack.p_value},
+        "stand_ins": [{"calibration": s.calibration, "parameters": list(s.parameters)} for s in checks.stand_ins],
+    }
 
 
 def _branch(one: "Fit") -> Json:

@@ -6,7 +6,7 @@ PAPER = {
     "contraction": {"a0": -197.8, "a1": 2442.0, "b0": 1735.0, "b1": 5464.0, "c0": -9.3, "c1": 688.3, "mu": 45.0},
     "extension": {"a0": -344.5, "a1": 2554.0, "b0": -43.2, "b1": 8430.0, "c0": 43.24, "c1": 899.2, "mu": 45.0},
 }
-KEYS = {"schema", "record", "law", "effects", "branches", "passive"}
+KEYS = {"schema", "record", "law", "effects", "branches", "loops", "passive"}
 
 
 @pytest.fixture
@@ -33,9 +33,12 @@ def test_json_of_a_fit_is_the_contracts(answer, clean):
     assert found["record"] == str(clean) and found["law"] == "exponential_law"
     assert found["effects"] == ["coulomb_friction"] and list(found["branches"]) == ["together"]
     branch = found["branches"]["together"]
-    assert set(branch) == {"parameters", "rmse_N", "max_error_N", "r2", "n"}
+    contract = {"parameters", "rmse_N", "max_error_N", "r2", "n"}
+    assert set(branch) == contract | {"noise_floor_N", "noise_memory_samples", "lack_of_fit", "stand_ins"}
     for one in branch["parameters"].values():
-        assert set(one) == {"value", "stderr", "unit", "at_bound", "identified"}
+        contract = {"value", "stderr", "unit", "at_bound", "identified"}
+        assert set(one) == contract | {"interval", "freedom", "verdict", "partners"}
+        assert one["interval"][0] < one["value"] < one["interval"][1] and one["verdict"] == "pinned"
     assert branch["n"] == 1200 and 0.9 < branch["rmse_N"] < 1.1
 
 

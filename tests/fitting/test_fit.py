@@ -145,7 +145,7 @@ def test_series_compliance_is_recovered():
 
 def test_two_stage_is_a_line_through_the_isobars():
     record = table(lambda p, e: (90 + 2000 * p) - (800 + 4000 * p) * e + (10 + 500 * p) * np.exp(-45 * e), sigma=1.0)
-    tables = fit_isobars(Model.build("exponential_law"), record, ("together",), mu=45.0)
+    tables = fit_isobars(Model.build("exponential_law"), record, ("together",), {"mu": 45.0})
     levels, a = [], []
     for level in (0.1, 0.2, 0.3, 0.4, 0.5):
         here = record.level == level

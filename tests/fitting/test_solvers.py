@@ -212,12 +212,12 @@ def test_lmfit_reaches_the_same_parameters_and_back(rubbing, law):
 def test_a_fit_reports_and_profiles_through_lmfit(rubbing):
     model = Model.build("modified_chou_hannaford", ("coulomb_friction",))
     rows = rubbing.inputs.direction > 0
-    ours = fit(Model.build("modified_chou_hannaford"), rubbing, rows)
+    ours = fit(Model.build("modified_chou_hannaford"), rubbing, rows, white=True)
     result = lmfit_result(ours)
     assert result.ndata == rows.sum() and "k1" in result.fit_report()
     for one in ours.estimates:
         assert result.params[one.name].stderr == pytest.approx(one.stderr, rel=1e-3)
-    whole = fit(model, rubbing)
+    whole = fit(model, rubbing, white=True)
     limits = lmfit_result(whole).conf_interval(p_names=["coulomb_friction__F_c"], sigmas=[1])
     low, middle, high = (value for _, value in limits["coulomb_friction__F_c"])
     error = next(e.stderr for e in whole.estimates if e.name == "coulomb_friction.F_c")
@@ -226,7 +226,7 @@ def test_a_fit_reports_and_profiles_through_lmfit(rubbing):
 
 def test_what_stands_at_a_bound_is_fixed_in_lmfit(rubbing):
     backwards = replace(rubbing, force=rubbing.force + 24.0 * rubbing.inputs.direction)
-    ours = fit(Model.build("modified_chou_hannaford", ("coulomb_friction",)), backwards)
+    ours = fit(Model.build("modified_chou_hannaford", ("coulomb_friction",)), backwards, white=True)
     result = lmfit_result(ours)
     assert not result.params["coulomb_friction__F_c"].vary
     assert result.params["k1"].stderr == pytest.approx(

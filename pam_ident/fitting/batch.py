@@ -1,0 +1,186 @@
+"""Thousands of refits of one model at the price of a few: other forces, or other weights of the blocks.
+
+With the linear parameters eliminated (Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413–432) the cost is a
+smooth function of the one curved parameter that is left. It is taken at Chebyshev nodes around the fit, for all
+refits at once, and its minimum is found on the interpolating polynomials.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+Array = np.ndarray
+Design = Callable[[float], tuple[Array, Array]]
+"""Columns (n, k) and fixed part (n,) of a model at a value of its curved parameter."""
+ENOUGH = 16
+"""Nodes that carry the cost over ten standard errors to both sides to rounding."""
+
+
+@dataclass(frozen=True)
+class Refits:
+    """B refits: linear parameters (B, k), curved parameter (B,), and which of them ended inside the interval."""
+
+    linear: Array
+    curved: Array
+    inside: Array
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Values of the curved parameter at `count` Chebyshev nodes of low … high; where these are equal it is given."""
+
+    low: float
+    high: float
+    count: int = ENOUGH
+
+    @property
+    def points(self) -> Array:
+        """The nodes in −1 … 1, shape (count,)."""
+        return np.cos(np.pi * (np.arange(self.count) + 0.5) / self.count)
+
+    def at(self, x: Array) -> Array:
+        """Curved parameter at x in −1 … 1."""
+        return 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * x
+
+    def series(self, values: Array) -> Array:
+        """Chebyshev coefficients (count, B) of values (count, B) at the nodes."""
+        halves = np.r_[0.5, np.ones(self.count - 1)][:, None]
+        return 2.0 / self.count * halves * (chebyshev.chebvander(self.points, self.count - 1).T @ values)
+
+    def weights(self, x: Array) -> Array:
+        """Weights (count, B) that interpolate values at the nodes at x (B,)."""
+        return self.series(np.eye(self.count)).T @ chebyshev.chebvander(x, self.count - 1).T
+
+    def minimum(self, cost: Array) -> tuple[Array, Array]:
+        """Where in −1 … 1 each interpolated column of `cost` (count, B) is least, and whether that is to be trusted:
+        a minimum, inside, of a series that has died away."""
+        if self.low == self.high:
+            return np.zeros(cost.shape[1]), np.ones(cost.shape[1], bool)
+        poly = self.series(cost)
+        slope, bend = chebyshev.chebder(poly), chebyshev.chebder(poly, 2)
+        x = self.points[np.argmin(cost, axis=0)]
+        step = np.zeros_like(x)
+        for _ in range(30):
+            curvature = chebyshev.chebval(x, bend, tensor=False)
+            step = chebyshev.chebval(x, slope, tensor=False) / np.where(curvature > 0, curvature, np.inf)
+            x = np.clip(x - np.clip(step, -0.2, 0.2), -1.0, 1.0)
+            if np.max(np.abs(step)) < 1e-13:
+                break
+        inside = (chebyshev.chebval(x, bend, tensor=False) > 0) & (np.abs(x) < 0.999) & (np.abs(step) < 1e-6)
+        faded = np.abs(poly[-1]) < 10.0 ** (-0.5 * self.count - 1.0) * np.max(np.abs(poly), axis=0)
+        return x, inside & faded
+
+    def doubt(self, cost: Array) -> Array:
+        """How far the minima (B,) may be off for want of nodes, if the series goes on to fall as it has fallen."""
+        if self.low == self.high:
+            return np.zeros(cost.shape[1])
+        poly = np.abs(self.series(cost))
+        fall = (poly[-1] / np.maximum(poly[2], 1e-300)) ** (1.0 / max(self.count - 3, 1))
+        return 0.5 * (self.high - self.low) * 0.25 * self.count**2 * fall ** (self.count - 2)
+
+
+def coordinates(columns: Array) -> Array:
+    """Matrix (k, k) that makes columns (n, k) orthonormal: linear parameters = matrix · coordinates."""
+    scale = np.linalg.norm(columns, axis=0)
+    scale[scale == 0.0] = 1.0
+    return np.linalg.inv(np.linalg.qr(columns / scale, mode="r")) / scale[:, None]
+
+
+def refit_forces(design: Design, forces: Array, nodes: Nodes) -> Refits:
+    """Least squares of the model to each column of `forces` (n, B) in N."""
+    back = coordinates(design(float(nodes.at(np.zeros(1))[0]))[0])
+    taken = [design(float(q)) for q in nodes.at(nodes.points)]
+    frames, fixed = [c @ back for c, _ in taken], np.array([f for _, f in taken])
+    basis = _span(np.hstack([*frames, fixed.T]))
+    k, seen, shift = len(back), basis.T @ forces, fixed @ basis
+    cost, answer = np.empty((nodes.count, seen.shape[1])), np.empty((nodes.count, k, seen.shape[1]))
+    for i, frame in enumerate(frames):
+        q, r = np.linalg.qr(basis.T @ frame, mode="complete")
+        target = seen - shift[i][:, None]
+        cost[i] = np.sum((q[:, k:].T @ target) ** 2, axis=0)
+        answer[i] = np.linalg.solve(r[:k], q[:, :k].T) @ target
+    x, inside = nodes.minimum(cost)
+    linear = np.einsum("ib,ikb->kb", nodes.weights(x), answer)
+    return Refits((back @ linear).T, nodes.at(x), inside)
+
+
+def _span(stack: Array) -> Array:
+    """Orthonormal basis (n, r) of the columns of a stack (n, m), to rounding."""
+    scale = np.linalg.norm(stack, axis=0)
+    u, sigma, _ = np.linalg.svd(stack / np.where(scale > 0, scale, 1.0), full_matrices=False)
+    return np.ascontiguousarray(u[:, sigma > 1e-13 * sigma[0]])
+
+
+def refit_weights(
+    design: Design, force: Array, blocks: Sequence[Array], counts: Array, start: Array, nodes: Nodes
+) -> Refits:
+    """Least squares with each block of rows (indices) taken `counts` (B, blocks) times.
+
+    `start` (k,) are linear parameters of a fit nearby, from which changes are counted so that no digits are lost.
+    """
+    back = coordinates(design(float(nodes.at(np.zeros(1))[0]))[0])
+    sums = []
+    for columns, fixed in (design(float(q)) for q in nodes.at(nodes.points)):
+        target = force - fixed
+        grams = np.array([gram(columns[rows], target[rows], start) for rows in blocks])
+        sums.append(packed(grams, back))
+    weighted = np.ascontiguousarray((counts @ np.array(sums)).transpose(0, 2, 1))
+    return from_sums(weighted, back, start, nodes)
+
+
+def gram(columns: Array, target: Array, start: Array) -> Array:
+    """Gram matrix (k + 1, k + 1) of columns (n, k) and of what the start (k,) leaves of the target (n,)."""
+    k = len(start)
+    left = target - columns @ start
+    found = np.empty((k + 1, k + 1))
+    found[:k, :k] = columns.T @ columns
+    found[k, :k] = found[:k, k] = columns.T @ left
+    found[k, k] = left @ left
+    return found
+
+
+def packed(grams: Array, back: Array) -> Array:
+    """Gram matrices (m, k + 1, k + 1) in coordinates, a row each: upper triangle of the first k, last column."""
+    k = len(back)
+    turn = np.eye(k + 1)
+    turn[:k, :k] = back
+    turned = turn.T @ grams @ turn
+    rows, columns = np.triu_indices(k)
+    return np.hstack([turned[:, rows, columns], turned[:, :, k]])
+
+
+def from_sums(sums: Array, back: Array, start: Array, nodes: Nodes) -> Refits:
+    """Least squares from packed Gram matrices at the nodes, shape (count, entries, B)."""
+    x, inside = nodes.minimum(costs(sums, len(back)))
+    here = np.einsum("ib,ijb->jb", nodes.weights(x), sums)
+    change = _normal_equations(here, len(back))[0]
+    return Refits((start[:, None] + back @ change).T, nodes.at(x), inside)
+
+
+def costs(sums: Array, k: int) -> Array:
+    """Sums of squares (count, B) that the best linear parameters leave at the nodes, from packed Gram matrices."""
+    return np.array([one[-1] - _normal_equations(one, k)[1] for one in sums])
+
+
+def _normal_equations(rows: Array, k: int) -> tuple[Array, Array]:
+    """Solutions (k, B) of B small systems A x = b, and bᵀA⁻¹b (B,), from packed Gram matrices (entries, B).
+
+    Cholesky's scheme written over whole rows, because a call per system would cost more than the system.
+    """
+    factor: dict[tuple[int, int], Array] = {}
+    entry = {(i, j): rows[m] for m, (i, j) in enumerate(zip(*(x.tolist() for x in np.triu_indices(k)), strict=True))}
+    first = len(entry)
+    none, half = np.zeros(1), []
+    for j in range(k):
+        for i in range(j, k):
+            rest = entry[j, i] - sum((factor[i, m] * factor[j, m] for m in range(j)), none)
+            factor[i, j] = np.sqrt(np.maximum(rest, 1e-300)) if i == j else rest / factor[j, j]
+        rest = rows[first + j] - sum((factor[j, m] * half[m] for m in range(j)), none)
+        half.append(rest / factor[j, j])
+    x = np.empty((k, rows.shape[1]))
+    for j in reversed(range(k)):
+        rest = half[j] - sum((factor[i, j] * x[i] for i in range(j + 1, k)), none)
+        x[j] = rest / factor[j, j]
+    return x, np.sum(np.square(half), axis=0)

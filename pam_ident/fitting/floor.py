@@ -1,0 +1,136 @@
+"""What repeated cycles say: how large the noise is, and whether a fit leaves more than that."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from ..records import Record
+from .fit import Fit
+
+Array = np.ndarray
+SHAPES = 4
+"""Coefficients of each stroke in which a lack of fit is looked for."""
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """Noise from strokes that repeat each other: standard deviation `sigma` in N, and `memory`, the number of samples
+    that count as one because they are correlated. `strokes` in `groups` of one isobar, branch and speed."""
+
+    sigma: float
+    memory: float
+    strokes: int
+    groups: int
+
+
+@dataclass(frozen=True)
+class LackOfFit:
+    """F test of what a fit leaves in the mean of repeated strokes against how the strokes differ."""
+
+    statistic: float
+    freedom: tuple[float, float]
+    p_value: float
+
+    @property
+    def adequate(self) -> bool:
+        """Whether nothing more than noise is left, at a level of 1 %."""
+        return self.p_value > 0.01
+
+
+@dataclass(frozen=True)
+class _Repeats:
+    """Strokes by group: rows of each stroke and its contraction scaled to −1 … 1 over the group."""
+
+    record: Record
+    rows: Array
+
+    @cached_property
+    def groups(self) -> list[list[tuple[Array, Array]]]:
+        """Groups of two strokes or more of one isobar, branch and speed, of at least 3 · SHAPES samples each."""
+        inputs, record = self.record.inputs, self.record
+        if inputs.moving is None or inputs.stroke_speed is None:
+            return []
+        usable = np.flatnonzero(self.rows & inputs.moving)
+        usable = usable[np.argsort(record.stroke[usable], kind="stable")]
+        edges = np.flatnonzero(np.diff(record.stroke[usable])) + 1
+        strokes = [s for s in np.split(usable, edges) if len(s) >= 3 * SHAPES]
+        alike: dict[tuple[float, float, int], list[Array]] = {}
+        for s in strokes:
+            pace = round(4.0 * np.log(max(float(inputs.stroke_speed[s[0]]), 1e-9)))
+            alike.setdefault((float(record.level[s[0]]), float(inputs.direction[s[0]]), pace), []).append(s)
+        found = []
+        for group in alike.values():
+            reach = np.concatenate([inputs.contraction[s] for s in group])
+            low, span = reach.min(), np.ptp(reach)
+            if len(group) >= 2 and span > 0:
+                found.append([(s, 2.0 * (inputs.contraction[s] - low) / span - 1.0) for s in group])
+        return found
+
+
+def noise_floor(fit: Fit) -> NoiseFloor | None:
+    """Noise of the record behind a fit, from strokes of one isobar, branch and speed; None without repeats.
+
+    Each stroke is taken from the next of its group, at the sample of the nearest contraction, so that neither the
+    fit's own faults nor correlation along a stroke is counted. Noise slower than a cycle is missed.
+    """
+    groups = _Repeats(fit.record, fit.rows).groups
+    squares, samples, lags = 0.0, 0, np.zeros(41)
+    for group in groups:
+        for (one, x), (other, y) in pairwise(group):
+            order = np.argsort(y)
+            right = np.clip(np.searchsorted(y[order], x), 1, len(y) - 1)
+            near = order[np.where(x - y[order[right - 1]] < y[order[right]] - x, right - 1, right)]
+            apart = fit.residual[one] - fit.residual[other[near]]
+            squares, samples = squares + 0.5 * float(apart @ apart), samples + len(apart)
+            for k in range(min(len(lags), len(apart) // 2)):
+                lags[k] += float(apart[: len(apart) - k] @ apart[k:])
+    if not samples:
+        return None
+    memory = _memory(lags / max(lags[0], 1e-300))
+    return NoiseFloor(float(np.sqrt(squares / samples)), memory, sum(map(len, groups)), len(groups))
+
+
+def _memory(correlation: Array) -> float:
+    """1 + 2 Σ correlations, summed while they stay positive (Geyer 1992, Statistical Science 7, 473–483)."""
+    negative = np.flatnonzero(correlation < 0.02)
+    end = int(negative[0]) if len(negative) else len(correlation)
+    return float(1.0 + 2.0 * correlation[1:end].sum())
+
+
+def lack_of_fit(fit: Fit) -> LackOfFit | None:
+    """Whether the fit leaves more than noise in the mean of repeated strokes; None with too few repeats.
+
+    The residual of each stroke is summed up in four Legendre coefficients over contraction; their means over the
+    repeats are tested against their scatter, so that correlation within a stroke does no harm (trace of Lawley and
+    Hotelling, F by McKeon 1974, Biometrika 61, 381–383; the fitted parameters are taken off its freedom).
+    """
+    from scipy.special import fdtrc
+
+    groups = _Repeats(fit.record, fit.rows).groups
+    if not groups:
+        return None
+    error = sum(len(g) for g in groups) - len(groups)
+    p = min(SHAPES, error - 5)
+    if p < 1 or p * len(groups) <= len(fit.free):
+        return None
+    means, scatter = [], np.zeros((p, p))
+    for group in groups:
+        sums = np.array([_coefficients(x, fit.residual[s], p) for s, x in group])
+        means.append(sums.mean(axis=0) * np.sqrt(len(group)))
+        scatter += (sums - sums.mean(axis=0)).T @ (sums - sums.mean(axis=0))
+    hypothesis = np.array(means).T @ np.array(means)
+    trace = float(np.trace(np.linalg.lstsq(scatter, hypothesis, rcond=1e-12)[0]))
+    h, v = len(groups), error
+    b = (v + h - p - 1) * (v - 1) / ((v - p - 3) * (v - p))
+    second = 4.0 + (p * h + 2.0) / (b - 1.0)
+    first = float(p * h - len(fit.free))
+    statistic = trace * (v - p - 1) * second / (first * (second - 2.0))
+    return LackOfFit(statistic, (first, second), float(fdtrc(first, second, statistic)))
+
+
+def _coefficients(x: Array, residual: Array, p: int) -> Array:
+    """Legendre coefficients of a stroke's residual times the root of its samples, so that all scatter alike."""
+    return np.linalg.lstsq(legendre.legvander(x, p - 1), residual, rcond=None)[0] * np.sqrt(len(x))
