@@ -49,16 +49,17 @@ def flat_directions(names: Sequence[str], jacobian: Array) -> dict[str, Verdict]
     sizes = np.linalg.norm(jacobian, axis=0)
     found = {name: DEAD for name, size in zip(names, sizes, strict=True) if size < 1e-300}
     alive = np.flatnonzero(sizes >= 1e-300).tolist()
-    if not len(alive):
+    if not alive:
         return found
+    live = [str(names[k]) for k in alive]
     _, sigma, vt = np.linalg.svd(np.linalg.qr(jacobian[:, alive] / sizes[alive], mode="r"))
     null = vt[sigma < 1e-8 * sigma[0]]
     overlap = null.T @ null
     for i in np.flatnonzero(np.diag(overlap) > 1e-3).tolist():
         span = np.abs(overlap[i])
-        partners = tuple(names[alive[j]] for j in np.argsort(-span).tolist() if j != i and span[j] > 1e-3)
+        partners = tuple(live[j] for j in np.argsort(-span).tolist() if j != i and span[j] > 1e-3)
         text = f"flat: moves with {', '.join(partners)} without any change of force"
-        found[names[alive[i]]] = Verdict("flat", text, partners)
+        found[live[i]] = Verdict("flat", text, partners)
     return found
 
 

@@ -38,7 +38,9 @@ def test_json_of_a_fit_is_the_contracts(answer, clean):
     for one in branch["parameters"].values():
         contract = {"value", "stderr", "unit", "at_bound", "identified"}
         assert set(one) == contract | {"interval", "freedom", "verdict", "partners"}
-        assert one["interval"][0] < one["value"] < one["interval"][1] and one["verdict"] == "pinned"
+        assert one["verdict"] == ("at_bound" if one["at_bound"] else "pinned")
+        assert one["at_bound"] or one["interval"][0] < one["value"] < one["interval"][1]
+        assert (one["stderr"] is None) == one["at_bound"]
     assert branch["n"] == 1200 and 0.9 < branch["rmse_N"] < 1.1
 
 
