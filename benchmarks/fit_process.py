@@ -3,7 +3,7 @@
     python benchmarks/fit_process.py [--times 9]
 
 Both read the same CSV, fit the exponential law to all of it and print its parameters; they take turns. Exits with 1
-where pam-ident is the slower by its median. Needs lmfit (extra `test`).
+where pam-ident is the slower by its median.
 """
 
 import argparse

@@ -145,7 +145,7 @@ class Model:
             found = self.force(inputs, from_lmfit_names(values))
             return found if rows is None else found[rows]
 
-        names = [Parameter(name, Parameter.KEYWORD_ONLY) for name in ("inputs", *parameters)]
+        names = [Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in ("inputs", *parameters)]
         force.__signature__ = Signature(names)  # pyright: ignore[reportFunctionMemberAccess]
         return lmfit.Model(force, independent_vars=["inputs"], name=self.law.name), parameters
 

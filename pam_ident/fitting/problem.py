@@ -6,6 +6,7 @@ Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413–432 (variable projection).
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import islice, product
 
 import numpy as np
@@ -168,6 +169,7 @@ class Projection:
         """Sum of squares of the residual."""
         return float(self.residual @ self.residual)
 
+    @cached_property
     def jacobian(self) -> Array:
         """Derivative of the projected residual by the curved parameters, shape (m, len(curved)).
 

@@ -75,7 +75,7 @@ def _descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> t
     result = least_squares(
         lambda z: at(z).residual,
         begin,
-        lambda z: at(z).jacobian() * unit,  # pyright: ignore[reportArgumentType]
+        lambda z: at(z).jacobian * unit,  # pyright: ignore[reportArgumentType]
         bounds=((lower - origin) / unit + begin, (upper - origin) / unit + begin),
         ftol=ftol,
         xtol=xtol,

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from ..fitting.fit import Estimate
     from .add_effects import Addition
     from .fit_record import Checks, FitAnswer
+    from .selftest import SelfTest
 
 Json = dict[str, Any]
 
@@ -223,4 +224,23 @@ def ladder_json(record: str, ladder: "Ladder") -> Json:
         ],
         "noise_floor_N": ladder.noise_floor,
         "verdict": ladder.verdict,
+    }
+
+
+def selftest_json(found: "SelfTest") -> Json:
+    """Schema pam-ident/selftest/1."""
+    recovery = found.recovery
+    return {
+        "schema": "pam-ident/selftest/1",
+        "problems": [
+            {"name": s.name, "start": s.start, "digits": s.digits, "digits_stderr": s.digits_stderr}
+            for s in found.problems
+        ],
+        "recovery": {
+            "furthest_stderr": recovery.furthest,
+            "verdict": recovery.clean_verdict,
+            "hidden": recovery.hidden,
+            "named": list(recovery.named),
+        },
+        "passed": found.passed,
     }

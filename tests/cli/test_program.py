@@ -60,7 +60,19 @@ def test_every_door_is_the_same_program(process, root):
     texts = {process(*door, "--help").stdout for door in ((root / "cli.py",), ("-m", "pam_ident"))}
     assert len(texts) == 1
     text = texts.pop()
-    for verb in ("demo", "inspect", "fit", "compare", "diagnose", "add", "ladder", "report", "rig", "effects"):
+    for verb in (
+        "demo",
+        "inspect",
+        "fit",
+        "compare",
+        "diagnose",
+        "add",
+        "ladder",
+        "report",
+        "rig",
+        "selftest",
+        "effects",
+    ):
         assert f"\n  {verb} " in text
     assert process(root / "cli.py", "--version").stdout == process("-m", "pam_ident", "--version").stdout
 

@@ -88,7 +88,7 @@ def test_the_projected_jacobian_has_the_exact_gradient():
     q, h = np.array([0.9]), 1e-6
     trial = problem.at(q)
     up, down = (problem.at(q + s).cost for s in (h, -h))
-    assert 2.0 * (trial.jacobian().T @ trial.residual)[0] == pytest.approx((up - down) / (2 * h), rel=1e-6)
+    assert 2.0 * (trial.jacobian.T @ trial.residual)[0] == pytest.approx((up - down) / (2 * h), rel=1e-6)
     values, residual = problem.project(q)
     np.testing.assert_array_equal(problem.residual(values), residual)
 

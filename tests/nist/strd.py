@@ -1,28 +1,26 @@
 """The 27 problems of nonlinear regression of NIST's Statistical Reference Datasets, as separable least squares.
 
 Data, starts and certified values are read from NIST's own .dat files (https://www.itl.nist.gov/div898/strd/nls/);
-the models are written out here. A parameter's `scale` is the magnitude of its start, its bounds are open.
+the models are written out here.
 """
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from pam_ident.core import Param
-from pam_ident.fitting.problem import Problem
+from pam_ident.workflow.certified import Certified, Columns
 
 Array = np.ndarray
 
 
-@dataclass(frozen=True)
-class Model:
-    """y = columns(x, b) · linear: names of the linear parameters, and columns at the curved ones in b (b[1] is b1)."""
+class Model(NamedTuple):
+    """y = columns(x, b) · linear: numbers of the linear parameters, and columns at the curved ones in b."""
 
     linear: tuple[int, ...]
-    columns: Callable[[Array, Mapping[int, float]], list[Array]]
+    columns: Columns
 
 
 def _exponentials(x: Array, *rates: float) -> list[Array]:
@@ -79,58 +77,24 @@ MODELS = {
 """A column beyond the linear parameters is the fixed part."""
 
 
-@dataclass(frozen=True)
-class Certified:
-    """One problem: data, two starts, certified values and their standard deviations by name, residual variance."""
-
-    name: str
-    x: Array
-    y: Array
-    starts: tuple[dict[str, float], dict[str, float]]
-    values: dict[str, float]
-    stderr: dict[str, float]
-    sigma: float
-
-    def problem(self, start: int) -> Problem:
-        """The separable problem from start 1 or 2, with no other start named."""
-        model, begin = MODELS[self.name], self.starts[start - 1]
-        params = {k: Param(f"b{k}", "1", "", scale=abs(begin[f"b{k}"])) for k in range(1, len(begin) + 1)}
-        linear = tuple(params[k] for k in model.linear)
-        curved = tuple(p for k, p in params.items() if k not in model.linear)
-
-        def design(values: Mapping[str, float]) -> tuple[Array, Array]:
-            with np.errstate(all="ignore"):
-                columns = model.columns(self.x, {int(name[1:]): value for name, value in values.items()})
-            fixed = columns[len(linear)] if len(columns) > len(linear) else np.zeros(len(self.y))
-            return np.reshape(columns[: len(linear)], (len(linear), len(self.y))).T, fixed
-
-        return Problem(linear, curved, design, self.y, begin)
-
-
 def read_certified(path: Path) -> Certified:
     """One of NIST's .dat files; of Nelson the logarithm of y, as certified."""
-    text = path.read_text(encoding="ascii")
-    found = re.findall(r"^ +b(\d+) += +(\S+) +(\S+) +(\S+) +(\S+) *$", text, re.M)
-    starts = tuple({f"b{row[0]}": float(row[k]) for row in found} for k in (1, 2))
-    rows = text.splitlines()
-    first, last = (int(n) for n in re.findall(r"Data +\(lines +(\d+) to +(\d+)\)", text)[0])
-    data = np.array([[float(word) for word in line.split()] for line in rows[first - 1 : last]])
-    sigma = re.search(r"Residual Standard Deviation: +(\S+)", text)
-    assert sigma and len(starts) == 2, path
-    name = path.stem
+    text, name = path.read_text(encoding="ascii"), path.stem
+    found = np.array(re.findall(r"^ +b\d+ += +(\S+) +(\S+) +(\S+) +(\S+) *$", text, re.M), float)
+    first, last = map(int, re.findall(r"Data +\(lines +(\d+) to +(\d+)\)", text)[0])
+    data = np.array([line.split() for line in text.splitlines()[first - 1 : last]], float)
+    formula = " ".join(re.findall(r"y\]? += +.*\n(?: +\S.*\n)*", text)[-1].split()).replace("y]", "log[y]")
+    sigma = float(re.findall(r"Residual Standard Deviation: +(\S+)", text)[0])
+    one, two, values, stderr = (tuple(map(float, column)) for column in found.T)
     return Certified(
         name,
+        path.name,
+        formula,
+        *MODELS[name],
         data[:, 1] if data.shape[1] == 2 else data[:, 1:],
         np.log(data[:, 0]) if name == "Nelson" else data[:, 0],
-        starts,
-        {f"b{row[0]}": float(row[3]) for row in found},
-        {f"b{row[0]}": float(row[4]) for row in found},
-        float(sigma[1]),
+        (one, two),
+        values,
+        stderr,
+        sigma,
     )
-
-
-def digits(found: Mapping[str, float], certified: Mapping[str, float]) -> float:
-    """−log10 of the largest relative error over the parameters, 0 where it is no number, 11 at most (as certified)."""
-    errors = [abs(found[name] - value) / abs(value) for name, value in certified.items()]
-    worst = max(errors)
-    return float(np.clip(-np.log10(max(worst, 1e-11)), 0.0, 11.0)) if np.isfinite(worst) else 0.0
