@@ -17,11 +17,11 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "nist")]
 
-import lmfit  # noqa: E402
-from scipy.optimize import least_squares  # noqa: E402
-from strd import MODELS, read_certified  # noqa: E402
+import lmfit
+from scipy.optimize import least_squares
+from strd import MODELS, read_certified
 
-from pam_ident.fitting import LevenbergMarquardt, Problem, VariableProjection  # noqa: E402
+from pam_ident.fitting import LevenbergMarquardt, Problem, VariableProjection
 
 MARKS = ("<!-- nist-digits -->", "<!-- /nist-digits -->")
 

@@ -6,7 +6,7 @@ from .fit import Fit, fit, fit_branches
 from .floor import lack_of_fit, noise_floor
 from .isobars import IsobarTable, fit_isobars, loop_energies
 from .lmfit_bridge import from_lmfit, lmfit_result
-from .problem import Problem, Solution, white_covariance
+from .problem import Problem, Solution
 from .profile import profile
 from .solvers import LevenbergMarquardt, Lmfit, Solver, VariableProjection
 from .weigh import Weighing
@@ -32,5 +32,4 @@ __all__ = [
     "loop_energies",
     "noise_floor",
     "profile",
-    "white_covariance",
 ]

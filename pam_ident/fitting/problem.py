@@ -3,7 +3,6 @@
 Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413–432 (variable projection).
 """
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -221,21 +220,3 @@ def _norms(columns: Array) -> Array:
     scale = np.linalg.norm(columns, axis=0)
     scale[scale == 0.0] = 1.0
     return scale
-
-
-def white_covariance(jacobian: Array, residual: Array) -> Array:
-    """Covariance of parameters under white noise, shape (k, k): residual variance times (JᵀJ)⁻¹, J of shape (m, k).
-
-    Rows and columns of parameters that the residual (m,) leaves flat are NaN.
-    """
-    m, k = jacobian.shape
-    scale = np.linalg.norm(jacobian, axis=0)
-    dead = scale < 1e-300
-    scale[dead] = 1.0
-    _, sigma, vt = np.linalg.svd(np.linalg.qr(jacobian / scale, mode="r"))
-    flat = sigma < 1e-8 * max(float(sigma[0]), 1e-300)
-    loose = dead | (np.sum(vt[flat] ** 2, axis=0) >= 1e-3)
-    root = vt.T * np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, sigma)) / scale[:, None]
-    covariance = root @ root.T * (float(residual @ residual) / max(m - k, 1))
-    covariance[loose], covariance[:, loose] = math.nan, math.nan
-    return covariance

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from ..diagnosis import diagnose
-from ..fitting import VariableProjection, fit, white_covariance
+from ..fitting import VariableProjection, covariance, fit
 from ..model import Model
 from ..records import Record, read_record
 from ..rig import Plan, demo_plans, make_record, write_case
@@ -75,7 +75,7 @@ def selftest() -> SelfTest:
 def _score(one: Certified, start: int) -> Score:
     problem = one.problem(start)
     values = VariableProjection().solve(problem).values
-    variance = np.diag(white_covariance(problem.jacobian(values), problem.residual(values)))
+    variance = np.diag(covariance(problem.jacobian(values), problem.residual(values)).matrix)
     errors = dict(zip([p.name for p in problem.params], np.sqrt(variance), strict=True))
     return Score(one.name, start, one.digits(values), one.digits_stderr(errors))
 

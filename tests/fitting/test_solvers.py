@@ -13,10 +13,10 @@ from pam_ident.fitting import (
     Lmfit,
     Problem,
     VariableProjection,
+    covariance,
     fit,
     from_lmfit,
     lmfit_result,
-    white_covariance,
 )
 from pam_ident.fitting.solve import solve
 from pam_ident.model import Model
@@ -57,12 +57,12 @@ def test_every_solver_finds_what_curve_fit_finds(solver):
     def slope(x, a, c, k):
         return np.column_stack([np.exp(-k * x), np.ones_like(x), -a * x * np.exp(-k * x)])
 
-    expected, covariance = curve_fit(curve, X, problem.target, [1, 0, 1], jac=slope, ftol=1e-15, xtol=1e-15)
+    expected, theirs = curve_fit(curve, X, problem.target, [1, 0, 1], jac=slope, ftol=1e-15, xtol=1e-15)
     found = solver.solve(problem)
     assert found.converged
     np.testing.assert_allclose([found.values[n] for n in ("a", "c", "k")], expected, rtol=1e-6)
-    ours = white_covariance(problem.jacobian(found.values), problem.residual(found.values))
-    np.testing.assert_allclose(ours, covariance, rtol=1e-5)
+    ours = covariance(problem.jacobian(found.values), problem.residual(found.values)).matrix
+    np.testing.assert_allclose(ours, theirs, rtol=1e-5)
 
 
 @pytest.mark.parametrize("solver", SOLVERS, ids=repr)
@@ -158,18 +158,6 @@ def test_levenberg_marquardt_says_that_its_steps_ran_out():
 def test_a_misspelt_method_of_lmfit_is_refused():
     with pytest.raises(UsageError, match=r"lmfit has no method 'leastsqs'; it has .*leastsq"):
         Lmfit("leastsqs")
-
-
-@pytest.mark.parametrize("k", [0, 1])
-def test_covariance_marks_what_the_data_leave_flat(k):
-    matrix = np.column_stack([X, X**2, X**2])
-    if k:
-        matrix[:, 2] = 0.0
-    covariance = white_covariance(matrix, np.ones_like(X))
-    flat = [False, not k, True]
-    assert np.isnan(np.diag(covariance)).tolist() == flat
-    both = np.linalg.inv(matrix[:, :2].T @ matrix[:, :2]) * len(X) / (len(X) - 3)
-    assert covariance[0, 0] == pytest.approx(both[0, 0], rel=1e-8)
 
 
 @pytest.mark.parametrize("solver", [LevenbergMarquardt(), Lmfit()], ids=repr)

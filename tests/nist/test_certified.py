@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from strd import MODELS, read_certified
 
-from pam_ident.fitting import LevenbergMarquardt, VariableProjection, white_covariance
+from pam_ident.fitting import LevenbergMarquardt, VariableProjection, covariance
 from pam_ident.workflow.certified import PROBLEMS
 
 ROUNDING = "Lanczos1"
@@ -41,7 +41,7 @@ def test_six_digits_of_the_parameters_and_of_their_errors(nist, name, start):
     assert found.converged
     assert one.digits(found.values) >= 6.0
     residual = problem.residual(found.values)
-    variance = np.diag(white_covariance(problem.jacobian(found.values), residual))
+    variance = np.diag(covariance(problem.jacobian(found.values), residual).matrix)
     if name == ROUNDING:  # so only the shape of the covariance can be held against NIST's, at its residual variance
         assert np.linalg.norm(residual) < 1e-12
         variance = variance * one.sigma**2 * (len(one.y) - len(one.values)) / float(residual @ residual)
