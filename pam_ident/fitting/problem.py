@@ -95,16 +95,17 @@ class Problem:
         for k, p in enumerate(self.curved):
             at = values[p.name]
             step = STEP * max(abs(at), 0.01 * p.scale if p.scale != 1.0 else 1e-3)
-            if p.lower <= at - step and at + step <= p.upper:
-                points, weights = (at - step, at + step), (-0.5, 0.5)
-            else:  # at a bound, from its inner side, as exact
-                step = step if at + step <= p.upper else -step
-                points, weights = (at, at + step, at + 2.0 * step), (-1.5, 2.0, -0.5)
-            found[:, k] = 0.0
-            for point, weight in zip(points, weights, strict=True):
-                columns, fixed = self.design({**values, p.name: point})
-                with np.errstate(over="ignore", invalid="ignore"):
-                    found[:, k] += weight / step * (fixed + columns @ sizes)
+            low, high = at - step, at + step
+            if p.lower <= low and high <= p.upper:
+                points, weights, span = (low, high), (-1.0, 1.0), high - low
+            else:  # at a bound: from its inner side, as exact
+                span = 2.0 * (step if high <= p.upper else -step)
+                points, weights = (at, at + 0.5 * span, at + span), (-3.0, 4.0, -1.0)
+            taken = [self.design({**values, p.name: point}) for point in points]
+            with np.errstate(over="ignore", invalid="ignore"):
+                columns = sum(w * c for w, (c, _) in zip(weights, taken, strict=True))
+                fixed = sum(w * f for w, (_, f) in zip(weights, taken, strict=True))
+                found[:, k] = (fixed + columns @ sizes) / span
         return found
 
     def holding(self, **values: float) -> "Problem":
