@@ -56,6 +56,8 @@ def _descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> t
 
     It ends when the sum of squares changes by less than `ftol` or the parameters by less than `xtol`, both relative.
     """
+    if len(start.q) == 1:
+        return _descend_line(start, ftol, xtol, evaluations)
     from scipy.optimize import least_squares
 
     problem, last = start.problem, start
@@ -83,6 +85,37 @@ def _descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> t
         max_nfev=evaluations,
     )
     return at(result.x), int(result.status), str(result.message)
+
+
+def _descend_line(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
+    """As `_descend` for one curved parameter: Newton's steps on the exact gradient, bend by secants, in a trust region.
+
+    Most laws have just one, and scipy's optimizers take longer to load than such a fit to do.
+    """
+    p, here = start.problem.curved[0], start
+    slopes = here.jacobian[:, 0]
+    gradient, bend = float(slopes @ here.residual), float(slopes @ slopes)
+    radius = FIRST_STEP * p.typical(float(start.q[0]))
+    for _ in range(evaluations):
+        q = float(here.q[0])
+        wish = -gradient / bend if bend > 0.0 else 0.0
+        step = p.clip(q + min(max(wish, -radius), radius)) - q
+        if abs(step) <= xtol * p.typical(q):
+            return here, 1, "the step is small"
+        trial = start.problem.at(np.array([q + step]))
+        fall = here.cost - trial.cost
+        if not fall > 0.0:
+            radius = 0.25 * abs(step)
+            continue
+        slopes = trial.jacobian[:, 0]
+        slope, bend = float(slopes @ trial.residual), float(slopes @ slopes)
+        secant = (slope - gradient) / step
+        bend = secant if 0.1 * bend < secant < 10.0 * bend else bend
+        radius = max(radius, 2.0 * abs(step))
+        here, gradient = trial, slope
+        if fall <= ftol * here.cost:
+            return here, 1, "the sum of squares falls no more"
+    return here, 0, "the maximum number of evaluations was reached"
 
 
 QUICK = VariableProjection(keep=1, polish=False)
