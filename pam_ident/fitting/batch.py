@@ -72,14 +72,6 @@ class Nodes:
         faded = np.abs(poly[-1]) < 10.0 ** (-0.5 * self.count - 1.0) * np.max(np.abs(poly), axis=0)
         return x, inside & faded
 
-    def doubt(self, cost: Array) -> Array:
-        """How far the minima (B,) may be off for want of nodes, if the series goes on to fall as it has fallen."""
-        if self.low == self.high:
-            return np.zeros(cost.shape[1])
-        poly = np.abs(self.series(cost))
-        fall = (poly[-1] / np.maximum(poly[2], 1e-300)) ** (1.0 / max(self.count - 3, 1))
-        return 0.5 * (self.high - self.low) * 0.25 * self.count**2 * fall ** (self.count - 2)
-
 
 def coordinates(columns: Array) -> Array:
     """Matrix (k, k) that makes columns (n, k) orthonormal: linear parameters = matrix · coordinates."""

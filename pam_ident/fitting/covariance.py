@@ -1,10 +1,14 @@
 """What the parameters' errors are when residuals are correlated along a stroke, or when they are not."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..records import Record
+
 Array = np.ndarray
+FLAT = 1e-8
+"""Singular value, relative to the largest, below which a direction of scaled parameters is flat."""
 FEWEST_CLUSTERS = 6
 """Below this many strokes there is nothing to learn correlation from."""
 
@@ -57,36 +61,85 @@ class Covariance:
         return stderr, np.maximum(np.divide(trace**2, square, out=np.ones(len(c)), where=square > 0), 1.0)
 
 
+def clusters(record: Record, rows: Array | slice) -> Array | None:
+    """Numbers the runs of `rows` along which residuals may be correlated, shape (rows,); None in a static table.
+
+    On one branch a run is a stroke of a cycle. On both it goes from the middle of a stroke to the middle of the
+    next one, because what a law gets wrong, and much of what it must learn, sits at the reversals.
+    """
+    if record.inputs.time is None:
+        return None
+    direction = record.inputs.direction[rows]
+    both = bool(np.any(direction > 0) and np.any(direction < 0))
+    return (record.turn if both else record.stroke)[rows]
+
+
+@dataclass(frozen=True)
+class Sums:
+    """What n rows of a Jacobian J (n, k) and a residual say of the parameters, cluster by cluster.
+
+    `triangle` (k, k) with triangleᵀ · triangle = JᵀJ, `squares` of the residual; of each cluster the Gram matrix of its
+    rows, `grams` (clusters, k, k), and their product with the residual, `scores` (clusters, k), both empty where the
+    noise is taken as white.
+    """
+
+    n: int
+    triangle: Array
+    squares: float
+    grams: Array
+    scores: Array
+
+    def take(self, columns: list[int]) -> "Sums":
+        """Of some of the parameters only."""
+        grams = self.grams[:, columns][:, :, columns]
+        return Sums(self.n, self.triangle[:, columns], self.squares, grams, self.scores[:, columns])
+
+
+def sums(jacobian: Array, residual: Array, cluster: Array | None = None) -> Sums:
+    """Sums of a Jacobian (n, k) and residual (n,), both as they were minimised, by `cluster` (n,) if given."""
+    n, k = jacobian.shape
+    sizes = _sizes(jacobian)
+    triangle: Array = np.linalg.qr(jacobian / sizes, mode="r") * sizes  # pyright: ignore
+    empty = Sums(n, triangle, float(residual @ residual), np.empty((0, k, k)), np.empty((0, k)))
+    if cluster is None or not n:
+        return empty
+    groups = np.unique(cluster, return_inverse=True)[1]
+    order = np.argsort(groups, kind="stable")
+    edges = np.searchsorted(groups[order], np.arange(groups.max() + 1))
+    parts = np.split(jacobian[order], edges[1:])
+    scores = np.add.reduceat((jacobian * residual[:, None])[order], edges, axis=0)
+    return replace(empty, grams=np.array([part.T @ part for part in parts]), scores=scores)
+
+
 def covariance(jacobian: Array, residual: Array, cluster: Array | None = None) -> Covariance:
     """Covariance of least-squares estimates from Jacobian (n, k) and residual (n,), both as they were minimised.
 
     `cluster` (n,) numbers runs of rows within which residuals may be correlated in any way; with at least six of
     them the bias-reduced cluster-robust estimator CR2 is used (Bell & McCaffrey 2002), else noise is white.
     """
-    n, k = jacobian.shape
-    sizes = np.linalg.norm(jacobian, axis=0)
-    dead = sizes < 1e-300
-    scaled = np.where(dead, 1.0, sizes)
-    triangle = np.linalg.qr(jacobian / scaled, mode="r") if n else np.zeros((0, k))
-    _, sigma, vt = np.linalg.svd(triangle, full_matrices=True)
-    sigma = np.r_[sigma, np.zeros(k - len(sigma))]
-    kept = sigma > 1e-8 * max(float(sigma[0]) if k else 0.0, 1e-300)
-    basis = (vt[kept].T / sigma[kept]) / scaled[:, None]
+    return covariance_of(sums(jacobian, residual, cluster))
+
+
+def covariance_of(one: Sums) -> Covariance:
+    """Covariance of least-squares estimates from sums, as `covariance`."""
+    sizes = _sizes(one.triangle)
+    _, sigma, vt = np.linalg.svd(one.triangle / sizes, full_matrices=False)
+    kept = sigma > FLAT * np.max(sigma, initial=1e-300)
+    basis = (vt[kept].T / sigma[kept]) / sizes[:, None]
     r = basis.shape[1]
-    free = max(n - r, 1)
-    groups = np.unique(cluster, return_inverse=True)[1] if cluster is not None else np.zeros(n, int)
-    count = int(groups.max()) + 1 if n else 0
-    empty = np.empty((0, r, r))
-    if count < FEWEST_CLUSTERS or r == 0:
-        variance = float(residual @ residual) / free
-        return Covariance(basis, variance * np.eye(r), empty, empty, free, sizes)
-    directions = jacobian @ basis
-    order = np.argsort(groups, kind="stable")
-    edges = np.searchsorted(groups[order], np.arange(count))
-    scores = np.add.reduceat((directions * residual[:, None])[order], edges, axis=0)
-    shares = np.array([part.T @ part for part in np.split(directions[order], edges[1:])])
+    free = max(one.n - r, 1)
+    if len(one.grams) < FEWEST_CLUSTERS or r == 0:
+        empty = np.empty((0, r, r))
+        return Covariance(basis, one.squares / free * np.eye(r), empty, empty, free, sizes)
+    shares = basis.T @ one.grams @ basis
     weight, axes = np.linalg.eigh(shares)
     stretch = np.where(weight < 1.0 - 1e-9, 1.0 / np.sqrt(np.maximum(1.0 - weight, 1e-12)), 0.0)
     spreads = np.einsum("gri,gi,gsi->grs", axes, stretch, axes)
-    pulled = np.einsum("grs,gs->gr", spreads, scores)
+    pulled = np.einsum("grs,gs->gr", spreads, one.scores @ basis)
     return Covariance(basis, pulled.T @ pulled, shares, spreads, free, sizes)
+
+
+def _sizes(columns: Array) -> Array:
+    """Norms of columns, 1 where there is nothing."""
+    found = np.linalg.norm(columns, axis=0)
+    return np.where(found < 1e-300, 1.0, found)

@@ -10,9 +10,9 @@ import numpy as np
 from ..core import DataError, FitError, Inputs, Param, UsageError
 from ..model import Model
 from ..records import Record
-from .covariance import Covariance, covariance
+from .covariance import Covariance, Sums, clusters, covariance_of, sums
 from .identifiability import AT_BOUND, HELD, PINNED, StandIn, Verdict, flat_directions, stand_ins, verdicts
-from .large import solve_large
+from .large import is_large, solve_large
 from .solve import curved_within_bounds, jacobian, solve
 from .solvers import Solver
 from .weigh import PLAIN, Weighing
@@ -158,21 +158,22 @@ def fit(
     held = dict(held or {})
     _check(model, record, rows, held)
     values, weights, converged, message = dict(start or {}), weighing.first(record), False, ""
-    for _ in range(weighing.rounds):
+    found = None
+    if is_large(model, record, rows) and weighing == PLAIN and not held and solver is None:
+        found = solve_large(model, record, values, detail and not white)
+    for _ in range(weighing.rounds if found is None else 0):
         pick = picker(rows, weights)
-        solution = None
-        if weights is None and rows.all() and not held and solver is None:
-            solution = solve_large(model, record.inputs, record.force, values)
-        if solution is None:
-            solution = solve(model, record.inputs, record.force, pick, values, held=held, solver=solver)
+        solution = solve(model, record.inputs, record.force, pick, values, held=held, solver=solver)
         values, converged, message = solution.values, solution.converged, solution.message
         renewed = weighing.next(model, record, rows, values)
         settled = renewed is None or (weights is not None and np.allclose(renewed, weights, rtol=1e-6))
         weights = renewed
         if settled:
             break
+    if found is not None:
+        return _with_estimates(Fit(model, record, rows, (), True, "by ever more samples"), *found)
     one = Fit(model, record, rows, (), converged, message, weights, held, weighing)
-    return _with_estimates(one, values, detail, white)
+    return _with_estimates(one, values, _sums(one, values, white) if detail else None)
 
 
 def picker(rows: Array, weights: Array | None) -> Callable[[Array], Array]:
@@ -197,7 +198,7 @@ def _check(model: Model, record: Record, rows: Array, held: Mapping[str, float])
             raise UsageError(f"no parameter {name!r} to hold in {model.law.name}; it has {', '.join(known)}")
         if not known[name].lower <= value <= known[name].upper:
             raise UsageError(f"{name} = {value:g} is outside its bounds {known[name].lower:g} to {known[name].upper:g}")
-    levels = len(np.unique(record.level[rows]))
+    levels = len(record.levels if rows.all() else np.unique(record.level[rows]))
     if levels < model.law.min_levels:
         raise FitError(
             f"{where}: {levels} pressure level ({record.level[rows][0]:g} MPa), but {model.law.name} needs at least "
@@ -217,23 +218,28 @@ def _check(model: Model, record: Record, rows: Array, held: Mapping[str, float])
             )
 
 
-def _with_estimates(one: Fit, values: Mapping[str, float], detail: bool, white: bool) -> Fit:
+def _sums(one: Fit, values: Mapping[str, float], white: bool) -> Sums:
+    """Sums of the weighed Jacobian and residual over the fitted rows."""
+    model, record, pick = one.model, one.record, picker(one.rows, one.weights)
+    residual = pick(record.force - model.force(record.inputs, values))
+    matrix = pick(jacobian(model, record.inputs, values, record.force))
+    found = sums(matrix, residual, None if white else clusters(record, one.rows))
+    factor = one.weighing.inflation(residual)
+    return replace(found, squares=found.squares * factor, scores=found.scores * math.sqrt(factor))
+
+
+def _with_estimates(one: Fit, values: Mapping[str, float], known: Sums | None) -> Fit:
     """The fit with an estimate of each parameter, in the model's order; what stands at a bound is taken as given."""
-    model, record = one.model, one.record
-    params = [*model.linear, *curved_within_bounds(model, record.inputs)]
+    params = [*one.model.linear, *curved_within_bounds(one.model, one.record.inputs)]
     stuck = {p.name for p in params if p.name not in one.held and at_bound(p, values[p.name])}
     given = {p.name: HELD if p.name in one.held else AT_BOUND for p in params if p.name in one.held or p.name in stuck}
     found: dict[str, Estimate] = {}
     cov = None
-    if detail and params:
-        pick = picker(one.rows, one.weights)
-        matrix = pick(jacobian(model, record.inputs, values, record.force))
-        residual = pick(record.force - model.force(record.inputs, values))
+    if known is not None and params:
         fitted = [k for k, p in enumerate(params) if p.name not in one.held]
-        flat = flat_directions([params[k].name for k in fitted], matrix[:, fitted])
+        flat = flat_directions([params[k].name for k in fitted], known.triangle[:, fitted])
         free = [k for k, p in enumerate(params) if p.name not in given]
-        cov = covariance(matrix[:, free], residual, None if white else clusters(record, one.rows))
-        cov = replace(cov, middle=cov.middle * one.weighing.inflation(residual))
+        cov = covariance_of(known.take(free))
         found = {e.name: e for e in _determined([params[k] for k in free], values, cov, flat)}
         given |= {name: verdict for name, verdict in flat.items() if name in stuck}
     estimates = []
@@ -258,18 +264,6 @@ def _determined(
         value, known = values[p.name], verdict.determined
         s, d, h = (float(x) if known else math.nan for x in (s, d, h))
         yield Estimate(p.name, p.unit, p.doc, value, s, False, known, value - h, value + h, d, verdict)
-
-
-def clusters(record: Record, rows: Array) -> Array | None:
-    """Numbers the runs of `rows` along which residuals may be correlated, shape (rows,); None in a static table.
-
-    On one branch a run is a stroke of a cycle. On both it goes from the middle of a stroke to the middle of the
-    next one, because what a law gets wrong, and much of what it must learn, sits at the reversals.
-    """
-    if record.inputs.time is None:
-        return None
-    both = len(np.unique(np.sign(record.inputs.direction[rows]))) > 1
-    return (record.turn if both else record.stroke)[rows]
 
 
 def at_bound(p: Param, value: float) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core import Inputs, Param
 from ..model import Model, Values
-from .covariance import Covariance
+from .covariance import FLAT, Covariance
 
 Array = np.ndarray
 Kind = Literal["pinned", "held", "at_bound", "dead", "flat", "traded", "loose"]
@@ -41,19 +41,19 @@ HELD = Verdict("held", "held where it was set")
 AT_BOUND = Verdict("at_bound", "at its bound: the data pull it further")
 
 
-def flat_directions(names: Sequence[str], jacobian: Array) -> dict[str, Verdict]:
+def flat_directions(names: Sequence[str], triangle: Array) -> dict[str, Verdict]:
     """Verdicts of the parameters on which the force does not depend, alone (dead) or in company (flat).
 
-    `jacobian` (n, k) has a column for each of `names`.
+    `triangle` (m, k), with triangleᵀ · triangle = JᵀJ, has a column for each of `names`.
     """
-    sizes = np.linalg.norm(jacobian, axis=0)
+    sizes = np.linalg.norm(triangle, axis=0)
     found = {name: DEAD for name, size in zip(names, sizes, strict=True) if size < 1e-300}
     alive = np.flatnonzero(sizes >= 1e-300).tolist()
     if not alive:
         return found
     live = [str(names[k]) for k in alive]
-    _, sigma, vt = np.linalg.svd(np.linalg.qr(jacobian[:, alive] / sizes[alive], mode="r"))
-    null = vt[sigma < 1e-8 * sigma[0]]
+    _, sigma, vt = np.linalg.svd(triangle[:, alive] / sizes[alive])
+    null = vt[np.r_[sigma, np.zeros(len(alive) - len(sigma))] < FLAT * sigma[0]]
     overlap = null.T @ null
     for i in np.flatnonzero(np.diag(overlap) > 1e-3).tolist():
         span = np.abs(overlap[i])

@@ -44,7 +44,7 @@ class Record:
         """Geometry of the muscle."""
         return self.inputs.specimen
 
-    @property
+    @cached_property
     def levels(self) -> Array:
         """The isobars' nominal pressures in MPa, ascending."""
         return np.unique(self.level)
