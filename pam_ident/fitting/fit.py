@@ -118,15 +118,22 @@ class Fit:
 
         To first order in the parameters; noise of a new reading is not in it. NaN where no errors were asked for.
         """
+        force = self.model.force(inputs, self.values)
+        half = self._half_width(jacobian(self.model, inputs, self.values, force))
+        return force, force - half, force + half
+
+    def half_width(self, samples: Array) -> Array:
+        """Half the width in N of the fitted curve's 95 % interval at some samples (indices, (m,)) of the record."""
+        return self._half_width(jacobian(self.model, self.record.inputs, self.values, self.record.force)[samples])
+
+    def _half_width(self, slopes: Array) -> Array:
         from scipy.special import stdtrit
 
-        force = self.model.force(inputs, self.values)
         if self.covariance is None:
-            return force, np.full(len(force), math.nan), np.full(len(force), math.nan)
+            return np.full(len(slopes), math.nan)
         index = [k for k, e in enumerate(self.estimates) if e.name in self.free]
-        stderr, dof = self.covariance.error(jacobian(self.model, inputs, self.values, force)[:, index])
-        half = stdtrit(dof, 0.5 + 0.5 * LEVEL) * stderr
-        return force, force - half, force + half
+        stderr, dof = self.covariance.error(slopes[:, index])
+        return stdtrit(dof, 0.5 + 0.5 * LEVEL) * stderr
 
     @property
     def valid(self) -> bool:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..fitting import Fit
-from .curves import by_isobar, label_isobars, model_curve, stride
+from .curves import CELLS, by_isobar, label_isobars, model_curve, stride
 from .style import (
     BRANCH_COLOUR,
     BRANCH_DASH,
@@ -18,6 +18,7 @@ from .style import (
     INK,
     canvas,
     styled,
+    thin,
     zero_line,
 )
 
@@ -28,7 +29,8 @@ Array = np.ndarray
 class Curve:
     """One isobar and branch. Points (n,): contraction ratio, measured force and error before and after in N.
 
-    `line` and `line_force` (m,) are the model's curve; `after` is None without a second fit.
+    `line` and `line_force` (m,) are the last model's curve, `half` (m,) half the width of its 95 % interval, NaN where
+    there is none; `after` is None without a second fit.
     """
 
     pressure_MPa: float
@@ -39,6 +41,7 @@ class Curve:
     after: Array | None
     line: Array
     line_force: Array
+    half: Array
 
 
 def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Curve, ...]:
@@ -50,8 +53,10 @@ def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Curve, 
     record, last = fit.record, after or fit
     groups = list(by_isobar(record, fit.rows))
     step = stride([len(rows) for _, _, rows in groups], limit)
+    few = [rows[thin(len(rows), CELLS)] for _, _, rows in groups]
+    halves = np.split(last.half_width(np.concatenate(few)), np.cumsum([len(f) for f in few])[:-1])
     curves = []
-    for level, sign, rows in groups:
+    for (level, sign, rows), taken, half in zip(groups, few, halves, strict=True):
         shown = rows[::step]
         line, line_force = model_curve(last, rows, sign)
         curves.append(
@@ -64,6 +69,7 @@ def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Curve, 
                 after.residual[shown] if after else None,
                 line,
                 line_force,
+                np.interp(line, record.inputs.contraction[taken], half),
             )
         )
     return tuple(curves)
@@ -71,7 +77,10 @@ def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Curve, 
 
 @styled
 def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
-    """Force over contraction on top; below it the error of `fit`, and of `after` on the same scale."""
+    """Force over contraction on top; below it the error of `fit`, and of `after` on the same scale.
+
+    The grey band in the lowest panel is the 95 % interval of the last fit's curve, the widest of all isobars.
+    """
     curves = data(fit, after, limit)
     panels = 3 if after else 2
     figure = canvas(4.2 + 1.5 * (panels - 1))
@@ -98,8 +107,18 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
         panel.set_ylim(-reach, reach)
         panel.set_ylabel("error (N)")
         panel.set_title(f"{title}: {one.rmse:.3g} N rms" if one else title)
+    grid, half = widest(curves)
+    axes[-1].fill_between(grid, -half, half, color=GREY, alpha=0.3, linewidth=0.0, label="95 % interval of the model")
+    axes[-1].legend(loc="lower left", labelcolor=INK, edgecolor=GREY)
     axes[-1].set_xlabel("contraction ratio ε (1)")
     return figure
+
+
+def widest(curves: tuple[Curve, ...]) -> tuple[Array, Array]:
+    """Contraction and the largest half width in N of all curves that reach there, (m,) each; NaN where none does."""
+    grid = np.linspace(min(c.line[0] for c in curves), max(c.line[-1] for c in curves), 4 * CELLS)
+    halves = np.array([np.interp(grid, c.line, c.half, left=np.nan, right=np.nan) for c in curves])
+    return grid, np.where(np.isnan(halves).all(axis=0), np.nan, np.nanmax(np.nan_to_num(halves, nan=0.0), axis=0))
 
 
 def _legend(axes: Axes, curves: tuple[Curve, ...]) -> None:

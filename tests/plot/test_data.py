@@ -64,6 +64,17 @@ def test_a_table_s_line_is_the_law_itself(table):
     assert curve.line_force == pytest.approx(expected)
 
 
+def test_the_band_of_a_line_is_its_interval_and_the_widest_is_shown(table):
+    one = fit(Model.build("modified_chou_hannaford"), table)
+    curves = measured_against_model.data(one)
+    _, low, high = one.band(table.inputs)
+    for curve in curves:
+        rows = (table.level == curve.pressure_MPa) & (table.inputs.contraction == table.inputs.contraction.max())
+        assert curve.half[-1] == pytest.approx(0.5 * (high - low)[rows][0], rel=1e-6)
+    _, half = measured_against_model.widest(curves)
+    assert half[-1] == pytest.approx(max(c.half[-1] for c in curves))
+
+
 def test_failure_map_is_the_comparison_s(diagnosis):
     comparison = compare(diagnosis.base)
     shown = failure_map.data(comparison)
