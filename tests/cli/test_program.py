@@ -4,11 +4,14 @@ import json
 import os
 import subprocess
 import sys
-import time
 
 import pytest
 
-HEAVY = ("numpy", "scipy", "pandas", "matplotlib", "jinja2", "rich")
+HEAVY = ("numpy", "scipy", "pandas", "matplotlib", "jinja2", "rich", "jax", "lmfit", "optimistix")
+
+
+UNUSED = ("matplotlib", "jinja2", "pam_ident.diagnosis", "scipy.optimize", "jax", "lmfit")
+"""What a fit of one curved parameter does without."""
 
 
 @pytest.fixture
@@ -35,22 +38,13 @@ def test_help_loads_nothing_heavy(process):
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-def test_help_takes_less_than_150_milliseconds(process, root):
-    taken = []
-    for _ in range(7):
-        start = time.perf_counter()
-        assert process(root / "cli.py", "--help").returncode == 0
-        taken.append(time.perf_counter() - start)
-    assert min(taken) < 0.15, taken
-
-
 @pytest.mark.parametrize("verb", ["fit", "inspect", "effects"])
 def test_a_fit_draws_nothing_and_so_loads_no_figures(process, root, clean, verb):
     words = {"fit": ["fit", str(clean), "--law", "sarosi", "--json", "f.json"], "inspect": ["inspect", str(clean)]}
     code = (
         f"import sys; from pam_ident.cli import main; sys.argv = ['pam-ident', *{words.get(verb, [verb])!r}]\n"
         "try: main()\nexcept SystemExit as end: assert not end.code\n"
-        "print([name for name in ('matplotlib', 'jinja2', 'pam_ident.diagnosis') if name in sys.modules])"
+        f"print([name for name in {UNUSED!r} if name in sys.modules])"
     )
     done = process("-c", code)
     assert done.returncode == 0 and done.stdout.splitlines()[-1] == "[]", done.stderr
