@@ -13,13 +13,15 @@ from ..records import Record
 from .covariance import Covariance, Sums, clusters, covariance_of, sums
 from .identifiability import AT_BOUND, HELD, PINNED, StandIn, Verdict, flat_directions, stand_ins, verdicts
 from .large import is_large, solve_large
-from .solve import curved_within_bounds, jacobian, solve
+from .solve import Solution, curved_within_bounds, jacobian, solve
 from .solvers import Solver
 from .weigh import PLAIN, Weighing
 
 Array = np.ndarray
 LEVEL = 0.95
 """Level of all intervals."""
+MOST_TURNS = 40
+"""How often parameters and weights may be renewed in turn."""
 
 
 @dataclass(frozen=True)
@@ -164,23 +166,36 @@ def fit(
     rows = np.ones(len(record), bool) if rows is None else rows
     held = dict(held or {})
     _check(model, record, rows, held)
-    values, weights, converged, message = dict(start or {}), weighing.first(record), False, ""
-    found = None
     if is_large(model, record, rows) and weighing == PLAIN and not held and solver is None:
-        found = solve_large(model, record, values, detail and not white)
-    for _ in range(weighing.rounds if found is None else 0):
+        found = solve_large(model, record, start or {}, detail and not white)
+        if found is not None:
+            return _with_estimates(Fit(model, record, rows, (), True, "by ever more samples"), *found)
+    solution, weights = _in_turns(model, record, rows, start or {}, held, weighing, solver)
+    one = Fit(model, record, rows, (), solution.converged, solution.message, weights, held, weighing)
+    return _with_estimates(one, solution.values, _sums(one, solution.values, white) if detail else None)
+
+
+def _in_turns(
+    model: Model,
+    record: Record,
+    rows: Array,
+    start: Mapping[str, float],
+    held: Mapping[str, float],
+    weighing: Weighing,
+    solver: Solver | None,
+) -> tuple[Solution, Array | None]:
+    """Solve and weigh in turn until the weights settle; once where all samples count the same."""
+    weighing.check(record)
+    weights, values = None, start
+    for _ in range(MOST_TURNS):
         pick = picker(rows, weights)
         solution = solve(model, record.inputs, record.force, pick, values, held=held, solver=solver)
-        values, converged, message = solution.values, solution.converged, solution.message
-        renewed = weighing.next(model, record, rows, values)
-        settled = renewed is None or (weights is not None and np.allclose(renewed, weights, rtol=1e-6))
+        values = solution.values
+        renewed = weighing.weights(model, record, rows, values)
+        if renewed is None or (weights is not None and np.allclose(renewed, weights, rtol=1e-6)):
+            return solution, renewed
         weights = renewed
-        if settled:
-            break
-    if found is not None:
-        return _with_estimates(Fit(model, record, rows, (), True, "by ever more samples"), *found)
-    one = Fit(model, record, rows, (), converged, message, weights, held, weighing)
-    return _with_estimates(one, values, _sums(one, values, white) if detail else None)
+    return Solution(dict(values), False, "the weights did not settle"), weights
 
 
 def picker(rows: Array, weights: Array | None) -> Callable[[Array], Array]:

@@ -30,20 +30,15 @@ class Weighing:
         if self.loss not in LOSSES:
             raise UsageError(f"loss {self.loss!r}: expected one of {', '.join(LOSSES)}")
 
-    @property
-    def rounds(self) -> int:
-        """How often weights and parameters may be renewed in turn."""
-        return 1 if self == PLAIN else 40
-
-    def first(self, record: Record) -> None:
-        """Nothing is known of the slopes before the first fit. Raises UsageError where sensors are not described."""
+    def check(self, record: Record) -> None:
+        """Raises UsageError where weights are to come from sensors that are not described."""
         if self.sensors and record.specimen.sensors is None:
             raise UsageError(
                 f"{record.source or record.name}: no table [sensors] in the specimen file to take weights from; give "
                 "standard deviations as force_N, pressure_MPa, displacement_mm"
             )
 
-    def next(self, model: Model, record: Record, rows: Array, values: Values) -> Array | None:
+    def weights(self, model: Model, record: Record, rows: Array, values: Values) -> Array | None:
         """Multipliers of the residuals, shape (n,), after a fit; None where all count the same."""
         if self == PLAIN:
             return None
