@@ -8,10 +8,11 @@ import numpy as np
 from ..effects import Effect
 from ..fitting import Fit
 from ..model import Term
+from .ground import Ground, Lead, scan
 from .noise import Noise
 from .patterns import patterns
 from .search import Choice, beam_search
-from .trial import Lead, Trial, Verdict
+from .trial import Trial, Verdict
 
 LIGHT, LIGHT_PATTERN = 0.04, 0.1
 """Share of the noise's variance that an effect, or a pattern, must explain: for less a wrong name is worse."""
@@ -155,12 +156,11 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
     The pattern is looked for on what the set leaves and, lest the set has mopped it up, on what the law leaves.
     """
     leads: list[tuple[float, float, Lead]] = []
-    for start in {v.names: v for v in (verdict, trial.empty)}.values():
-        ground = trial.ground(start)
-        for effect in patterns(trial.record.inputs):
-            lead = ground.scan(effect)
+    grounds = [Ground(trial, start) for start in {v.names: v for v in (verdict, trial.empty)}.values()]
+    for effect in patterns(trial.record.inputs):
+        for lead in scan(effect, grounds):
             price = _pattern_price(trial, lead)
-            leads.append((start.cost - lead.gain + price, price, lead))
+            leads.append((lead.onto.cost - lead.gain + price, price, lead))
     leads.sort(key=lambda item: item[0])
     rivals = [_with_pattern(trial, lead, price) for cost, price, lead in leads[:4] if cost < verdict.cost + NEAR]
     best = min(rivals, key=lambda v: v.cost, default=verdict)

@@ -53,7 +53,7 @@ def slopes(model: Model, inputs: Inputs, values: Mapping[str, float]) -> Slopes:
 
 def atoms_of(effect: Effect, inputs: Inputs, around: Slopes) -> list[Atom]:
     """All forms of an effect at all combinations of their shapes' grids."""
-    return [a for form in effect.forms for a in atoms_at(effect, form, _grid(form), inputs, around)]
+    return [a for form in effect.forms for a in atoms_at(effect, form, grid(form), inputs, around)]
 
 
 def atoms_at(
@@ -92,6 +92,7 @@ def signature(form: Form, inputs: Inputs, shapes: Mapping[str, float], around: S
     return columns * around.contraction[:, None]
 
 
-def _grid(form: Form) -> list[dict[str, float]]:
+def grid(form: Form) -> list[dict[str, float]]:
+    """All combinations of the values from which a form's shapes are searched."""
     names = [p.name for p in form.shapes]
     return [dict(zip(names, point, strict=True)) for point in product(*(p.grid or (p.start,) for p in form.shapes))]

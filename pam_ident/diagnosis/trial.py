@@ -11,7 +11,7 @@ from ..fitting import Fit
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
-from .dictionary import Atom, Slopes, atoms_at, atoms_of, closer, slopes
+from .dictionary import Atom, Slopes, atoms_of, slopes
 from .noise import Noise, estimate_noise
 from .search import Choice, Compressed, Price, orthonormal
 
@@ -137,10 +137,6 @@ class Trial:
         view = self.view(verdict) if record is None else View(record, model, verdict.values)
         return view.compress([a for e in effects for a in view.atoms(e)], self.noise)
 
-    def ground(self, verdict: Verdict) -> "Ground":
-        """Where patterns are looked for: what a set leaves, whitened."""
-        return Ground(self, verdict, self.view(verdict))
-
     @lru_cache(maxsize=4)  # noqa: B019 - a trial lives as long as one diagnosis
     def view(self, verdict: Verdict) -> "View":
         """A set's model with its slopes."""
@@ -200,62 +196,6 @@ class View:
         edges = np.cumsum([a.columns.shape[1] for a in atoms])
         parts = np.split(whole[:, k + 1 :], edges[:-1], axis=1) if atoms else []
         return Compressed(atoms, parts, whole[:, :k], whole[:, k])
-
-
-@dataclass(frozen=True)
-class Lead:
-    """The best atom of a pattern beyond a set: its gain in whitened squares, how many were tried, where to start."""
-
-    onto: Verdict
-    atom: Atom
-    gain: float
-    tried: int
-    start: dict[str, float]
-
-
-class Ground:
-    """What a set leaves, whitened and free of what the set can follow; many atoms are tried on it one by one."""
-
-    def __init__(self, trial: Trial, onto: Verdict, view: View) -> None:
-        self.onto, self.view, self.noise = onto, view, trial.noise
-        self.basis = orthonormal(trial.noise.whiten(view.law))
-        residual = trial.noise.whiten(view.residual)
-        self.residual = residual - self.basis @ (self.basis.T @ residual)
-
-    def scan(self, effect: Effect) -> Lead:
-        """The atom of an effect that explains most, its shapes zoomed in on twice."""
-        atoms = self.view.atoms(effect)
-        best, gain, sizes = self._best(atoms)
-        for _ in range(2):
-            points = closer(best)
-            if points:
-                inputs, around = self.view.record.inputs, self.view.around
-                near, value, found = self._best(atoms_at(effect, best.term.form, points, inputs, around))
-                if value > gain:
-                    best, gain, sizes = near, value, found
-        start = dict(self.onto.values) | {f"{effect.name}.{k}": v for k, v in best.shapes.items()}
-        start |= {f"{effect.name}.{p.name}": p.clip(float(x)) for p, x in zip(best.sizes, sizes, strict=True)}
-        return Lead(self.onto, best, gain, len(atoms), start)
-
-    def _best(self, atoms: Sequence[Atom]) -> tuple[Atom, float, Array]:
-        """The atom with the largest gain in whitened squares, that gain, and its sizes."""
-        gains: list[float] = []
-        sizes: list[Array] = []
-        for begin in range(0, len(atoms), 256):
-            part = atoms[begin : begin + 256]
-            matrix = self.noise.whiten(np.hstack([a.columns for a in part]))
-            matrix -= self.basis @ (self.basis.T @ matrix)
-            product = matrix.T @ self.residual
-            at = 0
-            for atom in part:
-                width = len(atom.sizes)
-                block, vector = matrix[:, at : at + width], product[at : at + width]
-                gram = block.T @ block
-                sizes.append(np.linalg.solve(gram + 1e-9 * (np.trace(gram) + 1e-12) * np.eye(width), vector))
-                gains.append(float(vector @ sizes[-1]))
-                at += width
-        k = int(np.argmax(gains))
-        return atoms[k], gains[k], sizes[k]
 
 
 def _free_curves(record: Record) -> Array:

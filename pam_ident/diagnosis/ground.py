@@ -1,0 +1,114 @@
+"""Where patterns are looked for: what sets of effects leave, with many atoms tried on it one by one."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..effects import AddsForce, Effect, Form
+from .dictionary import Atom, atoms_at, closer, grid, signature
+from .search import orthonormal
+from .trial import Trial, Verdict
+
+Array = np.ndarray
+TOGETHER = 128
+"""Atoms whose columns are made and whitened in one go."""
+Point = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Lead:
+    """The best atom of a pattern beyond a set: its gain in whitened squares, how many were tried, where to start."""
+
+    onto: Verdict
+    atom: Atom
+    gain: float
+    tried: int
+    start: dict[str, float]
+
+
+class Ground:
+    """What a set leaves, whitened and free of what the set can follow."""
+
+    def __init__(self, trial: Trial, onto: Verdict) -> None:
+        self.onto, self.view, self.noise = onto, trial.view(onto), trial.noise
+        self.basis = orthonormal(trial.noise.whiten(self.view.law))
+        residual = trial.noise.whiten(self.view.residual)
+        self.residual = residual - self.basis @ (self.basis.T @ residual)
+
+
+@dataclass(frozen=True)
+class _Best:
+    """A form at a point of its shapes with its sizes, and its gain."""
+
+    gain: float
+    form: Form
+    point: Point
+    sizes: Array
+
+
+def scan(effect: Effect, grounds: Sequence[Ground]) -> list[Lead]:
+    """On each ground the atom of an effect that explains most, its shapes zoomed in on twice.
+
+    What does not depend on the model is made and whitened once for all grounds, which share their noise.
+    """
+    found: list[_Best | None] = [None] * len(grounds)
+    tried = 0
+    for form in effect.forms:
+        points = grid(form)
+        tried += len(points)
+        shared = isinstance(form, AddsForce) and not form.uses_force
+        parts = [range(len(grounds))] if shared else [range(k, k + 1) for k in range(len(grounds))]
+        for part in parts:
+            for k, best in zip(part, _best(form, points, [grounds[k] for k in part]), strict=True):
+                found[k] = _better(found[k], best)
+    return [_zoom(effect, ground, best, tried) for ground, best in zip(grounds, found, strict=True) if best is not None]
+
+
+def _zoom(effect: Effect, ground: Ground, best: _Best, tried: int) -> Lead:
+    inputs, around = ground.view.record.inputs, ground.view.around
+    atom = atoms_at(effect, best.form, [best.point], inputs, around)[0]
+    for _ in range(2):
+        points = closer(atom)
+        if points:
+            best = _better(best, _best(best.form, points, [ground])[0])
+            atom = atoms_at(effect, best.form, [best.point], inputs, around)[0]
+    start = dict(ground.onto.values) | {f"{effect.name}.{k}": v for k, v in best.point.items()}
+    start |= {f"{effect.name}.{p.name}": p.clip(float(x)) for p, x in zip(atom.sizes, best.sizes, strict=True)}
+    return Lead(ground.onto, atom, best.gain, tried, start)
+
+
+def _better(one: "_Best | None", other: _Best) -> _Best:
+    return other if one is None or other.gain > one.gain else one
+
+
+def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> list[_Best]:
+    """On each ground the point of a form with the largest gain in whitened squares."""
+    view, noise, width = grounds[0].view, grounds[0].noise, len(form.sizes)
+    found: list[_Best | None] = [None] * len(grounds)
+    for begin in range(0, len(points), TOGETHER):
+        some = points[begin : begin + TOGETHER]
+        columns = np.hstack([signature(form, view.record.inputs, point, view.around) for point in some])
+        matrix = noise.whiten(columns)
+        bad = ~np.isfinite(matrix.sum(axis=0))
+        matrix[:, bad] = 0.0
+        own = _grams(matrix, width)
+        ridge = 1e-10 * np.trace(own, axis1=1, axis2=2) + 1e-300
+        for k, ground in enumerate(grounds):
+            gram = own - _grams(ground.basis.T @ matrix, width) + ridge[:, None, None] * np.eye(width)
+            product = (matrix.T @ ground.residual).reshape(-1, width)
+            sizes = np.linalg.solve(gram, product[:, :, None])[:, :, 0]
+            gains = np.sum(product * sizes, axis=1)
+            i = int(np.argmax(gains))
+            found[k] = _better(found[k], _Best(float(gains[i]), form, some[i], sizes[i]))
+    return [best for best in found if best is not None]
+
+
+def _grams(matrix: Array, width: int) -> Array:
+    """Gram matrices (m, width, width) of the blocks of a matrix (n, m · width)."""
+    blocks = matrix.reshape(len(matrix), -1, width)
+    found = np.empty((blocks.shape[1], width, width))
+    for i in range(width):
+        for j in range(i + 1):
+            found[:, i, j] = found[:, j, i] = np.einsum("nm,nm->m", blocks[:, :, i], blocks[:, :, j])
+    return found
