@@ -1,30 +1,27 @@
 """Fits of very many samples at the price of a few readings of them.
 
-A fit to some thousand samples says where the minimum lies, many more say it more closely, and from there Gauss and
-Newton's steps over all samples are so short that two of them end at rounding. Samples are read in chunks that stay in
-the processor's cache, on all its cores.
+A fit to some thousand samples says where the minimum lies, and many more say it more closely. From there one step of
+Gauss and Newton over all samples is nearly always enough. They are read in chunks that stay in the processor's cache.
 """
 
-import os
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..core import Param
+from ..core import Inputs, Param
 from ..model import Model
 from ..records import Record
 from .covariance import Sums, clusters
-from .solve import curved_within_bounds, jacobian, solve
+from .solve import curved_within_bounds, solve
 
 Array = np.ndarray
 FROM = 50_000
 """Number of samples from which this pays."""
-FIRST, SECOND = 2_000, 80_000
-CHUNK = 8192
-SHORT = 0.03
-"""Length of a last step in standard errors: what is then left is shorter by a factor of some hundred."""
+FIRST, SECOND = 2_000, 40_000
+CHUNK = 16384
+SHORT, CLOSE = 0.1, 0.1
+"""Standard errors that a last step over some samples, and over all, may be long: a thousandth of it is left to go."""
 MOST = 8
 
 
@@ -47,34 +44,40 @@ def solve_large(
     rng = np.random.default_rng(0)
     first, second = (np.sort(rng.integers(0, len(record), n)) for n in (FIRST, SECOND))
     values = solve(model, record.inputs.take(first), record.force[first], lambda m: m, start, quick=True).values
-    near = _newton(_Reading(model, record, params, second), values)
+    near = _newton(_Reading(model, record.inputs.take(second), record.force[second], params), values)
     if near is None:
         return None
-    return _newton(_Reading(model, record, params, None, clusters(record, slice(None)) if clustered else None), near[0])
+    cluster = clusters(record, slice(None)) if clustered else None
+    return _end(_Reading(model, record.inputs, record.force, params, cluster), near)
 
 
-def _newton(reading: "_Reading", values: dict[str, float]) -> tuple[dict[str, float], Sums] | None:
-    """Steps until one is short: values and the sums there."""
+def _newton(reading: "_Reading", values: Mapping[str, float]) -> Array | None:
+    """Steps until one is short: the parameters (k,)."""
     x = np.array([values[p.name] for p in reading.params])
     for _ in range(MOST):
-        found = reading.sums(dict(zip([p.name for p in reading.params], x.tolist(), strict=True)))
-        scale = np.sqrt(np.diag(found.gram))
-        if not np.all(scale > 0.0):
+        found = reading.sums(x)
+        step = found.step(found.score)
+        if step is None or not reading.inside(x + step):
             return None
-        weight, axes = np.linalg.eigh(found.gram / np.outer(scale, scale))
-        if not weight[0] > 1e-13 * weight[-1]:
-            return None
-        along = (axes.T @ (found.score / scale)) / np.sqrt(weight)
-        step = axes @ (along / np.sqrt(weight)) / scale
         x = x + step
-        if not all(p.lower < v < p.upper for p, v in zip(reading.params, x, strict=True)):
+        if found.length(step) <= SHORT:
+            return x
+    return None
+
+
+def _end(whole: "_Reading", x: Array) -> tuple[dict[str, float], Sums] | None:
+    """A step over all samples, and a short one along the same Gram matrix for what the first has left."""
+    for _ in range(MOST):
+        found = whole.sums(x)
+        step = found.step(found.score)
+        if step is None or not whole.inside(x + step):
             return None
-        if float(along @ along) <= SHORT**2 * found.squares / max(found.n - len(x), 1):
-            triangle = np.sqrt(weight)[:, None] * axes.T * scale
-            squares = found.squares - float(along @ along)
-            grams, scores = found.grams, found.scores - found.grams @ step
-            ended = dict(zip([p.name for p in reading.params], x.tolist(), strict=True))
-            return ended, Sums(found.n, triangle, squares, grams, scores)
+        rest = found.step(whole.score(x + step))
+        if rest is None or not whole.inside(x + step + rest):
+            return None
+        x, step = x + step + rest, step + rest
+        if found.length(rest) <= CLOSE:
+            return whole.named(x), found.after(step)
     return None
 
 
@@ -89,41 +92,85 @@ class _Found:
     grams: Array
     scores: Array
 
+    def step(self, score: Array) -> Array | None:
+        """Where a gradient leads, (k,) → (k,); None along flat directions."""
+        scale = np.sqrt(np.diag(self.gram))
+        if not np.all(scale > 0.0):
+            return None
+        weight, axes = np.linalg.eigh(self.gram / np.outer(scale, scale))
+        return axes @ (axes.T @ (score / scale) / weight) / scale if weight[0] > 1e-13 * weight[-1] else None
+
+    def length(self, step: Array) -> float:
+        """Length of a step in standard errors."""
+        return float(np.sqrt(step @ self.gram @ step / self.squares * max(self.n - len(step), 1)))
+
+    def after(self, step: Array) -> Sums:
+        """The sums where a step has led, to first order."""
+        scale = np.sqrt(np.diag(self.gram))
+        weight, axes = np.linalg.eigh(self.gram / np.outer(scale, scale))
+        triangle = np.sqrt(weight)[:, None] * axes.T * scale
+        squares = self.squares - 2.0 * float(step @ self.score) + float(step @ self.gram @ step)
+        return Sums(self.n, triangle, squares, self.grams, self.scores - self.grams @ step)
+
 
 @dataclass(frozen=True, eq=False)
 class _Reading:
-    """A model and samples of a record, `rows` of them (indices) or all; `cluster` (n,) where sums are kept by it."""
+    """A model and samples to fit it to; `cluster` (n,) where sums are kept by it."""
 
     model: Model
-    record: Record
+    inputs: Inputs
+    force: Array
     params: list[Param]
-    rows: Array | None
     cluster: Array | None = None
 
-    def sums(self, values: Mapping[str, float]) -> _Found:
-        """Sums over all chunks, in their order, so that the number of cores changes nothing."""
-        n = len(self.record) if self.rows is None else len(self.rows)
-        parts = [slice(i, i + CHUNK) if self.rows is None else self.rows[i : i + CHUNK] for i in range(0, n, CHUNK)]
-        with ThreadPoolExecutor(min(len(parts), os.cpu_count() or 1)) as pool:
-            found = list(pool.map(lambda part: self._chunk(part, values), parts))
-        k = len(self.params)
-        whole = np.sum([table for table, _ in found], axis=0)
+    def named(self, x: Array) -> dict[str, float]:
+        """Parameters by name."""
+        return dict(zip([p.name for p in self.params], x.tolist(), strict=True))
+
+    def inside(self, x: Array) -> bool:
+        """Whether all parameters are off their bounds."""
+        return all(p.lower < v < p.upper for p, v in zip(self.params, x, strict=True))
+
+    def sums(self, x: Array) -> _Found:
+        """Sums over all chunks."""
+        values = self.named(x)
+        n, k = len(self.force), len(self.params)
         runs = 0 if self.cluster is None else int(self.cluster.max()) + 1
-        tables = np.zeros((runs, k + 1, k + 1))
-        for _, pieces in found:
-            for run, table in pieces:
-                tables[run] += table
+        whole, tables = np.zeros((k + 1, k + 1)), np.zeros((runs, k + 1, k + 1))
+        for begin in range(0, n, CHUNK):
+            part = slice(begin, begin + CHUNK)
+            table = self._table(part, values)
+            if self.cluster is None:
+                whole += table @ table.T
+                continue
+            run = self.cluster[part]
+            edges = np.flatnonzero(np.diff(run)) + 1
+            for i, piece in zip([0, *edges], np.split(table, edges, axis=1), strict=True):
+                tables[run[i]] += piece @ piece.T
+        whole += tables.sum(axis=0)
         tables = tables[tables[:, k, k] > 0.0]
         return _Found(n, whole[:k, :k], whole[:k, k], float(whole[k, k]), tables[:, :k, :k], tables[:, :k, k])
 
-    def _chunk(self, part: Array | slice, values: Mapping[str, float]) -> tuple[Array, list[tuple[int, Array]]]:
-        """Gram matrix (k + 1, k + 1) of Jacobian and residual over some rows, and of each cluster in them."""
-        inputs, force = self.record.inputs.take(part), self.record.force[part]
-        matrix = jacobian(self.model, inputs, values, force)
-        table = np.column_stack([matrix, force - self.model.force(inputs, values)])
-        if self.cluster is None:
-            return table.T @ table, []
-        run = self.cluster[part]
-        edges = np.flatnonzero(np.diff(run)) + 1
-        pieces = [(int(run[i]), t.T @ t) for i, t in zip([0, *edges], np.split(table, edges), strict=True)]
-        return np.sum([t for _, t in pieces], axis=0), pieces
+    def score(self, x: Array) -> Array:
+        """Product of the Jacobian with the residual, (k,), at half the price of all sums."""
+        tables = (self._table(slice(i, i + CHUNK), self.named(x)) for i in range(0, len(self.force), CHUNK))
+        return np.sum([table[:-1] @ table[-1] for table in tables], axis=0)
+
+    def _table(self, part: slice, values: Mapping[str, float]) -> Array:
+        """Rows: the force's derivative by each parameter, then the residual, over some samples, (k + 1, samples)."""
+        inputs, force = self.inputs.take(part), self.force[part]
+        sizes = np.array([values[p.name] for p in self.model.linear])
+
+        def design(**change: float) -> tuple[Array, Array]:
+            columns, fixed = self.model.design(inputs, {**values, **change}, force)
+            return columns, fixed + columns @ sizes
+
+        columns, modelled = design()
+        table = np.empty((len(self.params) + 1, len(force)))
+        table[: len(sizes)] = columns.T
+        table[-1] = force - modelled
+        for row, p in zip(table[len(sizes) : -1], self.params[len(sizes) :], strict=True):
+            near = values[p.name] + 1e-6 * max(abs(values[p.name]), 1e-3 * p.scale)
+            np.subtract(design(**{p.name: near})[1], modelled, out=row)
+            row /= near - values[p.name]
+        return table
