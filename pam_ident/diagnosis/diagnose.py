@@ -12,7 +12,7 @@ from ..records import Record
 from .confounding import groups, next_experiment
 from .deliberate import investigate
 from .dictionary import Atom
-from .heldout import folds, heldout_rmse, linear_heldout
+from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
 from .nouns import Diagnosis, Experiment, Pattern, Suspect
 from .patterns import KINDS
 from .trial import Trial, Verdict
@@ -20,7 +20,8 @@ from .trial import Trial, Verdict
 Array = np.ndarray
 REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
-EXACT = 400
+EXACT = 500
+"""Rows up to which suspects, and in a table forms, are judged by refits."""
 TEMPER = 4.0
 """Costs are divided by this before they become odds: forms are never exactly right, so evidence counts for less."""
 
@@ -39,9 +40,10 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     named = [t for t in verdict.terms if t.effect.candidate]
     weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
-    pattern = _pattern(trial, verdict)
     heldout = heldout_rmse(model, record, base)
     best, after, named = _confirmed(base, heldout, named, verdict)
+    shapes = [t for t in verdict.terms if not t.effect.candidate]
+    pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
     ranking = _ranking(trial, verdict, suspects)
@@ -59,19 +61,25 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
 
 
 def _confirmed(base: Fit, heldout: float, named: list[Term], verdict: Verdict) -> tuple[Fit, float, list[Term]]:
-    """Fit, held-out error and names once every name has gone without which held-out data are predicted better."""
+    """Fit, held-out error and names once every name has gone without which held-out data are predicted better.
 
-    def attempt(terms: list[Term]) -> tuple[float, Fit]:
+    In a short table held-out data choose the forms, too.
+    """
+    table = base.record.inputs.time is None and len(base.record) <= EXACT and not math.isnan(heldout)
+
+    def attempt(terms: list[Term]) -> tuple[float, Fit, list[Term]]:
+        if not terms:
+            return heldout, base, terms
+        terms = in_best_forms(base, terms) if table else terms
         model = base.model.adding(*terms)
         found = fit(model, base.record, start=_start(verdict, terms))
         if found.rmse > base.rmse:
             found = fit(model, base.record, start=base.values)
-        return heldout_rmse(model, base.record, found), found
+        return heldout_rmse(model, base.record, found), found, terms
 
-    after, best = attempt(named) if named else (heldout, base)
+    after, best, named = attempt(named)
     while named and not (math.isnan(after) or after < heldout):
-        fewer = [[t for t in named if t is not gone] for gone in named]
-        trials = [(*attempt(terms), terms) if terms else (heldout, base, terms) for terms in fewer]
+        trials = [attempt([t for t in named if t is not gone]) for gone in named]
         after, best, named = min(trials, key=lambda item: item[0])
     return best, after, named
 

@@ -1,13 +1,15 @@
 """Error on data that a fit has not seen: blocks are held out whole."""
 
 import math
+from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 
 from ..core import FitError
 from ..fitting import Fit, fit
 from ..fitting.solve import solve
-from ..model import Model
+from ..model import Model, Term
 from ..records import Record
 
 Array = np.ndarray
@@ -43,6 +45,21 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None) -> floa
         ).values
         square += float(np.sum((record.force - model.force(record.inputs, values))[mask] ** 2))
     return math.sqrt(square / len(record))
+
+
+def in_best_forms(base: Fit, terms: Sequence[Term]) -> list[Term]:
+    """The terms in the forms with which the blocks of a table are foretold best, each by a fit to the others.
+
+    A few lengths do not tell forms apart by the fit alone: the richest wins there and foretells worst.
+    """
+
+    def heldout(choice: tuple[Term, ...]) -> float:
+        try:
+            return heldout_rmse(base.model.adding(*choice), base.record)
+        except FitError:
+            return math.inf  # too few samples for so rich a form
+
+    return list(min(product(*([Term(t.effect, form) for form in t.effect.forms] for t in terms)), key=heldout))
 
 
 def linear_heldout(law: Array, columns: Array, residual: Array, masks: list[Array]) -> tuple[float, float]:

@@ -9,6 +9,9 @@ E_MOD = Param("E", "MPa", "Young's modulus of the bladder", 0.0, 200.0, scale=1.
 C1 = Param("C1", "MPa", "first Mooney–Rivlin constant", 0.0, 200.0, scale=0.2)
 C2 = Param("C2", "MPa", "second Mooney–Rivlin constant", -200.0, 200.0, scale=0.2)
 G = Param("G", "MPa", "shear modulus of the bladder", 0.0, 200.0, scale=0.3)
+C10 = Param("C10", "MPa", "first Yeoh constant, half the shear modulus", 0.0, 200.0, scale=0.3)
+C20 = Param("C20", "MPa", "second Yeoh constant: softening where negative", -200.0, 200.0, scale=0.1)
+C30 = Param("C30", "MPa", "third Yeoh constant: stiffening at large stretch", 0.0, 200.0, scale=0.05)
 J_M = Param("J_m", "1", "limit of I1 − 3 at which the rubber locks", 0.3, 100.0, start=3.0, grid=(1.0, 3.0, 12.0))
 
 
@@ -51,15 +54,22 @@ def _gent(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-section * 0.5 * d1 / np.maximum(1.0 - i1 / shape["J_m"], 0.02))
 
 
+def _yeoh(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    i1, d1, _ = invariant_slopes(inputs)
+    section = 2.0 * np.pi * inputs.specimen.initial_radius_mm * wall(inputs)
+    return -section * d1[:, None] * np.column_stack([np.ones(len(i1)), 2.0 * i1, 3.0 * i1**2])
+
+
 EFFECT = Effect(
     name="bladder_elasticity",
     title="Elasticity of the bladder",
     source="hoop energy by virtual work; Klute & Hannaford 2000, ASME J. Dyn. Syst. Meas. Control 122, 386–388 "
-    "(Mooney–Rivlin); Gent 1996, Rubber Chemistry and Technology 69, 59–61",
+    "(Mooney–Rivlin); Gent 1996, Rubber Chemistry and Technology 69, 59–61; Yeoh 1993, ibid. 66, 754–771",
     forms=(
         AddsForce("textbook", "−(2a/3) π r0 t E (1−ε)(1 − r0/r)", (E_MOD,), _hoop),
         AddsForce("mooney_rivlin", "−2π r0 t (C1 dI1/dε + C2 dI2/dε)", (C1, C2), _mooney_rivlin),
         AddsForce("gent", "−π r0 t G (dI1/dε)/(1 − (I1−3)/J_m)", (G,), _gent, (J_M,)),
+        AddsForce("yeoh", "−2π r0 t (dI1/dε)(C10 + 2 C20 (I1−3) + 3 C30 (I1−3)²)", (C10, C20, C30), _yeoh),
     ),
     test="a sweep at low pressure, down to none: the force that is left is the bladder's",
     levers=("pressure",),

@@ -96,6 +96,26 @@ def test_gent_without_a_limit_is_the_neo_hookean_half_of_mooney_rivlin():
     np.testing.assert_allclose(gent, 0.5 * columns("bladder_elasticity:mooney_rivlin", inputs())[:, 0], rtol=1e-6)
 
 
+@pytest.mark.parametrize(("power", "size"), [(1, "C10"), (2, "C20"), (3, "C30")])
+def test_yeoh_is_the_virtual_work_of_its_strain_energy(power, size):
+    def energy(e):
+        return (invariants(e)[0] - 3.0) ** power * 2.0 * math.pi * R0 * T * L0
+
+    got = columns("bladder_elasticity:yeoh", inputs())[:, power - 1]
+    np.testing.assert_allclose(got, pull(energy, EPS), rtol=1e-6, atol=1e-4, err_msg=size)
+
+
+def test_yeoh_is_the_figure_worked_out_by_hand():
+    """θ0 = 45°, 1 − ε = √½: λ_z² = 1/2, λ_θ² = 3/2, I1 − 3 = 1/2 + 3/2 + 4/3 − 3 = 1/3; their slopes −√2 and √2 cancel.
+
+    What is left is that of 1/(λ_z² λ_θ²): dI1/dε = √2/(3/4)² = 16√2/9. 2π r0 t = 40π mm², so C10 costs 640√2 π/9 =
+    315.938 N per MPa, C20 2/3 and C30 1/3 of it.
+    """
+    given = inputs(1.0 - math.sqrt(0.5), specimen=replace(MUSCLE, braid_angle_deg=45.0))
+    got = columns("bladder_elasticity:yeoh", given)[0]
+    np.testing.assert_allclose(got, [-315.938342, -210.625561, -105.312781], rtol=1e-8)
+
+
 def test_the_printed_form_inflates_the_modulus_eleven_to_thirteen_times_in_metres():
     """The factor between the two is cot θ0 / (L0 (1 − ε)), L0 in metres; θ0 = 25.4° and 200 mm."""
     given = inputs([0.02, 0.1, 0.18], specimen=replace(MUSCLE, braid_angle_deg=25.4))
