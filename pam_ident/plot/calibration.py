@@ -10,6 +10,9 @@ from ..diagnosis.calibration import Reliability, reliability
 from .style import BLUE, GREY, canvas, styled
 
 Z = 1.96
+LEAST = 5e-4
+"""Probabilities nearer to 0 or 1 are drawn here."""
+TICKS = (0.001, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999)
 
 
 @dataclass(frozen=True)
@@ -47,27 +50,22 @@ def _wilson(share: float, n: int) -> tuple[float, float]:
 
 @styled
 def draw(stated: Sequence[float], true: Sequence[bool]) -> Figure:
-    """Reliability diagram: on the diagonal a probability means what it says."""
+    """Reliability diagram over the odds, for most statements are near 0 or 1; on the curve they mean what they say."""
     shown = data(stated, true)
-    figure = canvas(4.6, 4.8)
+    figure = canvas(4.0, 6.4)
     axes = figure.subplots()
-    axes.plot([0, 1], [0, 1], color=GREY, linestyle="--", linewidth=1.0)
-    axes.vlines(shown.stated, shown.low, shown.high, color=BLUE, linewidth=1.2)
-    axes.plot(shown.stated, shown.true, "o", color=BLUE, markersize=5.0)
-    for x, y, n in zip(shown.stated, shown.true, shown.n, strict=True):
-        left = x > 0.5
-        axes.annotate(
-            str(n),
-            (x, y),
-            (-6 if left else 6, 0),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            va="center",
-            fontsize=8.0,
-            color=GREY,
-        )
-    axes.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03), aspect="equal")
+    axes.set_xscale("logit")
+    honest = 1.0 / (1.0 + np.exp(-np.linspace(-8.0, 8.0, 200)))
+    axes.plot(honest, honest, color=GREY, linestyle="--", linewidth=1.0)
+    places = np.clip(shown.stated, LEAST, 1.0 - LEAST)
+    axes.vlines(places, shown.low, shown.high, color=BLUE, linewidth=1.2)
+    axes.plot(places, shown.true, "o", color=BLUE, markersize=5.0)
+    for x, n in zip(places, shown.n, strict=True):
+        axes.annotate(str(n), (x, 1.06), ha="center", fontsize=8.0, color=GREY, annotation_clip=False)
+    axes.set(xlim=(0.5 * LEAST, 1.0 - 0.5 * LEAST), ylim=(-0.03, 1.03))
+    axes.set_xticks(TICKS, [f"{x:g}" for x in TICKS])
+    axes.minorticks_off()
     axes.set_xlabel("stated probability (mean of the bin)")
     axes.set_ylabel("share truly hidden (95 % interval)")
-    axes.set_title(f"{sum(shown.n)} statements, Brier score {shown.brier:.4f}")
+    axes.set_title(f"{sum(shown.n)} statements, Brier score {shown.brier:.4f}", pad=18.0)
     return figure

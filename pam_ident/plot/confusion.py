@@ -34,7 +34,7 @@ def draw(confusion: Mapping[tuple[str, str], int]) -> Figure:
     """The matrix in numbers: found in green, taken for something else in red, the deeper the more of its row."""
     shown = data(confusion)
     n = len(shown.labels)
-    figure = canvas(1.8 + 0.34 * n, 3.4 + 0.42 * n)
+    figure = canvas(1.9 + 0.36 * n, 2.2 + 0.36 * n)
     axes = figure.subplots()
     rows = np.maximum(shown.counts.sum(axis=1), 1)
     words = [label.replace("_", " ") for label in shown.labels]
@@ -56,5 +56,5 @@ def draw(confusion: Mapping[tuple[str, str], int]) -> Figure:
     axes.set_ylabel("hidden")
     axes.grid(False)
     axes.tick_params(length=0, colors=GREY, labelcolor=INK)
-    axes.set_title(f"{int(np.trace(shown.counts))} of {int(shown.counts.sum())} as they are")
+    axes.set_title(f"{int(np.trace(shown.counts))} of {int(shown.counts.sum())} named as what they are")
     return figure
