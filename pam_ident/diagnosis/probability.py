@@ -7,8 +7,8 @@ from .trial import Trial
 
 TEMPER = 4.0
 """Costs are divided by this before they become odds: forms are never exactly right, so evidence counts for less."""
-LAPSE = 0.012
-"""Chance that the search was misled as a whole: (0 + 1) / (80 + 2) after 80 near-certain statements that were true."""
+LAPSE = 0.005
+"""Chance that the search was misled as a whole: Jeffreys' (0 + ½)/(93 + 1) after 93 near-certain, true statements."""
 
 
 def probabilities(trial: Trial, groups: Sequence[Sequence[str]]) -> dict[str, float]:
