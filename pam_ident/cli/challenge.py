@@ -1,8 +1,6 @@
 """pam-ident challenge."""
 
 import sys
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -42,6 +40,9 @@ def challenge(
     `pam-ident challenge --out DIR --answers FILE.jsonl`.
     """
     options.check_json(json)
+    from pathlib import Path
+    from tempfile import TemporaryDirectory
+
     from ..core import UsageError
     from ..workflow.challenge import score_answers, sit_challenge
     from ..workflow.files import write_json
