@@ -56,13 +56,12 @@ def challenge(
             found = score_answers(str(out), answers)
         else:
             found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers, tell)
-        if out is not None:
-            _draw(found)
+        pictures = _draw(found) if out is not None else []
     if json is not None:
         write_json(json, challenge_json(found))
     text.say(*describe(found))
     if out is not None:
-        text.say(f"in {out}: confusion.svg, calibration.svg" + ("" if answers else ", answers.jsonl, and the set"))
+        text.say(f"in {out}: {', '.join(pictures + ([] if answers else ['answers.jsonl', 'the set']))}")
 
 
 def _progress(done: int, of: int) -> None:
@@ -73,13 +72,17 @@ def _no_progress(done: int, of: int) -> None:
     pass
 
 
-def _draw(found: "Challenge") -> None:
+def _draw(found: "Challenge") -> list[str]:
+    """Write the pictures into the set's folder; their names. Without probabilities there is none of them."""
     from ..plot import calibration, confusion, to_svg
     from ..workflow.files import write_whole
 
-    write_whole(found.folder / "confusion.svg", to_svg(confusion.draw(found.confusion)))
-    if found.statements[0]:
-        write_whole(found.folder / "calibration.svg", to_svg(calibration.draw(*found.statements)))
+    figures = {"confusion.svg": confusion.draw(found.confusion)}
+    if found.reliability.n:
+        figures["calibration.svg"] = calibration.draw(*found.statements)
+    for name, figure in figures.items():
+        write_whole(found.folder / name, to_svg(figure))
+    return list(figures)
 
 
 def describe(found: "Challenge") -> list[str]:
