@@ -5,7 +5,7 @@ import sys
 
 import typer
 
-from . import add, compare, demo, diagnose, effects, fit, inspect, ladder, laws, report, rig, selftest
+from . import add, challenge, compare, demo, diagnose, effects, fit, inspect, ladder, laws, report, rig, selftest
 from .door import Door
 
 app = typer.Typer(
@@ -28,6 +28,7 @@ app.command()(add.add)
 app.command()(ladder.ladder)
 app.command()(report.report)
 app.command()(rig.rig)
+app.command()(challenge.challenge)
 app.command()(laws.laws)
 app.command()(selftest.selftest)
 app.add_typer(effects.app, name="effects")

@@ -6,7 +6,8 @@ import typer
 
 from . import options, text
 
-app = typer.Typer(rich_markup_mode=None, help="List the known effects, or show one.")
+app = typer.Typer(rich_markup_mode=None, help="List the known effects, show one, write one of your own, check it.")
+EffectFile = Annotated[str, typer.Argument(metavar="FILE.py", help="Python file of an effect.", show_default=False)]
 
 
 @app.callback(invoke_without_command=True)
@@ -42,3 +43,51 @@ def show(
         text.say("", f"form {form.name}: {form.formula}")
         rows = [(p.symbol or p.name, p.unit, f"{p.lower:g} to {p.upper:g}", p.doc) for p in form.params]
         text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
+
+
+@app.command()
+def new(
+    file: EffectFile,
+    name: Annotated[
+        str | None, typer.Option("--name", metavar="NAME", help="Name of the effect; default: the file's.")
+    ] = None,
+    adds_force: Annotated[bool, typer.Option("--adds-force", help="It adds a force (default).")] = False,
+    scales_force: Annotated[bool, typer.Option("--scales-force", help="It scales the law's force.")] = False,
+    transforms_pressure: Annotated[
+        bool, typer.Option("--transforms-pressure", help="It changes the pressure that the law is given.")
+    ] = False,
+    transforms_contraction: Annotated[
+        bool, typer.Option("--transforms-contraction", help="It changes the contraction that the law is given.")
+    ] = False,
+) -> None:
+    """Write a commented scaffold of an effect of your own, which works as it is."""
+    from ..core import UsageError
+    from ..workflow.new_effect import new_effect
+
+    asked = {
+        "adds_force": adds_force,
+        "scales_force": scales_force,
+        "transforms_pressure": transforms_pressure,
+        "transforms_contraction": transforms_contraction,
+    }
+    roles = [role for role, wanted in asked.items() if wanted]
+    if len(roles) > 1:
+        flags = " and ".join("--" + role.replace("_", "-") for role in roles)
+        raise UsageError(f"{flags}: a scaffold has one form; name one of them, and add the other form in the file")
+    made = new_effect(file, name, *roles)
+    text.say(f"{file}: effect {made}; put your formula in, then ask `pam-ident effects check {file}`")
+
+
+@app.command()
+def check(file: EffectFile) -> None:
+    """Hold an effect of your own to what every known effect promises."""
+    from ..core import UsageError
+    from ..workflow.check_effects import check_effects
+
+    found, problems = check_effects(file)
+    for one in problems:
+        text.say(f"{one.effect}{':' if one.form else ''}{one.form}: {one.text}")
+    if problems:
+        raise UsageError(f"{file}: {len(problems)} {'promise is' if len(problems) == 1 else 'promises are'} not kept")
+    for effect in found:
+        text.say(f"{effect.name}: {', '.join(form.name for form in effect.forms)} keep what an effect promises")

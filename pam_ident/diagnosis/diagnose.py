@@ -15,6 +15,7 @@ from .dictionary import Atom
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
 from .nouns import Diagnosis, Experiment, Pattern, Suspect
 from .patterns import KINDS
+from .probability import probabilities
 from .trial import Trial, Verdict
 
 Array = np.ndarray
@@ -22,8 +23,6 @@ REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
 EXACT = 500
 """Rows up to which suspects, and in a table forms, are judged by refits."""
-TEMPER = 4.0
-"""Costs are divided by this before they become odds: forms are never exactly right, so evidence counts for less."""
 
 
 def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Diagnosis:
@@ -46,7 +45,7 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
-    ranking = _ranking(trial, verdict, suspects)
+    ranking = _ranking(trial, suspects, selected, probabilities(trial, classes))
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     experiment = _after_pattern(pattern, record) if pattern else next_experiment(record, classes, known)
     labels = tuple(t.label for t in named)
@@ -123,12 +122,13 @@ def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
     return Pattern("other", "contraction", None, "", min(left / all_of_it, 1.0), text)
 
 
-def _ranking(trial: Trial, verdict: Verdict, suspects: list[Effect]) -> tuple[Suspect, ...]:
+def _ranking(
+    trial: Trial, suspects: list[Effect], selected: tuple[str, ...], chance: dict[str, float]
+) -> tuple[Suspect, ...]:
     """Every suspect with the error that adding it alone leaves, on all rows and held out.
 
     Long records are judged linearised around the base model, short ones (up to EXACT rows) by refits.
     """
-    chance = _probabilities(trial, verdict)
     best: dict[str, tuple[float, int]] = {}
     for k, atom in enumerate(trial.data.atoms):
         gain, _ = trial.data.solve(trial.data.columns([k]))
@@ -144,8 +144,10 @@ def _ranking(trial: Trial, verdict: Verdict, suspects: list[Effect]) -> tuple[Su
         atom = trial.data.atoms[best[effect.name][1]]
         inside, outside = alone(trial, atom)
         heldout = None if math.isnan(outside) else outside
-        found.append(Suspect(effect.name, atom.term.label, "candidate", chance.get(effect.name, 0.0), inside, heldout))
-    found.sort(key=lambda s: (s.status != "candidate", -s.probability, s.rmse_after or math.inf))
+        found.append(Suspect(effect.name, atom.term.label, "candidate", chance[effect.name], inside, heldout))
+    found.sort(
+        key=lambda s: (s.status != "candidate", -s.probability, s.effect not in selected, s.rmse_after or math.inf)
+    )
     return tuple(found)
 
 
@@ -160,18 +162,6 @@ def _alone_exactly(trial: Trial, atom: Atom) -> tuple[float, float]:
         return math.nan, math.nan
     whole = fit(model, trial.record, detail=False)
     return whole.rmse, heldout_rmse(model, trial.record, whole)
-
-
-def _probabilities(trial: Trial, verdict: Verdict) -> dict[str, float]:
-    """Chance that an effect belongs to the answer: sets weighed by their cost, summed over the sets that hold it."""
-    least = min(v.cost for v in [*trial.cache.values(), verdict])
-    weights = {key: math.exp(-(v.cost - least) / (2.0 * TEMPER)) for key, v in trial.cache.items()}
-    total = sum(weights.values())
-    chance: dict[str, float] = {}
-    for key, weight in weights.items():
-        for name in {label.partition(":")[0] for label in key}:
-            chance[name] = chance.get(name, 0.0) + weight / total
-    return chance
 
 
 def _after_pattern(pattern: Pattern, record: Record) -> Experiment:

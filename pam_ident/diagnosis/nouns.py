@@ -63,7 +63,8 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Suspect:
-    """An effect on trial: `label` names the form that fits best, `probability` that it belongs to the answer.
+    """An effect on trial: `label` names the form that fits best, `probability` that it belongs to the answer, or that
+    one does which the record cannot tell from it.
 
     `status` is candidate, absorbed_by_law or not_excited. Errors in N, None where they were not computed.
     """

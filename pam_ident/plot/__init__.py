@@ -4,7 +4,9 @@ Figures are built without pyplot and leave no global state behind; what they sho
 """
 
 from . import (
+    calibration,
     coefficients,
+    confusion,
     failure_map,
     isobars,
     ladder,
@@ -18,7 +20,9 @@ from . import (
 from .style import to_png, to_svg
 
 __all__ = [
+    "calibration",
     "coefficients",
+    "confusion",
     "failure_map",
     "isobars",
     "ladder",

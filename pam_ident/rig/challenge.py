@@ -170,7 +170,7 @@ def make_challenge(
     only: str | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> list[dict[str, object]]:
-    """Writes n cases cNNN and truth.json into a folder; returns the truth.
+    """Writes n cases cNNN into a folder, questions.json (case and law of each) and truth.json; returns the truth.
 
     A draw whose effect cannot be as large as asked is drawn anew.
     """
@@ -191,5 +191,7 @@ def make_challenge(
         truth.append(write_case(folder / f"c{i:03d}", record))
         if tell:
             tell(f"c{i:03d} {kind}")
+    questions = [{"case": one["case"], "law": one["law"]} for one in truth]
+    (folder / "questions.json").write_text(json.dumps(questions, indent=1) + "\n", encoding="utf-8")
     (folder / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
     return truth

@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from ..fitting import Fit
     from ..fitting.fit import Estimate
     from .add_effects import Addition
+    from .challenge import Challenge
     from .fit_record import Checks, FitAnswer
     from .selftest import SelfTest
 
@@ -243,4 +244,43 @@ def selftest_json(found: "SelfTest") -> Json:
             "named": list(recovery.named),
         },
         "passed": found.passed,
+    }
+
+
+def challenge_json(found: "Challenge") -> Json:
+    """Schema pam-ident/challenge/1; counts by kind, `all` among them."""
+    reliability = found.reliability
+    return {
+        "schema": "pam-ident/challenge/1",
+        "seconds": found.seconds,
+        "kinds": {
+            t.kind: {
+                "n": t.n,
+                "right": t.right,
+                "exact": t.exact,
+                "right_by_group": t.grouped,
+                "error_removed_median": t.removed_median,
+                "error_removed_worst": t.removed_worst,
+            }
+            for t in found.tallies
+        },
+        "confusion": [{"hidden": h, "named": n, "count": c} for (h, n), c in sorted(found.confusion.items())],
+        "calibration": {
+            "brier": reliability.brier,
+            "bins": [
+                {"low": b.low, "high": b.high, "n": b.n, "stated": b.stated, "true": b.true} for b in reliability.bins
+            ],
+        },
+        "cases": [
+            {
+                "case": s.case,
+                "kind": s.kind,
+                "hidden": list(s.hidden),
+                "named": list(s.named),
+                "right": s.right,
+                "exact": s.exact,
+                "error_removed": s.removed,
+            }
+            for s in found.scores
+        ],
     }

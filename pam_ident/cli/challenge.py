@@ -1,0 +1,145 @@
+"""pam-ident challenge."""
+
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import options, text
+
+if TYPE_CHECKING:
+    from ..workflow.challenge import Challenge
+    from ..workflow.score import Score
+
+
+def challenge(
+    n: Annotated[int, typer.Option("--n", metavar="N", help="Number of cases.")] = 60,
+    seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="Same seed, same set.")] = 1,
+    out: Annotated[
+        str | None,
+        typer.Option("--out", metavar="DIR", help="Folder for the set, the answers and pictures.", show_default=False),
+    ] = None,
+    only: Annotated[
+        str | None, typer.Option("--only", metavar="KIND", help="Cases of one kind only.", show_default=False)
+    ] = None,
+    answers: Annotated[
+        str | None,
+        typer.Option(
+            "--answers", metavar="FILE.jsonl", help="Score these answers to the set in --out.", show_default=False
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", metavar="N", help="Cases at a time; default: the cores.")
+    ] = None,
+    json: options.JsonFile = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress.")] = False,
+) -> None:
+    """Hide effects in simulated records, diagnose them, and score the answers.
+
+    The hidden effects stay sealed until all answers are there. To take it yourself: `pam-ident rig DIR`, answer, then
+    `pam-ident challenge --out DIR --answers FILE.jsonl`.
+    """
+    options.check_json(json)
+    from pathlib import Path
+    from tempfile import TemporaryDirectory
+
+    from ..core import UsageError
+    from ..workflow.challenge import score_answers, sit_challenge
+    from ..workflow.files import write_json
+    from ..workflow.to_json import challenge_json
+
+    if answers is not None and out is None:
+        raise UsageError("--answers: name the folder of the set that they answer, too, by --out DIR")
+    tell = _no_progress if quiet or not sys.stderr.isatty() else _progress
+    with TemporaryDirectory() as temporary:
+        if answers is not None:
+            found = score_answers(str(out), answers)
+        else:
+            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers, tell)
+        pictures = _draw(found) if out is not None else []
+    if json is not None:
+        write_json(json, challenge_json(found))
+    text.say(*describe(found))
+    if out is not None:
+        text.say(f"in {out}: {', '.join(pictures + ([] if answers else ['answers.jsonl', 'the set']))}")
+
+
+def _progress(done: int, of: int) -> None:
+    typer.echo(f"\r{done} of {of} answered", nl=done == of, err=True)
+
+
+def _no_progress(done: int, of: int) -> None:
+    pass
+
+
+def _draw(found: "Challenge") -> list[str]:
+    """Write the pictures into the set's folder; their names. Without probabilities there is none of them."""
+    from ..plot import calibration, confusion, to_svg
+    from ..workflow.files import write_whole
+
+    figures = {"confusion.svg": confusion.draw(found.confusion)}
+    if found.reliability.n:
+        figures["calibration.svg"] = calibration.draw(*found.statements)
+    for name, figure in figures.items():
+        write_whole(found.folder / name, to_svg(figure))
+    return list(figures)
+
+
+def describe(found: "Challenge") -> list[str]:
+    """Scores by kind, what was missed, and what the probabilities are worth."""
+    from ..workflow.score import KINDS
+
+    rows = [
+        (
+            KINDS.get(t.kind, t.kind),
+            str(t.n),
+            text.percent(t.right / t.n),
+            text.percent(t.exact / t.n),
+            _removed(t.removed_median),
+            _removed(t.removed_worst),
+        )
+        for t in found.tallies
+    ]
+    lines = text.table(("kind", "cases", "right", "exact", "error removed, median", "worst"), rows)
+    lines += [line for line in [_apart(found)] if line]
+    missed = [s for s in found.scores if not s.exact]
+    if missed:
+        lines += ["not right, or not exact:"]
+        rows = [
+            (s.case, KINDS[s.kind], " + ".join(s.hidden) or "nothing", " + ".join(s.named) or "nothing", _grade(s))
+            for s in missed
+        ]
+        lines += text.table(("case", "kind", "hidden", "named", ""), rows, left=(0, 1, 2, 3, 4))
+    worth = found.reliability
+    if worth.n:
+        lines += [f"{worth.n} probabilities stated, Brier score {worth.brier:.4f}:"]
+        rows = [(f"{b.low:g} to {b.high:g}", str(b.n), f"{b.stated:.3f}", f"{b.true / b.n:.3f}") for b in worth.bins]
+        lines += text.table(("stated", "number", "mean", "truly hidden"), rows)
+    if found.seconds is not None:
+        lines += [f"{text.number(found.seconds / len(found.scores), 2)} s a case"]
+    return lines
+
+
+def _apart(found: "Challenge") -> str:
+    """False alarms, unknowns and poor protocols in one sentence."""
+    words = []
+    for t in found.tallies:
+        if t.kind == "null":
+            words.append(f"false alarms {t.n - t.right} of {t.n}")
+        elif t.kind == "unknown":
+            words.append(f"unknown recognised {t.right} of {t.n}, with its kind {t.exact}")
+        elif t.kind == "blunt":
+            words.append(f"one speed: group named {t.right} of {t.n}, with the test that splits it {t.exact}")
+        elif t.kind == "pair" and t.grouped > t.right:
+            words.append(f"two effects: {t.grouped} of {t.n} right where a name stands for its group")
+    return "; ".join(words)
+
+
+def _grade(one: "Score") -> str:
+    if one.right:
+        return "right, not exact"
+    return "right by its group" if one.grouped else "missed"
+
+
+def _removed(share: float | None) -> str:
+    return "" if share is None else f"{100 * share:.1f} %"

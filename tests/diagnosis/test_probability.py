@@ -1,0 +1,59 @@
+"""Stated probabilities: weights of fitted sets summed by hand, and reliability of made-up statements."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pam_ident.diagnosis.calibration import reliability
+from pam_ident.diagnosis.probability import LAPSE, TEMPER, probabilities
+
+
+def trial(costs, names=("a", "b", "c", "d")):
+    return SimpleNamespace(
+        cache={labels: SimpleNamespace(cost=cost) for labels, cost in costs.items()},
+        suspects=[SimpleNamespace(name=name) for name in names],
+    )
+
+
+def test_weights_of_the_sets_that_hold_a_suspect_are_summed():
+    step = 2.0 * TEMPER * math.log(2.0)  # halves a weight
+    found = probabilities(trial({(): 100.0 + 2 * step, ("a:rich",): 100.0, ("a", "b"): 100.0 + step}), ())
+    expected = {"a": 1.5 / 1.75, "b": 0.5 / 1.75, "c": 0.0, "d": 0.0}
+    assert found == pytest.approx({k: (1 - LAPSE) * v + LAPSE / 4 for k, v in expected.items()})
+
+
+def test_members_of_a_group_share_their_probability():
+    sets = {("a",): 10.0, ("b",): 10.0, ("c",): 10.0, ("a", "d"): 10.0}
+    found = probabilities(trial(sets), [("a", "b")])
+    assert found["a"] == found["b"] == pytest.approx((1 - LAPSE) * 0.75 + LAPSE / 4)
+    assert found["c"] == found["d"] == pytest.approx((1 - LAPSE) * 0.25 + LAPSE / 4)
+
+
+def test_nothing_is_ever_certain_nor_ruled_out():
+    found = probabilities(trial({(): 5000.0, ("a",): 0.0}), ())
+    assert 0.98 < found["a"] < 1.0 and 0.0 < found["b"] < 0.01
+
+
+def test_reliability_counts_means_and_brier_by_hand():
+    found = reliability([0.0, 0.005, 0.2, 0.995, 1.0, 0.95], [False, True, False, True, True, False])
+    assert [(b.low, b.high, b.n, b.true) for b in found.bins] == [
+        (0.0, 0.01, 2, 1),
+        (0.1, 0.3, 1, 0),
+        (0.9, 0.99, 1, 0),
+        (0.99, 1.0, 2, 2),
+    ]
+    assert found.bins[0].stated == pytest.approx(0.0025)
+    assert found.brier == pytest.approx((0.995**2 + 0.2**2 + 0.005**2 + 0.95**2) / 6)
+    assert found.n == 6
+    assert math.isnan(reliability([], []).brier)
+
+
+def test_honest_statements_lie_on_the_diagonal():
+    rng = np.random.default_rng(4)
+    p = rng.uniform(size=20_000)
+    found = reliability(p, rng.uniform(size=len(p)) < p)
+    for one in found.bins:
+        assert one.true / one.n == pytest.approx(one.stated, abs=4.0 * math.sqrt(0.25 / one.n))
+    assert found.brier == pytest.approx(1 / 6, abs=0.005)  # ∫ p (1 − p) dp
