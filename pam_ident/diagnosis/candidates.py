@@ -43,13 +43,14 @@ def candidates(record: Record, model: Model, values: dict[str, float]) -> list[C
     """
     plain = _plain(record)
     fast = plain.speeds_mm_s[-1]
-    spread = _pressures(record)
+    few, spread = _pressures(record, 3), _pressures(record, 5)
     speed, pressure, hold, loops = ("speed",), ("pressure",), ("hold",), ("reversal",)
     decades = tuple(round_number(v) for v in np.geomspace(fast / 100.0, fast, 4))
     slow = tuple(round_number(v) for v in (fast / 40.0, fast / 10.0))
     found = [
         Candidate(speed, plain),
         Candidate(speed, replace(plain, speeds_mm_s=decades)),
+        Candidate(pressure, replace(plain, pressures_MPa=few)),
         Candidate(pressure, replace(plain, pressures_MPa=spread)),
         Candidate(hold, replace(plain, hold_s=HOLDS_S)),
         Candidate(loops, replace(plain, speeds_mm_s=slow, minor_loops_mm=LOOPS_MM)),
@@ -78,11 +79,11 @@ def _plain(record: Record) -> Strokes:
     return Strokes(pressures, (), (round_number(fast / 20.0), fast), bottom_mm=bottom)
 
 
-def _pressures(record: Record) -> tuple[float, ...]:
-    """Five pressures over 5:1."""
+def _pressures(record: Record, count: int) -> tuple[float, ...]:
+    """Pressures over 5:1."""
     top = float(record.levels[-1])
     top = max(top, min(2.0 * top, USUAL_MPA))
-    return tuple(float(f"{p:.2g}") for p in np.geomspace(top / 5.0, top, 5))
+    return tuple(float(f"{p:.2g}") for p in np.geomspace(top / 5.0, top, count))
 
 
 def _within_reach(strokes: Strokes, record: Record, model: Model, values: dict[str, float]) -> Strokes:
