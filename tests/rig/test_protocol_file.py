@@ -100,8 +100,8 @@ def test_the_heater_warms_until_the_middle_and_lets_cool():
     time = np.linspace(20.0, 120.0, 101)
     warm = Protocol(warming_K=15.0).heating(time)
     assert warm[50] == pytest.approx(15.0) == warm.max() and warm[[0, -1]] == pytest.approx(0.0, abs=1e-12)
-    plan = Plan(3, protocol=Protocol((0.3, 0.5), (10.0,), warming_K=15.0))
-    heated, plain = (make_record(p) for p in (plan, replace(plan, protocol=Protocol((0.3, 0.5), (10.0,)))))
+    plain, warmed = (Protocol((0.3, 0.4, 0.5), (10.0,), warming_K=rise) for rise in (0.0, 15.0))
+    heated, plain = (make_record(Plan(3, protocol=p)) for p in (warmed, plain))
     gap = heated.column("temperature_C") - plain.column("temperature_C")
     assert gap.max() == pytest.approx(15.0, abs=0.05)
 
