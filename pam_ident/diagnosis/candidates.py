@@ -75,7 +75,7 @@ def _plain(record: Record) -> Strokes:
     if inputs.stroke_speed is not None and inputs.moving is not None and inputs.moving.any():
         speeds = inputs.stroke_speed[inputs.moving]
     fast = round_number(max(4.0 * float(np.median(speeds)), float(np.quantile(speeds, 0.95))))
-    pressures = tuple(float(p) for p in np.unique([levels[0], levels[len(levels) // 2], levels[-1]]))
+    pressures = tuple(float(f"{p:.2g}") for p in np.unique([levels[0], levels[len(levels) // 2], levels[-1]]))
     return Strokes(pressures, (), (round_number(fast / 20.0), fast), bottom_mm=bottom)
 
 
@@ -100,7 +100,7 @@ def _within_reach(strokes: Strokes, record: Record, model: Model, values: dict[s
 
 def _end(pressure: float, longest: float, record: Record, model: Model, values: dict[str, float]) -> float:
     """Where a stroke ends at a pressure, in mm: where it did in the record, or where the law's force does."""
-    measured = np.isclose(record.level, pressure)
+    measured = np.isclose(record.level, pressure, rtol=0.03)
     if measured.any():
         end = float(np.max(record.inputs.displacement_mm[measured]))
     else:

@@ -133,9 +133,10 @@ def _aim(split: Sequence[Separation]) -> str:
 def _promise(found: Sequence[Separation], minutes: float) -> str:
     """What a run is predicted to show, with numbers, and what it leaves open."""
     far = [s for s in found if s.standard_errors >= BARELY]
-    said = ", ".join(f"{s.effect} from {s.rival or 'nothing'} by {s.standard_errors:.0f}" for s in far)
+    said = ", ".join(f"{s.effect}{f' from {s.rival}' if s.rival else ''} by {s.standard_errors:.0f}" for s in far)
     open_ = " and ".join(f"{s.effect} and {s.rival}" for s in found if s.rival and s not in far)
-    text = f"In {minutes:.0f} minutes it would separate {said} standard errors."
+    verb = "separate" if far[0].rival else "show"
+    text = f"In {minutes:.0f} minutes it would {verb} {said} standard errors."
     return f"{text} It would leave {open_} together." if open_ else text
 
 
