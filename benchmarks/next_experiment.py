@@ -42,36 +42,45 @@ SUBJECTS = [
 ]
 
 
+VARIED = {
+    "pressure": ("pressures_MPa", "tops_mm"),
+    "hold": ("hold_s",),
+    "reversal": ("minor_loops_mm",),
+    "cycles": ("cycles_per_speed",),
+    "temperature": ("warming_K",),
+}
+WAYS = ("chosen", "random", "rule")
+
+
 def main(seeds: int) -> None:
-    print("poor record | law | hidden | records | confused | chosen | random | old rule | minutes |", flush=True)
-    for name, protocol, law, hidden in SUBJECTS:
-        trials = [trial(protocol, law, hidden, 900 + k) for k in range(seeds)]
-        open_ = [t for t in trials if t]
-        counts = " | ".join(str(sum(t[way] for t in open_)) for way in ("chosen", "random", "rule"))
-        minutes = np.median([t["minutes"] for t in open_]) if open_ else 0.0
-        print(f"{name} | {law} | {hidden} | {len(trials)} | {len(open_)} | {counts} | {minutes:.0f} |", flush=True)
+    print("| poor record | law | hidden | open | chosen | random | old rule | minutes: chosen, random, old rule |")
+    for row, (name, protocol, law, hidden) in enumerate(SUBJECTS):
+        trials = [trial(protocol, law, hidden, 900 + k, row) for k in range(seeds)]
+        left = [t for t in trials if t]
+        counts = " | ".join(str(sum(t[way][0] for t in left)) for way in WAYS)
+        minutes = ", ".join(f"{np.median([t[way][1] for t in left]):.0f}" if left else "-" for way in WAYS)
+        print(f"| {name} | {law} | {hidden} | {len(left)} of {seeds} | {counts} | {minutes} |", flush=True)
 
 
-def trial(protocol: Protocol, law: str, hidden: str, seed: int) -> dict[str, float]:
-    """Whether each way to choose a run split the confusion; empty where the poor record was clear."""
+def trial(protocol: Protocol, law: str, hidden: str, seed: int, row: int) -> dict[str, tuple[bool, float]]:
+    """Whether each way to choose a run split it, and the minutes of the run; empty where the poor record was clear."""
     secret, warming = Secret(hidden, "textbook", 2.0), hidden == "thermal_softening"
     plan = Plan(seed, law, (secret,), protocol=protocol, warming=warming)
     record, first = answer(plan)
     if not first.selected or (first.selected == (hidden,) and not first.groups):
         return {}
     runs = candidates(record, Model.build(law), first.base.values)
-    experiment = first.next_experiment
+    draw = np.random.default_rng([seed, row]).integers(len(runs))
     ways = {
-        "chosen": experiment.protocol if experiment else None,
-        "random": at_own_speed(runs, int(np.random.default_rng(seed).integers(len(runs))), record),
-        "rule": at_own_speed(runs, old_rule(first, runs), record),
+        "chosen": first.next_experiment.protocol if first.next_experiment else None,
+        "random": runs[draw].strokes,
+        "rule": old_rule(first, runs),
     }
     known: dict[Strokes | None, bool] = {None: False}
     for strokes in ways.values():
         if strokes not in known:
             known[strokes] = splits(strokes, plan, hidden)
-    minutes = experiment.minutes if experiment else None
-    return {way: known[strokes] for way, strokes in ways.items()} | {"minutes": minutes or 0.0}
+    return {way: (known[s], Candidate((), s).minutes if s else 0.0) for way, s in ways.items()}
 
 
 def splits(strokes: Strokes, plan: Plan, hidden: str) -> bool:
@@ -86,12 +95,6 @@ def splits(strokes: Strokes, plan: Plan, hidden: str) -> bool:
     return again.selected == (hidden,) and not again.groups
 
 
-def at_own_speed(runs: list[Candidate], k: int, record: Record) -> Strokes:
-    """A run at the record's own speeds, unless speed is what it varies: candidates have two speeds in any case."""
-    speeds = sorted({float(f"{v:.1g}") for v in record.inputs.stroke_speed[record.inputs.moving]})
-    return runs[k].strokes if k < 2 else replace(runs[k].strokes, speeds_mm_s=tuple(speeds))
-
-
 def answer(plan: Plan) -> tuple[Record, Diagnosis]:
     with TemporaryDirectory() as folder:
         write_case(folder, make_record(plan))
@@ -99,20 +102,37 @@ def answer(plan: Plan) -> tuple[Record, Diagnosis]:
     return record, diagnose(Model.build(plan.law), record)
 
 
-def old_rule(first: Diagnosis, runs: list[Candidate]) -> int:
-    """Number of the run for the first lever that the group does not share and the record does not vary, as in 0.1."""
-    members = [catalogue()[name] for name in (first.groups[0] if first.groups else first.selected)]
+def old_rule(first: Diagnosis, runs: list[Candidate]) -> Strokes | None:
+    """All that the rule of until now asks for, in one run: each lever that the first group does not share and the
+    record does not vary; the rest as in the record."""
+    if not first.groups:
+        return None
+    record, effects = first.base.record, catalogue()
+    members = [effects[name] for name in first.groups[0]]
     levers = list(dict.fromkeys(lever for m in members for lever in m.levers))
     shared = [lever for lever in levers if all(lever in m.levers for m in members)]
-    inputs = first.base.record.inputs
-    lacking = {"temperature"} if inputs.temperature is None else set()
-    lacking |= {"speed"} if one_speed(first.base.record) else set()
-    lacking |= {"pressure"} if len(first.base.record.levels) < 3 else set()
-    lacking |= {"hold"} if np.mean(~inputs.moving) < 0.05 else set()
-    wanted = [v for v in levers if v in lacking] or [v for v in levers if v not in shared] or levers
-    if "speed" in wanted[:1]:
-        return 0
-    return next((k for v in wanted for k, run in enumerate(runs) if k > 1 and v in run.vary), 0)
+    kin = any(a.name == b.special_case_of for a in members for b in members)
+    splitting = shared if kin else [v for v in levers if v not in shared]
+    wanted = [v for v in levers if v in lacking(record)] or splitting or levers
+    speeds = tuple(sorted({float(f"{v:.1g}") for v in record.inputs.stroke_speed[record.inputs.moving]}))
+    plain = runs[0].strokes
+    run = plain if "speed" in wanted else replace(plain, speeds_mm_s=speeds)
+    for lever, fields in VARIED.items():
+        like = next((c.strokes for c in runs[2:] if lever in c.vary), None)
+        if lever in wanted and like is not None:
+            run = replace(run, **{field: getattr(like, field) for field in fields})
+    return run
+
+
+def lacking(record: Record) -> set[str]:
+    """What a record does not vary, as the old rule had it."""
+    inputs = record.inputs
+    found = {"speed"} if one_speed(record) else set()
+    found |= {"pressure"} if len(record.levels) < 3 else set()
+    found |= {"hold"} if np.mean(~inputs.moving) < 0.05 else set()
+    found |= {"temperature"} if inputs.temperature is None or np.ptp(inputs.temperature) < 5.0 else set()
+    found |= {"cycles"} if len(np.unique(inputs.cycle)) < 3 else set()
+    return found
 
 
 if __name__ == "__main__":
