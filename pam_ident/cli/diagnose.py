@@ -7,7 +7,7 @@ import typer
 from . import options, text
 
 if TYPE_CHECKING:
-    from ..diagnosis.nouns import Diagnosis
+    from ..diagnosis.nouns import Diagnosis, Experiment
 
 STATUS = {"absorbed_by_law": "absorbed by the law", "not_excited": "not shown by this record"}
 
@@ -23,12 +23,23 @@ def diagnose(
     free_geometry: options.FreeGeometry = False,
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
+    protocol: Annotated[
+        str | None,
+        typer.Option(
+            "--protocol",
+            metavar="FILE.toml",
+            help="Write the next experiment's protocol, for `rig --protocol`; one record only.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Say which effect is missing, or that none is.
 
     Several records get an answer each.
     """
     options.check_json(json)
+    if protocol is not None:
+        check_protocol(protocol, record)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..workflow.diagnose_records import diagnose_records
     from ..workflow.files import write_json, write_json_lines
@@ -42,6 +53,8 @@ def diagnose(
             continue
         answers.append(diagnosis_json(path, found))
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *describe(found))
+        if protocol is not None:
+            text.say(write_protocol(protocol, found.next_experiment))
     if json is not None and len(record) == 1:
         for answer in answers:
             write_json(json, answer)
@@ -49,6 +62,28 @@ def diagnose(
         write_json_lines(json, answers)
     if code:
         raise typer.Exit(code)
+
+
+def check_protocol(path: str, records: list[str]) -> None:
+    """Refuse a protocol file before anything is computed: for several records, or where it cannot be written."""
+    from ..core import UsageError
+    from ..workflow.files import check_target
+
+    if len(records) > 1:
+        raise UsageError(f"--protocol {path}: one file for {len(records)} records; give one record")
+    check_target(path, (".toml",))
+
+
+def write_protocol(path: str, experiment: "Experiment | None") -> str:
+    """Write the next experiment's protocol where it has one; a line that says so, or why not."""
+    if experiment is None or experiment.protocol is None:
+        return "no protocol written: " + (
+            "nothing is open here" if experiment is None else "no run of strokes decides it"
+        )
+    from ..workflow.files import write_whole
+
+    write_whole(path, experiment.protocol.toml(experiment.text))
+    return f"protocol: {path}"
 
 
 def describe(found: "Diagnosis") -> list[str]:

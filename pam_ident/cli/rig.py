@@ -14,12 +14,57 @@ def rig(
     only: Annotated[
         str | None, typer.Option("--only", metavar="KIND", help="Cases of one kind only.", show_default=False)
     ] = None,
+    protocol: Annotated[
+        str | None,
+        typer.Option(
+            "--protocol",
+            metavar="FILE.toml",
+            help="One record of this protocol instead, such as `diagnose --protocol` writes.",
+            show_default=False,
+        ),
+    ] = None,
+    law: Annotated[
+        str | None,
+        typer.Option("--law", metavar="LAW", help="With --protocol: the muscle's law.", show_default=False),
+    ] = None,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--effect",
+            metavar="NAME[:FORM]",
+            help="With --protocol: effect to hide; repeatable.",
+            show_default=False,
+        ),
+    ] = None,
+    size: Annotated[
+        float | None,
+        typer.Option(
+            "--size",
+            metavar="R",
+            help="With --protocol: what each effect leaves in the standard protocol, in multiples of the noise (3).",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Write simulated records with hidden physics.
 
-    Their answers are sealed in truth.json, to examine a diagnosis with.
+    Their answers are sealed in truth.json, to examine a diagnosis with. With --protocol one record is written, with the
+    effects that --effect names; the same seed is the same muscle whatever the protocol.
     """
-    from ..workflow.write_challenge import write_challenge
+    from ..core import UsageError
 
-    count = write_challenge(folder, n, seed, only, lambda line: typer.echo(line, err=True))
-    text.say(f"{count} cases in {folder}, answers in truth.json")
+    if protocol is None:
+        given = [name for name, value in (("--law", law), ("--effect", effect), ("--size", size)) if value]
+        if given:
+            raise UsageError(f"{', '.join(given)} without --protocol FILE.toml; add it, or leave {given[0]} out")
+        from ..workflow.write_challenge import write_challenge
+
+        count = write_challenge(folder, n, seed, only, lambda line: typer.echo(line, err=True))
+        text.say(f"{count} cases in {folder}, answers in truth.json")
+        return
+    if only is not None or law is None:
+        raise UsageError("--protocol makes one record of one muscle: give its --law, and no --only")
+    from ..workflow.run_protocol import run_protocol
+
+    truth = run_protocol(folder, protocol, law, effect or (), seed, 3.0 if size is None else size)
+    text.say(f"{folder}/record.csv: {truth['n']} samples, answers in truth.json")

@@ -1,6 +1,5 @@
-"""What a record cannot tell apart, and the test that would."""
+"""What a record cannot tell apart."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +7,6 @@ import numpy as np
 from ..effects import Effect
 from ..model import Term
 from ..records import Record
-from .nouns import Experiment
 from .search import Choice, Compressed
 from .trial import Trial, Verdict
 
@@ -94,49 +92,3 @@ def _best_costs(trial: Trial, data: Compressed, priced: bool = True) -> dict[str
         if cost < best.get(atom.effect, (np.inf, 0))[0]:
             best[atom.effect] = (cost, k)
     return best
-
-
-def next_experiment(record: Record, found: Sequence[Sequence[str]], effects: dict[str, Effect]) -> Experiment | None:
-    """The test that splits the first group: what its members respond to differently and the record lacks."""
-    if not found:
-        return None
-    members = [effects[name] for name in found[0] if name in effects]
-    levers = list(dict.fromkeys(lever for member in members for lever in member.levers))
-    shared = [lever for lever in levers if all(lever in m.levers for m in members)]
-    lacking = _lacking(record)
-    kin = any(a.name == b.special_case_of for a in members for b in members)
-    splitting = shared if kin else [v for v in levers if v not in shared]
-    ordered = [v for v in levers if v in lacking] or splitting or levers
-    if not ordered:
-        return None
-    words = {
-        "speed": f"repeat {_middle(record):g} MPa at two speeds at least ten times apart, such as 2 and 40 mm/s",
-        "pressure": "repeat the strokes at pressures over 4:1, such as 0.1 and 0.5 MPa",
-        "hold": "hold the length for 1, 10 and 100 s after a stroke and log the force",
-        "reversal": f"drive minor loops of 1, 3 and 10 mm at {_middle(record):g} MPa, at one slow speed",
-        "temperature": "log the temperature and repeat the protocol 15 K warmer",
-        "cycles": "run ten cycles, rest for an hour, and run the first again",
-    }
-    text = "; ".join(words.get(v, v) for v in ordered)
-    return Experiment(tuple(ordered), f"To tell {' from '.join(found[0])}: {text}.")
-
-
-def _middle(record: Record) -> float:
-    return float(record.levels[len(record.levels) // 2])
-
-
-def _lacking(record: Record) -> set[str]:
-    """What a record does not vary, in the words of the contract."""
-    inputs = record.inputs
-    lacking = set()
-    if one_speed(record) or inputs.velocity is None:
-        lacking.add("speed")
-    if len(record.levels) < 3:
-        lacking.add("pressure")
-    if inputs.moving is None or np.mean(~inputs.moving) < 0.05:
-        lacking.add("hold")
-    if inputs.temperature is None or np.ptp(inputs.temperature) < 5.0:
-        lacking.add("temperature")
-    if inputs.cycle is None or len(np.unique(inputs.cycle)) < 3:
-        lacking.add("cycles")
-    return lacking

@@ -9,11 +9,12 @@ from ..effects import Effect, catalogue
 from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record
-from .confounding import groups, next_experiment
+from .confounding import groups
 from .deliberate import investigate
 from .dictionary import Atom
+from .experiment import after_pattern, next_experiment
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
-from .nouns import Diagnosis, Experiment, Pattern, Suspect
+from .nouns import Diagnosis, Pattern, Suspect
 from .patterns import KINDS
 from .probability import probabilities
 from .trial import Trial, Verdict
@@ -47,7 +48,7 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
     ranking = _ranking(trial, suspects, selected, probabilities(trial, classes))
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
-    experiment = _after_pattern(pattern, record) if pattern else next_experiment(record, classes, known)
+    experiment = after_pattern(pattern, trial, verdict) if pattern else next_experiment(trial, verdict, classes)
     labels = tuple(t.label for t in named)
     shaped = any(not t.effect.candidate for t in verdict.terms)
     noise = trial.noise_left_by(verdict) if shaped else trial.noise
@@ -162,29 +163,6 @@ def _alone_exactly(trial: Trial, atom: Atom) -> tuple[float, float]:
         return math.nan, math.nan
     whole = fit(model, trial.record, detail=False)
     return whole.rmse, heldout_rmse(model, trial.record, whole)
-
-
-def _after_pattern(pattern: Pattern, record: Record) -> Experiment:
-    """What to do about a pattern that no known effect explains."""
-    middle = float(record.levels[len(record.levels) // 2])
-    words = {
-        "periodic": (
-            ("speed",),
-            f"repeat {middle:g} MPa at another speed: "
-            "a ripple of the screw keeps its period in mm, one of the supply its period in s",
-        ),
-        "local": (
-            ("reversal",),
-            f"drive short strokes through the place at {middle:g} MPa with the muscle turned "
-            "about its axis: a rub moves or goes",
-        ),
-        "step": (("cycles",), "mark the clamps and repeat the last isobar: a slipped mount shows as a shifted length"),
-        "trend": (("cycles",), "tare before and after, and repeat the first isobar at the end"),
-    }
-    vary, text = words.get(
-        pattern.kind, (("pressure",), "repeat the record on a second specimen: what stays is the rig's")
-    )
-    return Experiment(vary, text[0].upper() + text[1:] + ".")
 
 
 def _sentence(

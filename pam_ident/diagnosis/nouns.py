@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..fitting import Fit
+from .strokes import Strokes
 
 Array = np.ndarray
 
@@ -94,11 +95,24 @@ class Pattern:
 
 
 @dataclass(frozen=True)
+class Separation:
+    """How far a run would set an effect apart from a rival, or from nothing (None), in standard errors of the noise."""
+
+    effect: str
+    rival: str | None
+    standard_errors: float
+
+
+@dataclass(frozen=True)
 class Experiment:
-    """The next test on the rig: what to vary, and in words."""
+    """The next test on the rig: what to vary, in words, and where it is a run of strokes, what that is predicted to
+    show, its rig time in minutes and its protocol."""
 
     vary: tuple[str, ...]
     text: str
+    predicted: tuple[Separation, ...] = ()
+    minutes: float | None = None
+    protocol: Strokes | None = None
 
 
 @dataclass(frozen=True)

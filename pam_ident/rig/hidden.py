@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -66,6 +66,13 @@ def draw_hidden(
     settings, force = known[name][form](course, muscle, rng)
     size, left = _fit_size(force, course, muscle, left_N, LARGEST.get(f"{name}/{form}", LARGEST.get(name)))
     return Hidden(name, form, settings, size, force(size), left)
+
+
+def carry_over(hidden: Hidden, course: Course, muscle: Muscle, rng: np.random.Generator) -> Hidden:
+    """The same effect of the same size on another course; `rng` as it was when the effect was drawn."""
+    _, force = {**EFFECTS, **UNKNOWNS}[hidden.name][hidden.form](course, muscle, rng)
+    added = force(hidden.size)
+    return replace(hidden, force=added, left_N=left_after_refit(added, course, muscle))
 
 
 def left_after_refit(force: Array, course: Course, muscle: Muscle) -> float:

@@ -8,12 +8,15 @@ with memory (creep, lag, presliding) go on while nobody logs.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import cycle, islice
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .muscle import Array, Muscle
 
+T = TypeVar("T", int, float)
 LEAD_S, TRAIL_S = 0.15, 0.05  # unlogged beginning and end of a hold
 
 
@@ -47,51 +50,110 @@ class Course:
 
 @dataclass(frozen=True)
 class Protocol:
-    """Pressures (MPa), speeds (mm/s), cycles for each speed, hold (s) at each end, rows of each."""
+    """Pressures (MPa), speeds (mm/s), cycles for each speed, hold (s) at each end, rows of each.
+
+    `hold_s` and `hold_rows` may be lists, whose holds then follow the half cycles in turn. A stroke ends at zero
+    force, or at `stroke_share` of the length, or within `stroke_mm` (from, to) where that is given. `minor_loops_mm`
+    are driven from the middle of the stroke at each speed, each `cycles_per_speed` times; `warming_K` warms the
+    muscle by so much until the middle of the run and lets it cool again. Raises ValueError for what no rig can run.
+    """
 
     pressures_MPa: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.5)
     speeds_mm_s: tuple[float, ...] = (2.0, 10.0, 40.0)
     cycles_per_speed: int = 3
-    hold_s: float = 4.0
+    hold_s: float | tuple[float, ...] = 4.0
     move_rows: int = 40
-    hold_rows: int = 12
+    hold_rows: int | tuple[int, ...] = 12
     gap_s: float = 20.0
     stroke_share: float = 0.28
+    stroke_mm: tuple[float, float] | None = None
+    minor_loops_mm: tuple[float, ...] = ()
+    warming_K: float = 0.0
     unevenness: float = 0.14
     substeps: int = 8
 
     def __post_init__(self) -> None:
-        if not self.pressures_MPa or min(self.pressures_MPa) <= 0:
-            raise ValueError(f"pressures_MPa = {self.pressures_MPa}: at least one, all above zero")
-        if not self.speeds_mm_s or min(self.speeds_mm_s) <= 0:
-            raise ValueError(f"speeds_mm_s = {self.speeds_mm_s}: at least one, all above zero")
+        for name in ("pressures_MPa", "speeds_mm_s"):
+            if not getattr(self, name) or min(getattr(self, name)) <= 0:
+                raise ValueError(f"{name} = {getattr(self, name)}: at least one, all above zero")
         if self.cycles_per_speed < 1 or self.move_rows < 5 or self.substeps < 1:
-            raise ValueError("a protocol needs a cycle, five rows a move and one substep")
-        if self.hold_rows and self.hold_s < 0.5:
+            raise ValueError("a protocol needs cycles_per_speed of 1, move_rows of 5 and one substep at least")
+        seconds, rows = _listed(self.hold_s), _listed(self.hold_rows)
+        if not seconds or min(rows, default=-1) < 0 or len(rows) not in (1, len(seconds)):
+            raise ValueError(f"hold_rows = {self.hold_rows}: one number of rows, or one for each of hold_s")
+        if any(r and s < 0.5 for s, r in self.holds):
             raise ValueError(f"hold_s = {self.hold_s}: rows in a hold need at least 0.5 s")
+        if self.stroke_mm is not None and not self.stroke_mm[0] < self.stroke_mm[1]:
+            raise ValueError(f"stroke_mm = {self.stroke_mm}: from, to, where the stroke contracts")
+        if min(self.minor_loops_mm, default=1.0) <= 0 or self.gap_s <= 0:
+            raise ValueError("minor_loops_mm and gap_s: above zero")
+
+    @property
+    def holds(self) -> tuple[tuple[float, int], ...]:
+        """Seconds and rows of the holds that follow the half cycles in turn."""
+        seconds, rows = _listed(self.hold_s), _listed(self.hold_rows)
+        return tuple(zip(seconds, rows * len(seconds), strict=False))
 
     @property
     def n_rows(self) -> int:
         """Rows of the record."""
-        halves = 2 * len(self.pressures_MPa) * len(self.speeds_mm_s) * self.cycles_per_speed
-        return halves * (self.move_rows + self.hold_rows)
+        sets = len(self.pressures_MPa) * len(self.speeds_mm_s)
+        halves = 2 * sets * self.cycles_per_speed
+        minor = 2 * sets * (1 + self.cycles_per_speed * len(self.minor_loops_mm)) if self.minor_loops_mm else 0
+        return (halves + minor) * self.move_rows + sum(rows for _, rows in islice(cycle(self.holds), halves))
 
     def run(self, muscle: Muscle, rng: np.random.Generator) -> Course:
         """The course of a run with the pressures in random order (temperature still flat)."""
         log = _Log(self, muscle.specimen.initial_length_mm)
         order = [float(p) for p in rng.permutation(self.pressures_MPa)]
-        at, before = muscle.stroke_mm(order[0], self.stroke_share), order[0]
+        at, before = self._stroke(muscle, order[0])[1], order[0]
         for number, pressure in enumerate(order):
-            top = muscle.stroke_mm(pressure, self.stroke_share)
+            bottom, top = self._stroke(muscle, pressure)
             log.gap(at, top, before, pressure, number)
             for speed in self.speeds_mm_s:
                 for _ in range(self.cycles_per_speed):
                     log.start_cycle()
-                    for start, end in ((top, 0.0), (0.0, top)):
+                    for start, end in ((top, bottom), (bottom, top)):
                         log.move(start, end, speed)
                         log.hold(end)
+                if self.minor_loops_mm:
+                    self._minor_loops(log, bottom, top, speed)
             at, before = top, pressure
         return log.course()
+
+    def heating(self, time: Array) -> Array:
+        """Warming (K) at instants (m,) by the heater: up to the middle of the run and down again."""
+        return self.warming_K * np.sin(np.pi * (time - time[0]) / (time[-1] - time[0])) ** 2
+
+    def _stroke(self, muscle: Muscle, pressure: float) -> tuple[float, float]:
+        """Ends of the stroke (mm) at a pressure."""
+        if self.stroke_mm is None:
+            return 0.0, muscle.stroke_mm(pressure, self.stroke_share)
+        bottom, end = self.stroke_mm
+        top = muscle.stroke_mm(pressure, end / muscle.specimen.initial_length_mm)
+        if top - bottom < 1.0:
+            raise ValueError(f"stroke_mm = {self.stroke_mm}: the muscle pulls up to {top:.1f} mm at {pressure:g} MPa")
+        return bottom, top
+
+    def _minor_loops(self, log: _Log, bottom: float, top: float, speed: float) -> None:
+        """From the end of the stroke to its middle, the loops there, and back."""
+        middle = 0.5 * (bottom + top)
+        log.start_cycle()
+        log.move(top, middle, speed)
+        log.rest(middle)
+        for size in self.minor_loops_mm:
+            end = min(middle + size, top)
+            for _ in range(self.cycles_per_speed):
+                log.start_cycle()
+                for a, b in ((middle, end), (end, middle)):
+                    log.move(a, b, speed)
+                    log.rest(b)
+        log.move(middle, top, speed)
+        log.rest(top)
+
+
+def _listed(value: T | tuple[T, ...]) -> tuple[T, ...]:
+    return value if isinstance(value, tuple) else (value,)
 
 
 @dataclass
@@ -105,6 +167,7 @@ class _Log:
     cycle: int = 0
     count: int = 0
     isobar: int = 0
+    held: int = 0
     pieces: list[Array] = field(default_factory=list)
 
     def start_cycle(self) -> None:
@@ -158,22 +221,28 @@ class _Log:
         self.clock += duration
 
     def hold(self, x: float) -> None:
-        """A hold: a little unlogged rest, the rows, a little rest; without rows only the last."""
-
-        def still(after: Array, logged: Array) -> None:
-            self._put(after, x + 0 * after, 0 * after, 0.0, logged)
-
+        """The next hold: a little unlogged rest, the rows, a little rest; without rows only the last."""
+        seconds, rows = self.protocol.holds[self.held % len(self.protocol.holds)]
+        self.held += 1
         k = self.protocol.substeps
-        if self.protocol.hold_rows:
+        if rows:
             lead = LEAD_S / k * np.arange(1, k)
-            s, logged = self._marks(self.protocol.hold_rows)
-            still(lead, 0 * lead)
-            span = self.protocol.hold_s - LEAD_S - TRAIL_S
-            still(LEAD_S + s * span, logged)
+            s, logged = self._marks(rows)
+            self._still(x, lead, 0 * lead)
+            span = seconds - LEAD_S - TRAIL_S
+            self._still(x, LEAD_S + s * span, logged)
             self.clock += LEAD_S + span
+        self.rest(x)
+
+    def rest(self, x: float) -> None:
+        """The little rest that ends each hold and parts two moves."""
+        k = self.protocol.substeps
         trail = TRAIL_S / k * np.arange(1, k)
-        still(trail, 0 * trail)
+        self._still(x, trail, 0 * trail)
         self.clock += TRAIL_S
+
+    def _still(self, x: float, after: Array, logged: Array) -> None:
+        self._put(after, x + 0 * after, 0 * after, 0.0, logged)
 
     def course(self) -> Course:
         t, x, v, p, moving, cycle, count, isobar, logged = np.concatenate(self.pieces, axis=1)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from .hidden import Hidden, TooSmall, draw_hidden
+from .hidden import Hidden, TooSmall, carry_over, draw_hidden
 from .muscle import Array, Muscle, draw_muscle, draw_specimen
-from .protocol import PROTOCOLS, Course
+from .protocol import PROTOCOLS, Course, Protocol
 from .refit import law_residual, rms
 from .sensors import Sensors, temperature_course
 
@@ -37,13 +37,17 @@ class Secret:
 
 @dataclass(frozen=True)
 class Plan:
-    """Everything a record follows from; the same plan gives the same record."""
+    """Everything a record follows from; the same plan gives the same record.
+
+    `protocol` is one of PROTOCOLS by name, on which effects are then sized, or a Protocol of one's own. There they have
+    the size that they need in the standard protocol, so that a seed is the same muscle whatever is done with it.
+    """
 
     seed: int
     law: str = "exponential_law"
     secrets: tuple[Secret, ...] = ()
     unknown: Secret | None = None
-    protocol: str = "standard"
+    protocol: str | Protocol = "standard"
     sigma_N: float = 2.0
     noise: str = "white"
     warming: bool = False
@@ -51,7 +55,7 @@ class Plan:
     tier: int = 1
 
     def __post_init__(self) -> None:
-        if self.protocol not in PROTOCOLS:
+        if isinstance(self.protocol, str) and self.protocol not in PROTOCOLS:
             raise ValueError(f"protocol {self.protocol!r}: the rig has {', '.join(PROTOCOLS)}")
         if not self.sigma_N > 0:
             raise ValueError(f"sigma_N = {self.sigma_N}: sizes are multiples of the noise, so there must be some")
@@ -82,25 +86,37 @@ def _stream(seed: int, *path: int) -> np.random.Generator:
     return np.random.default_rng([seed, *path])
 
 
-def _hide(secret: Secret, place: int, plan: Plan, course: Course, muscle: Muscle) -> Hidden:
+def _hide(secret: Secret, place: int, plan: Plan, sized_on: Course, course: Course, muscle: Muscle) -> Hidden:
     for attempt in range(ATTEMPTS):
-        rng = _stream(plan.seed, 3, place, attempt)
+        path = (3, place, attempt)
         try:
-            return draw_hidden(secret.name, secret.form, course, muscle, rng, secret.ratio * plan.sigma_N)
+            found = draw_hidden(
+                secret.name, secret.form, sized_on, muscle, _stream(plan.seed, *path), secret.ratio * plan.sigma_N
+            )
         except TooSmall:
             if attempt == ATTEMPTS // 2 - 1:
                 secret = replace(secret, ratio=max(secret.ratio / 2, 0.7))
+        else:
+            return found if course is sized_on else carry_over(found, course, muscle, _stream(plan.seed, *path))
     raise TooSmall(f"{secret.name} ({secret.form}) cannot leave {secret.ratio:.2g} times the noise in this record")
+
+
+def _run(plan: Plan, protocol: Protocol, muscle: Muscle, warming: bool) -> Course:
+    course = protocol.run(muscle, _stream(plan.seed, 2))
+    room = temperature_course(course.time, _stream(plan.seed, 4), warming)
+    return replace(course, temperature=room + protocol.heating(course.time))
 
 
 def make_record(plan: Plan) -> Record:
     """Runs the rig; effects that act together are added up (their interplay is of second order)."""
-    protocol = PROTOCOLS[plan.protocol]
     muscle = draw_muscle(_stream(plan.seed, 0), plan.law, draw_specimen(_stream(plan.seed, 1), plan.other_specimen))
-    course = protocol.run(muscle, _stream(plan.seed, 2))
-    course = replace(course, temperature=temperature_course(course.time, _stream(plan.seed, 4), plan.warming))
+    if isinstance(plan.protocol, str):
+        course = sized_on = _run(plan, PROTOCOLS[plan.protocol], muscle, plan.warming)
+    else:
+        course = _run(plan, plan.protocol, muscle, plan.warming)
+        sized_on = _run(plan, PROTOCOLS["standard"], muscle, True)
     secrets = plan.secrets + ((plan.unknown,) if plan.unknown else ())
-    hidden = tuple(_hide(s, i, plan, course, muscle) for i, s in enumerate(secrets))
+    hidden = tuple(_hide(s, i, plan, sized_on, course, muscle) for i, s in enumerate(secrets))
 
     rows, rng = course.rows, _stream(plan.seed, 5)
     time, p, eps = course.time[rows], course.pressure[rows], course.eps[rows]
@@ -160,7 +176,7 @@ def write_case(folder: str | Path, record: Record) -> dict[str, object]:
         "size_ratio": {h.name: h.left_N / plan.sigma_N for h in record.hidden},
         "sizes": {h.name: h.size for h in record.hidden},
         "settings": {h.name: h.settings for h in record.hidden},
-        "protocol": plan.protocol,
+        "protocol": plan.protocol if isinstance(plan.protocol, str) else "file",
         "seed": plan.seed,
     }
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Ladder, Pattern, Region
+    from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Experiment, Ladder, Pattern, Region
     from ..fitting import Fit
     from ..fitting.fit import Estimate
     from .add_effects import Addition
@@ -149,7 +149,6 @@ def _region(one: "Region") -> Json:
 
 def diagnosis_json(record: str, diagnosis: "Diagnosis") -> Json:
     """Schema pam-ident/diagnosis/1."""
-    experiment = diagnosis.next_experiment
     return {
         "schema": "pam-ident/diagnosis/1",
         "record": record,
@@ -174,7 +173,21 @@ def diagnosis_json(record: str, diagnosis: "Diagnosis") -> Json:
         "heldout_rmse_N": diagnosis.heldout_rmse,
         "heldout_rmse_after_N": diagnosis.heldout_rmse_after,
         "pattern": _pattern(diagnosis.pattern),
-        "next_experiment": None if experiment is None else {"vary": list(experiment.vary), "text": experiment.text},
+        "next_experiment": _experiment(diagnosis.next_experiment),
+    }
+
+
+def _experiment(experiment: "Experiment | None") -> Json | None:
+    if experiment is None:
+        return None
+    return {
+        "vary": list(experiment.vary),
+        "text": experiment.text,
+        "predicted": [
+            {"effect": s.effect, "rival": s.rival, "standard_errors": s.standard_errors} for s in experiment.predicted
+        ],
+        "minutes": experiment.minutes,
+        "protocol": None if experiment.protocol is None else experiment.protocol.table(),
     }
 
 

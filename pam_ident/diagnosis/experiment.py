@@ -1,0 +1,168 @@
+"""The next experiment: the shortest run that is predicted to separate what a record leaves together.
+
+Each candidate run is predicted with the effect that was found; then its rivals, in all their forms and with the law
+fitted anew, try to follow it. What they cannot follow, in squared standard errors of the record's noise, is how well
+the run would separate them: the T-criterion of Atkinson & Fedorov 1975, Biometrika 62, 57–70, linearised. A run is
+judged by itself, for so it will be diagnosed: that an effect stays away in it decides nothing.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..core import Inputs
+from ..effects import Effect
+from ..model import Term
+from ..records import Record
+from .candidates import Candidate, candidates
+from .dictionary import Atom, atoms_at, closer
+from .noise import Noise, filter_gains
+from .nouns import Experiment, Pattern, Separation
+from .trial import Trial, Verdict, View
+
+Array = np.ndarray
+ENOUGH = 10.0
+"""Standard errors beyond which a pair counts as separated: more are worth no time on the rig."""
+ALL = 0.9
+"""Share of the most that any run separates which the next one must separate."""
+NEAR = 9
+"""Points at which a rival's shape is searched on each side of the best on its grid."""
+BARELY = 3.0
+"""Standard errors below which a run separates nothing."""
+
+
+def next_experiment(trial: Trial, verdict: Verdict, classes: Sequence[Sequence[str]]) -> Experiment | None:
+    """The shortest run that separates the groups `classes` as well as any, or makes surer what is loosely determined.
+
+    The first name of a group is an effect of the verdict, the others are its rivals. None where nothing is open.
+    """
+    record, known = trial.record, {e.name: e for e in trial.suspects}
+    terms = {t.effect.name: t for t in verdict.terms}
+    questions = [Question(trial, verdict, terms[group[0]], [known[n] for n in group[1:]]) for group in classes]
+    if not questions:
+        alone = [Question(trial, verdict, t, []) for t in verdict.terms if t.effect.candidate]
+        questions = [q for q in alone if q.separations(record.inputs)[0].standard_errors < ENOUGH]
+    if not questions:
+        return None
+    law = replace(trial.base.model, terms=())
+    runs: list[tuple[Candidate, tuple[Separation, ...]]] = []
+    for candidate in sorted(candidates(record, law, verdict.values), key=lambda c: c.minutes):
+        inputs = candidate.strokes.inputs(record.specimen)
+        runs.append((candidate, tuple(s for q in questions for s in q.separations(inputs))))
+        if min(s.standard_errors for s in runs[-1][1]) >= ENOUGH:
+            break
+    least = ALL * max(_worth(found) for _, found in runs)
+    best, found = next(run for run in runs if _worth(run[1]) >= least)
+    split = [s for s in found if s.standard_errors >= BARELY]
+    if not split:
+        return _out_of_reach(questions, found)
+    text = f"To {_aim(split)}: {best.strokes.words()}. {_promise(found, best.minutes)}"
+    return Experiment(best.vary, text, found, best.minutes, best.strokes)
+
+
+class Question:
+    """Whether a run would separate one effect of a verdict from its rivals, or from nothing where there are none."""
+
+    def __init__(self, trial: Trial, verdict: Verdict, term: Term, rivals: Sequence[Effect]) -> None:
+        self.effect, self.rivals, self.noise = term.effect, rivals, trial.noise
+        self.whole = trial.base.model.adding(*verdict.terms)
+        self.rest = trial.base.model.adding(*verdict.without(term))
+        self.values = verdict.values
+
+    def separations(self, inputs: Inputs) -> tuple[Separation, ...]:
+        """Predicted separation from each rival by a run that gives a force law `inputs`."""
+        none = np.zeros(len(inputs), int)
+        force = self.whole.force(inputs, self.values)
+        view = View(Record("run", inputs, force, inputs.pressure, none, none, inputs), self.rest, self.values)
+        noise = _expected(self.noise, inputs)
+        total, left = _left(view, noise, [a for rival in self.rivals for a in view.atoms(rival)])
+        near = [
+            atom
+            for rival in self.rivals
+            for atom in atoms_at(
+                rival, left[rival.name][1].term.form, closer(left[rival.name][1], NEAR), inputs, view.around
+            )
+        ]
+        _, nearer = _left(view, noise, near)
+        squares: dict[str | None, float] = {
+            e.name: min(found[e.name][0] for found in (left, nearer) if e.name in found) for e in self.rivals
+        }
+        squares = squares or {None: total}
+        return tuple(Separation(self.effect.name, name, math.sqrt(square)) for name, square in squares.items())
+
+
+def _left(view: View, noise: Noise, atoms: Sequence[Atom]) -> tuple[float, dict[str, tuple[float, Atom]]]:
+    """Whitened squares of a residual that the law leaves, and that each effect's best atom leaves, with that atom."""
+    data = view.compress(atoms, noise)
+    left: dict[str, tuple[float, Atom]] = {}
+    for k, atom in enumerate(data.atoms):
+        gain, _ = data.solve(data.columns([k]))
+        if atom.effect not in left or data.total - gain < left[atom.effect][0]:
+            left[atom.effect] = (max(data.total - gain, 0.0), atom)
+    return data.total, left
+
+
+def _worth(found: Sequence[Separation]) -> float:
+    return sum(min(s.standard_errors, ENOUGH) ** 2 for s in found)
+
+
+def _expected(noise: Noise, inputs: Inputs) -> Noise:
+    """The record's noise in a run that has not been made."""
+    n = len(inputs)
+    decay, gain, spread = np.zeros(n), np.zeros((n, 1)), np.ones((n, 1))
+    if noise.coloured and inputs.time is not None:
+        advance = np.ones(n) if noise.clock == "samples" else np.diff(inputs.time, prepend=inputs.time[0])
+        decay = np.exp(-advance / noise.memory)
+        decay[0] = 0.0
+        gain, spread = filter_gains(decay[:, None], np.array([noise.share]), np.zeros(n))
+    return replace(noise, decay=decay, gain=gain[:, 0], spread=spread[:, 0], outlier=np.zeros(n, bool))
+
+
+def _aim(split: Sequence[Separation]) -> str:
+    told: dict[str, list[str]] = {}
+    for s in split:
+        told.setdefault(s.effect, []).extend([s.rival] if s.rival else [])
+    parts = [
+        f"tell {name} from {' and '.join(rivals)}" if rivals else f"measure {name}" for name, rivals in told.items()
+    ]
+    return " and ".join(parts)
+
+
+def _promise(found: Sequence[Separation], minutes: float) -> str:
+    """What a run is predicted to show, with numbers, and what it leaves open."""
+    far = [s for s in found if s.standard_errors >= BARELY]
+    said = ", ".join(f"{s.effect}{f' from {s.rival}' if s.rival else ''} by {s.standard_errors:.0f}" for s in far)
+    open_ = " and ".join(f"{s.effect} and {s.rival}" for s in found if s.rival and s not in far)
+    verb = "separate" if far[0].rival else "show"
+    text = f"In {minutes:.0f} minutes it would {verb} {said} standard errors."
+    return f"{text} It would leave {open_} together." if open_ else text
+
+
+def _out_of_reach(questions: Sequence[Question], found: Sequence[Separation]) -> Experiment:
+    """No run of strokes separates them: what would, by the effects' own tests."""
+    most = max(s.standard_errors for s in found)
+    effects = {e.name: e for q in questions for e in (q.effect, *q.rivals)}
+    tests = "; ".join(f"for {name}: {e.test}" for name, e in effects.items())
+    levers = tuple(dict.fromkeys(lever for e in effects.values() for lever in e.levers))
+    text = f"No run of strokes would tell {' from '.join(effects)} (by {most:.1f} standard errors at most): {tests}."
+    return Experiment(levers, text, tuple(found))
+
+
+def after_pattern(pattern: Pattern, trial: Trial, verdict: Verdict) -> Experiment:
+    """What to do about a pattern that no known effect explains, and the run to do it with."""
+    middle = f"{trial.record.levels[len(trial.record.levels) // 2]:g} MPa"
+    lever, text = {
+        "periodic": ("speed", "a ripple of the screw keeps its period in mm at another speed, one of the supply in s"),
+        "local": ("reversal", f"turn the muscle about its axis at {middle}: a rub moves or goes"),
+        "step": ("cycles", "mark the clamps: a slipped mount shows as a shifted length"),
+        "trend": ("cycles", "tare before and after: a trend that goes on is the rig's"),
+    }.get(pattern.kind, ("pressure", "take a second specimen: what stays is the rig's"))
+    law = replace(trial.base.model, terms=())
+    runs = [c for c in candidates(trial.record, law, verdict.values) if lever in c.vary]
+    if not runs:
+        return Experiment((lever,), f"{text[0].upper()}{text[1:]}.")
+    best = min(runs, key=lambda c: c.minutes)
+    words = best.strokes.words()
+    return Experiment(best.vary, f"{words[0].upper()}{words[1:]}; {text}.", minutes=best.minutes, protocol=best.strokes)
