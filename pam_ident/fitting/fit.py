@@ -226,7 +226,7 @@ def _check(model: Model, record: Record, rows: Array, held: Mapping[str, float])
             f"{where}: {levels} pressure level ({record.level[rows][0]:g} MPa), but {model.law.name} needs at least "
             f"{model.law.min_levels} to tell its parameters apart; add isobars or choose another law"
         )
-    if rows.sum() <= len(model.params):
+    if np.count_nonzero(rows) <= len(model.params):
         raise FitError(
             f"{where}: {int(rows.sum())} samples for {len(model.params)} parameters of {model.law.name}; "
             "measure more samples or choose a law with fewer parameters"

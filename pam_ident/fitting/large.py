@@ -18,8 +18,8 @@ from .solve import curved_within_bounds, solve
 Array = np.ndarray
 FROM = 50_000
 """Number of samples from which this pays."""
-FIRST, SECOND = 2_000, 40_000
-CHUNK = 16384
+FIRST, SECOND = 1_500, 20_000
+CHUNK = 10_240
 SHORT, CLOSE = 0.1, 0.1
 """Standard errors that a last step over some samples, and over all, may be long: a thousandth of it is left to go."""
 MOST = 8
@@ -41,8 +41,7 @@ def solve_large(
     params = [*model.linear, *curved_within_bounds(model, record.inputs)]
     if any(not np.isfinite(value) for value in start.values()):
         return None
-    rng = np.random.default_rng(0)
-    first, second = (np.sort(rng.integers(0, len(record), n)) for n in (FIRST, SECOND))
+    first, second = (slice(None, None, len(record) // n | 1) for n in (FIRST, SECOND))  # odd, to alternate with pairs
     values = solve(model, record.inputs.take(first), record.force[first], lambda m: m, start, quick=True).values
     near = _newton(_Reading(model, record.inputs.take(second), record.force[second], params), values)
     if near is None:
@@ -137,9 +136,14 @@ class _Reading:
         n, k = len(self.force), len(self.params)
         runs = 0 if self.cluster is None else int(self.cluster.max()) + 1
         whole, tables = np.zeros((k + 1, k + 1)), np.zeros((runs, k + 1, k + 1))
+        table = np.empty((k + 1, CHUNK))
         for begin in range(0, n, CHUNK):
             part = slice(begin, begin + CHUNK)
-            table = self._table(part, values)
+            columns, slopes, left = self._slopes(part, values)
+            table = table[:, : len(left)]
+            table[: columns.shape[1]] = columns.T
+            table[columns.shape[1] : k] = slopes
+            table[k] = left
             if self.cluster is None:
                 whole += table @ table.T
                 continue
@@ -153,24 +157,23 @@ class _Reading:
 
     def score(self, x: Array) -> Array:
         """Product of the Jacobian with the residual, (k,), at half the price of all sums."""
-        tables = (self._table(slice(i, i + CHUNK), self.named(x)) for i in range(0, len(self.force), CHUNK))
-        return np.sum([table[:-1] @ table[-1] for table in tables], axis=0)
+        found = np.zeros(len(self.params))
+        for begin in range(0, len(self.force), CHUNK):
+            columns, slopes, left = self._slopes(slice(begin, begin + CHUNK), self.named(x))
+            found += np.r_[columns.T @ left, slopes @ left]
+        return found
 
-    def _table(self, part: slice, values: Mapping[str, float]) -> Array:
-        """Rows: the force's derivative by each parameter, then the residual, over some samples, (k + 1, samples)."""
+    def _slopes(self, part: slice, values: Mapping[str, float]) -> tuple[Array, Array, Array]:
+        """Linear columns (m, ·), derivatives by curved parameters (·, m), and the residual (m,), of some samples."""
         inputs, force = self.inputs.take(part), self.force[part]
         sizes = np.array([values[p.name] for p in self.model.linear])
-
-        def design(**change: float) -> tuple[Array, Array]:
-            columns, fixed = self.model.design(inputs, {**values, **change}, force)
-            return columns, fixed + columns @ sizes
-
-        columns, modelled = design()
-        table = np.empty((len(self.params) + 1, len(force)))
-        table[: len(sizes)] = columns.T
-        table[-1] = force - modelled
-        for row, p in zip(table[len(sizes) : -1], self.params[len(sizes) :], strict=True):
+        columns, fixed = self.model.design(inputs, values, force)
+        modelled = fixed + columns @ sizes
+        curved = self.params[len(sizes) :]
+        slopes = np.empty((len(curved), len(force)))
+        for row, p in zip(slopes, curved, strict=True):
             near = values[p.name] + 1e-6 * max(abs(values[p.name]), 1e-3 * p.scale)
-            np.subtract(design(**{p.name: near})[1], modelled, out=row)
+            other, moved = self.model.design(inputs, {**values, p.name: near}, force)
+            np.subtract(moved + other @ sizes, modelled, out=row)
             row /= near - values[p.name]
-        return table
+        return columns, slopes, force - modelled

@@ -35,9 +35,9 @@ def test_its_errors_are_those_of_the_whole_jacobian(record, white):
     matrix = jacobian(model, many.inputs, one.values, many.force)
     whole = covariance(matrix, one.residual, None if white else clusters(many, slice(None)))
     stderr, dof = whole.error(np.eye(7))
-    # Taken a step before the end, where slopes differ by a standard error's share of the parameter: some 1e-3.
-    np.testing.assert_allclose([e.stderr for e in one.estimates], stderr, rtol=2e-3)
-    np.testing.assert_allclose([e.dof for e in one.estimates], dof, rtol=2e-3)
+    # Taken a step of some standard errors before the end, where slopes differ by about as much of a parameter.
+    np.testing.assert_allclose([e.stderr for e in one.estimates], stderr, rtol=5e-3)
+    np.testing.assert_allclose([e.dof for e in one.estimates], dof, rtol=5e-3)
 
 
 def test_what_remembers_the_past_and_what_is_short_goes_the_long_way(record):
