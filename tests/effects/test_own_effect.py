@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 from pam_ident.cli import app
 from pam_ident.core import UsageError
 from pam_ident.effects import AddsForce, ScalesForce, TransformsContraction, TransformsPressure, load_effect_file
-from pam_ident.workflow.check_effects import check_effect
+from pam_ident.workflow.check_effects import check_effect, check_effects
 from pam_ident.workflow.new_effect import ROLES, new_effect
 
 TYPES = {
@@ -33,6 +33,15 @@ def test_a_scaffold_of_each_role_loads_and_keeps_the_contract(role, tmp_path, re
     assert effect.name == "spindle_play" and type(effect.forms[0]) is TYPES[role]
     assert check_effect(effect, record) == []
     assert [p.name for p in tmp_path.iterdir()] == ["spindle_play.py"]
+
+
+def test_the_example_for_contributors_keeps_the_contract(root, tmp_path):
+    example = re.search(r"```python\n(.*?)```", (root / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.S)
+    assert example is not None
+    path = tmp_path / "spindle_ripple.py"
+    path.write_text(example[1], encoding="utf-8")
+    (effect,), problems = check_effects(str(path))
+    assert effect.name == "spindle_ripple" and problems == []
 
 
 def test_check_says_what_is_kept_and_a_named_scaffold_takes_the_name(tmp_path):
