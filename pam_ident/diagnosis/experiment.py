@@ -23,6 +23,8 @@ from .nouns import Experiment, Pattern, Separation
 from .trial import Trial, Verdict, View
 
 Array = np.ndarray
+STEADIEST = 0.9999
+"""Most that noise can keep from row to row: a stroke begins at the very moment at which the last one ends."""
 ENOUGH = 10.0
 """Standard errors beyond which a pair counts as separated: more are worth no time on the rig."""
 ALL = 0.9
@@ -114,7 +116,7 @@ def _expected(noise: Noise, inputs: Inputs) -> Noise:
     decay, gain, spread = np.zeros(n), np.zeros((n, 1)), np.ones((n, 1))
     if noise.coloured and inputs.time is not None:
         advance = np.ones(n) if noise.clock == "samples" else np.diff(inputs.time, prepend=inputs.time[0])
-        decay = np.exp(-advance / noise.memory)
+        decay = np.minimum(np.exp(-advance / noise.memory), STEADIEST)
         decay[0] = 0.0
         gain, spread = filter_gains(decay[:, None], np.array([noise.share]), np.zeros(n))
     return replace(noise, decay=decay, gain=gain[:, 0], spread=spread[:, 0], outlier=np.zeros(n, bool))

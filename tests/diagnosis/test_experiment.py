@@ -9,7 +9,7 @@ from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.candidates import candidates
 from pam_ident.diagnosis.deliberate import investigate
-from pam_ident.diagnosis.experiment import Question, next_experiment
+from pam_ident.diagnosis.experiment import Question, _expected, next_experiment
 from pam_ident.diagnosis.strokes import Strokes, listed
 from pam_ident.effects import catalogue, get_effect
 from pam_ident.fitting import fit
@@ -156,3 +156,13 @@ def test_numbers_are_said_as_on_the_rig():
     words = Strokes((0.3, 0.1), (30.0, 12.0), (2.0, 40.0), hold_s=(1.0, 10.0), minor_loops_mm=(1.0, 3.0)).words()
     assert words.startswith("run 0.1 and 0.3 MPa at 2 and 40 mm/s, 2 cycles each from 0 to 30 mm")
     assert "hold 1 and 10 s in turn" in words and "minor loops of 1 and 3 mm" in words
+
+
+@pytest.mark.parametrize("clock", ["samples", "seconds"])
+def test_noise_that_is_coloured_throughout_can_be_expected_of_any_run(rubbing, clock):
+    _, record, trial, verdict = rubbing
+    slow = replace(trial.noise, share=1.0, memory=5.0, clock=clock, decay=np.full(len(record), 0.9))
+    for candidate in candidates(record, Model.build(CHOU), verdict.values):
+        inputs = candidate.strokes.inputs(record.specimen)
+        expected = _expected(slow, inputs)
+        assert np.all(expected.spread > 0.0) and np.all(np.isfinite(expected.whiten(np.ones(len(inputs)))))
