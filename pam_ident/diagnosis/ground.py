@@ -106,7 +106,7 @@ def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> lis
 
 def _grams(matrix: Array, width: int) -> Array:
     """Gram matrices (m, width, width) of the blocks of a matrix (n, m · width)."""
-    blocks = matrix.reshape(len(matrix), -1, width)
+    blocks = matrix.reshape(len(matrix), matrix.shape[1] // width, width)
     found = np.empty((blocks.shape[1], width, width))
     for i in range(width):
         for j in range(i + 1):
