@@ -53,7 +53,8 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     (_, noise), k = min(scored, key=lambda item: item[0][0])
     _, found = list(rivals.values())[k]
     final = Trial(base, suspects, noise)
-    kept = _weighed(final, final.refit(found.terms, found.values))
+    seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
+    kept = _weighed(final, final.refit(seen, found.values))
     if len(kept.terms) < len(found.terms):
         final = Trial(base, suspects, final.noise_left_by(kept))
         kept = final.refit(kept.terms, kept.values)

@@ -15,8 +15,8 @@ from .dictionary import Atom
 Array = np.ndarray
 
 
-SPECIAL = 1.0
-"""What a special case costs beyond the effect that it is a case of, so that alike they do not tie."""
+SPECIAL = -1.0
+"""What a special case costs beyond the effect that it is a case of: where it is needed, it has the nearer name."""
 
 
 @dataclass(frozen=True)
