@@ -5,7 +5,7 @@ MPa times mm² is N. Contraction is positive when the muscle shortens.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -124,23 +124,8 @@ class Inputs:
 
     def take(self, rows: Array | slice) -> "Inputs":
         """Some of the samples, by index, mask or slice."""
-        fields = {
-            name: value[rows]
-            for name in (
-                "pressure",
-                "contraction",
-                "direction",
-                "time",
-                "velocity",
-                "stroke_speed",
-                "moving",
-                "cycle",
-                "temperature",
-                "segment",
-            )
-            if (value := getattr(self, name)) is not None
-        }
-        return replace(self, **fields)
+        arrays = {f.name: value for f in fields(self) if isinstance(value := getattr(self, f.name), np.ndarray)}
+        return replace(self, **{name: value[rows] for name, value in arrays.items()})
 
     def with_geometry(self, radius_mm: float, angle_deg: float) -> "Inputs":
         """The same samples on a specimen of another radius (mm) and braid angle (degrees)."""

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from .problem import norms
+
 Array = np.ndarray
 Design = Callable[[float], tuple[Array, Array]]
 """Columns (n, k) and fixed part (n,) of a model at a value of its curved parameter."""
-ENOUGH = 16
+COUNT = 16
 """Nodes that carry the cost over ten standard errors to both sides to rounding."""
 
 
@@ -29,32 +31,31 @@ class Refits:
 
 @dataclass(frozen=True)
 class Nodes:
-    """Values of the curved parameter at `count` Chebyshev nodes of low … high; where these are equal it is given."""
+    """Values of the curved parameter at COUNT Chebyshev nodes of low … high; where these are equal it is given."""
 
     low: float
     high: float
-    count: int = ENOUGH
 
     @property
     def points(self) -> Array:
-        """The nodes in −1 … 1, shape (count,)."""
-        return np.cos(np.pi * (np.arange(self.count) + 0.5) / self.count)
+        """The nodes in −1 … 1, shape (COUNT,)."""
+        return np.cos(np.pi * (np.arange(COUNT) + 0.5) / COUNT)
 
     def at(self, x: Array) -> Array:
         """Curved parameter at x in −1 … 1."""
         return 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * x
 
     def series(self, values: Array) -> Array:
-        """Chebyshev coefficients (count, B) of values (count, B) at the nodes."""
-        halves = np.r_[0.5, np.ones(self.count - 1)][:, None]
-        return 2.0 / self.count * halves * (chebyshev.chebvander(self.points, self.count - 1).T @ values)
+        """Chebyshev coefficients (COUNT, B) of values (COUNT, B) at the nodes."""
+        halves = np.r_[0.5, np.ones(COUNT - 1)][:, None]
+        return 2.0 / COUNT * halves * (chebyshev.chebvander(self.points, COUNT - 1).T @ values)
 
     def weights(self, x: Array) -> Array:
-        """Weights (count, B) that interpolate values at the nodes at x (B,)."""
-        return self.series(np.eye(self.count)).T @ chebyshev.chebvander(x, self.count - 1).T
+        """Weights (COUNT, B) that interpolate values at the nodes at x (B,)."""
+        return self.series(np.eye(COUNT)).T @ chebyshev.chebvander(x, COUNT - 1).T
 
     def minimum(self, cost: Array) -> tuple[Array, Array]:
-        """Where in −1 … 1 each interpolated column of `cost` (count, B) is least, and whether that is to be trusted:
+        """Where in −1 … 1 each interpolated column of `cost` (COUNT, B) is least, and whether that is to be trusted:
         a minimum, inside, of a series that has died away."""
         if self.low == self.high:
             return np.zeros(cost.shape[1]), np.ones(cost.shape[1], bool)
@@ -69,25 +70,24 @@ class Nodes:
             if np.max(np.abs(step)) < 1e-13:
                 break
         inside = (chebyshev.chebval(x, bend, tensor=False) > 0) & (np.abs(x) < 0.999) & (np.abs(step) < 1e-6)
-        faded = np.abs(poly[-1]) < 10.0 ** (-0.5 * self.count - 1.0) * np.max(np.abs(poly), axis=0)
+        faded = np.abs(poly[-1]) < 10.0 ** (-0.5 * COUNT - 1.0) * np.max(np.abs(poly), axis=0)
         return x, inside & faded
 
 
-def coordinates(columns: Array) -> Array:
+def _coordinates(columns: Array) -> Array:
     """Matrix (k, k) that makes columns (n, k) orthonormal: linear parameters = matrix · coordinates."""
-    scale = np.linalg.norm(columns, axis=0)
-    scale[scale == 0.0] = 1.0
+    scale = norms(columns)
     return np.linalg.inv(np.linalg.qr(columns / scale, mode="r")) / scale[:, None]
 
 
 def refit_forces(design: Design, forces: Array, nodes: Nodes) -> Refits:
     """Least squares of the model to each column of `forces` (n, B) in N."""
-    back = coordinates(design(float(nodes.at(np.zeros(1))[0]))[0])
+    back = _coordinates(design(float(nodes.at(np.zeros(1))[0]))[0])
     taken = [design(float(q)) for q in nodes.at(nodes.points)]
     frames, fixed = [c @ back for c, _ in taken], np.array([f for _, f in taken])
     basis = _span(np.hstack([*frames, fixed.T]))
     k, seen, shift = len(back), basis.T @ forces, fixed @ basis
-    cost, answer = np.empty((nodes.count, seen.shape[1])), np.empty((nodes.count, k, seen.shape[1]))
+    cost, answer = np.empty((COUNT, seen.shape[1])), np.empty((COUNT, k, seen.shape[1]))
     for i, frame in enumerate(frames):
         q, r = np.linalg.qr(basis.T @ frame, mode="complete")
         target = seen - shift[i][:, None]
@@ -100,8 +100,7 @@ def refit_forces(design: Design, forces: Array, nodes: Nodes) -> Refits:
 
 def _span(stack: Array) -> Array:
     """Orthonormal basis (n, r) of the columns of a stack (n, m), to rounding."""
-    scale = np.linalg.norm(stack, axis=0)
-    u, sigma, _ = np.linalg.svd(stack / np.where(scale > 0, scale, 1.0), full_matrices=False)
+    u, sigma, _ = np.linalg.svd(stack / norms(stack), full_matrices=False)
     return np.ascontiguousarray(u[:, sigma > 1e-13 * sigma[0]])
 
 
@@ -112,17 +111,21 @@ def refit_weights(
 
     `start` (k,) are linear parameters of a fit nearby, from which changes are counted so that no digits are lost.
     """
-    back = coordinates(design(float(nodes.at(np.zeros(1))[0]))[0])
+    back = _coordinates(design(float(nodes.at(np.zeros(1))[0]))[0])
     sums = []
     for columns, fixed in (design(float(q)) for q in nodes.at(nodes.points)):
         target = force - fixed
-        grams = np.array([gram(columns[rows], target[rows], start) for rows in blocks])
-        sums.append(packed(grams, back))
+        grams = np.array([_gram(columns[rows], target[rows], start) for rows in blocks])
+        sums.append(_packed(grams, back))
     weighted = np.ascontiguousarray((counts @ np.array(sums)).transpose(0, 2, 1))
-    return from_sums(weighted, back, start, nodes)
+    cost = np.array([one[-1] - _normal_equations(one, len(back))[1] for one in weighted])
+    x, inside = nodes.minimum(cost)
+    here = np.einsum("ib,ijb->jb", nodes.weights(x), weighted)
+    change = _normal_equations(here, len(back))[0]
+    return Refits((start[:, None] + back @ change).T, nodes.at(x), inside)
 
 
-def gram(columns: Array, target: Array, start: Array) -> Array:
+def _gram(columns: Array, target: Array, start: Array) -> Array:
     """Gram matrix (k + 1, k + 1) of columns (n, k) and of what the start (k,) leaves of the target (n,)."""
     k = len(start)
     left = target - columns @ start
@@ -133,7 +136,7 @@ def gram(columns: Array, target: Array, start: Array) -> Array:
     return found
 
 
-def packed(grams: Array, back: Array) -> Array:
+def _packed(grams: Array, back: Array) -> Array:
     """Gram matrices (m, k + 1, k + 1) in coordinates, a row each: upper triangle of the first k, last column."""
     k = len(back)
     turn = np.eye(k + 1)
@@ -141,19 +144,6 @@ def packed(grams: Array, back: Array) -> Array:
     turned = turn.T @ grams @ turn
     rows, columns = np.triu_indices(k)
     return np.hstack([turned[:, rows, columns], turned[:, :, k]])
-
-
-def from_sums(sums: Array, back: Array, start: Array, nodes: Nodes) -> Refits:
-    """Least squares from packed Gram matrices at the nodes, shape (count, entries, B)."""
-    x, inside = nodes.minimum(costs(sums, len(back)))
-    here = np.einsum("ib,ijb->jb", nodes.weights(x), sums)
-    change = _normal_equations(here, len(back))[0]
-    return Refits((start[:, None] + back @ change).T, nodes.at(x), inside)
-
-
-def costs(sums: Array, k: int) -> Array:
-    """Sums of squares (count, B) that the best linear parameters leave at the nodes, from packed Gram matrices."""
-    return np.array([one[-1] - _normal_equations(one, k)[1] for one in sums])
 
 
 def _normal_equations(rows: Array, k: int) -> tuple[Array, Array]:

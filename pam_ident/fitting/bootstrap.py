@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core import FitError, UsageError
-from .fit import LEVEL, Fit
+from .covariance import LEVEL
+from .fit import Fit
 from .refit import refit_forces, refit_weights
 
 Array = np.ndarray

@@ -7,6 +7,8 @@ import numpy as np
 from ..records import Record
 
 Array = np.ndarray
+LEVEL = 0.95
+"""Level of all intervals."""
 FLAT = 1e-8
 """Singular value, relative to the largest, below which a direction of scaled parameters is flat."""
 FEWEST_CLUSTERS = 6
@@ -59,6 +61,13 @@ class Covariance:
             np.sum(own**2, axis=1) - 2.0 * np.sum(own * np.sum(seen**2, axis=2), axis=1) + np.sum(cross**2, axis=(1, 2))
         )
         return stderr, np.maximum(np.divide(trace**2, square, out=np.ones(len(c)), where=square > 0), 1.0)
+
+
+def student(dof: Array) -> Array:
+    """Half the width of an interval at LEVEL in standard errors, by degrees of freedom (any shape)."""
+    from scipy.special import stdtrit
+
+    return stdtrit(dof, 0.5 + 0.5 * LEVEL)
 
 
 def clusters(record: Record, rows: Array | slice) -> Array | None:

@@ -10,16 +10,14 @@ import numpy as np
 from ..core import DataError, FitError, Inputs, Param, UsageError
 from ..model import Model
 from ..records import Record
-from .covariance import Covariance, Sums, clusters, covariance_of, sums
+from .covariance import Covariance, Sums, clusters, covariance_of, student, sums
 from .identifiability import AT_BOUND, HELD, PINNED, StandIn, Verdict, flat_directions, stand_ins, verdicts
 from .large import is_large, solve_large
-from .solve import Solution, curved_within_bounds, jacobian, solve
+from .solve import Solution, jacobian, solve
 from .solvers import Solver
 from .weigh import PLAIN, Weighing
 
 Array = np.ndarray
-LEVEL = 0.95
-"""Level of all intervals."""
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
 
@@ -129,13 +127,11 @@ class Fit:
         return self._half_width(jacobian(self.model, self.record.inputs, self.values, self.record.force)[samples])
 
     def _half_width(self, slopes: Array) -> Array:
-        from scipy.special import stdtrit
-
         if self.covariance is None:
             return np.full(len(slopes), math.nan)
         index = [k for k, e in enumerate(self.estimates) if e.name in self.free]
         stderr, dof = self.covariance.error(slopes[:, index])
-        return stdtrit(dof, 0.5 + 0.5 * LEVEL) * stderr
+        return student(dof) * stderr
 
     @property
     def valid(self) -> bool:
@@ -207,9 +203,13 @@ def picker(rows: Array, weights: Array | None) -> Callable[[Array], Array]:
 
 
 def fit_branches(model: Model, record: Record, branch: str) -> dict[str, Fit]:
-    """Fits by branch: `separate` gives contraction and extension, any other word that branch alone."""
-    names = ("contraction", "extension") if branch == "separate" else (branch,)
-    return {name: fit(model, record, record.branch_rows(name)) for name in names}
+    """Fits by branch, as `branch_names` has them."""
+    return {name: fit(model, record, record.branch_rows(name)) for name in branch_names(branch)}
+
+
+def branch_names(branch: str) -> tuple[str, ...]:
+    """`separate` is contraction and extension, any other word that branch alone."""
+    return ("contraction", "extension") if branch == "separate" else (branch,)
 
 
 def _check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) -> None:
@@ -252,7 +252,7 @@ def _sums(one: Fit, values: Mapping[str, float], white: bool) -> Sums:
 
 def _with_estimates(one: Fit, values: Mapping[str, float], known: Sums | None) -> Fit:
     """The fit with an estimate of each parameter, in the model's order; what stands at a bound is taken as given."""
-    params = [*one.model.linear, *curved_within_bounds(one.model, one.record.inputs)]
+    params = one.model.bounded(one.record.inputs)
     stuck = {p.name for p in params if p.name not in one.held and at_bound(p, values[p.name])}
     given = {p.name: HELD if p.name in one.held else AT_BOUND for p in params if p.name in one.held or p.name in stuck}
     found: dict[str, Estimate] = {}
@@ -277,10 +277,8 @@ def _determined(
     free: list[Param], values: Mapping[str, float], cov: Covariance, flat: Mapping[str, Verdict]
 ) -> Iterator[Estimate]:
     """Estimates of the free parameters with their intervals and verdicts."""
-    from scipy.special import stdtrit
-
     stderr, dof = cov.error(np.eye(len(free)))
-    half = stdtrit(dof, 0.5 + 0.5 * LEVEL) * stderr
+    half = student(dof) * stderr
     for p, s, d, h, verdict in zip(free, stderr, dof, half, verdicts(free, values, cov, half), strict=True):
         verdict = flat.get(p.name, verdict)
         value, known = values[p.name], verdict.determined

@@ -1,7 +1,6 @@
 """What repeated cycles say: how large the noise is, and whether a fit leaves more than that."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -40,34 +39,29 @@ class LackOfFit:
         return self.p_value > 0.01
 
 
-@dataclass(frozen=True)
-class _Repeats:
-    """Strokes by group: rows of each stroke and its contraction scaled to −1 … 1 over the group."""
+def _repeats(record: Record, rows: Array) -> list[list[tuple[Array, Array]]]:
+    """Groups of two strokes or more of one isobar, branch and speed, of at least 3 · SHAPES samples each.
 
-    record: Record
-    rows: Array
-
-    @cached_property
-    def groups(self) -> list[list[tuple[Array, Array]]]:
-        """Groups of two strokes or more of one isobar, branch and speed, of at least 3 · SHAPES samples each."""
-        inputs, record = self.record.inputs, self.record
-        if inputs.moving is None or inputs.stroke_speed is None:
-            return []
-        usable = np.flatnonzero(self.rows & inputs.moving)
-        usable = usable[np.argsort(record.stroke[usable], kind="stable")]
-        edges = np.flatnonzero(np.diff(record.stroke[usable])) + 1
-        strokes = [s for s in np.split(usable, edges) if len(s) >= 3 * SHAPES]
-        alike: dict[tuple[float, float, int], list[Array]] = {}
-        for s in strokes:
-            pace = round(4.0 * np.log(max(float(inputs.stroke_speed[s[0]]), 1e-9)))
-            alike.setdefault((float(record.level[s[0]]), float(inputs.direction[s[0]]), pace), []).append(s)
-        found = []
-        for group in alike.values():
-            reach = np.concatenate([inputs.contraction[s] for s in group])
-            low, span = reach.min(), np.ptp(reach)
-            if len(group) >= 2 and span > 0:
-                found.append([(s, 2.0 * (inputs.contraction[s] - low) / span - 1.0) for s in group])
-        return found
+    Of each stroke its rows, and its contraction scaled to −1 … 1 over the group.
+    """
+    inputs = record.inputs
+    if inputs.moving is None or inputs.stroke_speed is None:
+        return []
+    usable = np.flatnonzero(rows & inputs.moving)
+    usable = usable[np.argsort(record.stroke[usable], kind="stable")]
+    edges = np.flatnonzero(np.diff(record.stroke[usable])) + 1
+    strokes = [s for s in np.split(usable, edges) if len(s) >= 3 * SHAPES]
+    alike: dict[tuple[float, float, int], list[Array]] = {}
+    for s in strokes:
+        pace = round(4.0 * np.log(max(float(inputs.stroke_speed[s[0]]), 1e-9)))
+        alike.setdefault((float(record.level[s[0]]), float(inputs.direction[s[0]]), pace), []).append(s)
+    found = []
+    for group in alike.values():
+        reach = np.concatenate([inputs.contraction[s] for s in group])
+        low, span = reach.min(), np.ptp(reach)
+        if len(group) >= 2 and span > 0:
+            found.append([(s, 2.0 * (inputs.contraction[s] - low) / span - 1.0) for s in group])
+    return found
 
 
 def noise_floor(fit: Fit) -> NoiseFloor | None:
@@ -76,7 +70,7 @@ def noise_floor(fit: Fit) -> NoiseFloor | None:
     Each stroke is taken from the next of its group, at the sample of the nearest contraction, so that neither the
     fit's own faults nor correlation along a stroke is counted. Noise slower than a cycle is missed.
     """
-    groups = _Repeats(fit.record, fit.rows).groups
+    groups = _repeats(fit.record, fit.rows)
     squares, samples, lags = 0.0, 0, np.zeros(41)
     for group in groups:
         for (one, x), (other, y) in pairwise(group):
@@ -109,7 +103,7 @@ def lack_of_fit(fit: Fit) -> LackOfFit | None:
     """
     from scipy.special import fdtrc
 
-    groups = _Repeats(fit.record, fit.rows).groups
+    groups = _repeats(fit.record, fit.rows)
     if not groups:
         return None
     error = sum(len(g) for g in groups) - len(groups)

@@ -13,7 +13,7 @@ from ..core import Inputs, Param
 from ..model import Model
 from ..records import Record
 from .covariance import Sums, clusters
-from .solve import curved_within_bounds, solve
+from .solve import solve
 
 Array = np.ndarray
 FROM = 50_000
@@ -38,7 +38,7 @@ def solve_large(
 
     None where a parameter meets a bound, a direction is flat, or steps do not shorten: the solver must go the long way.
     """
-    params = [*model.linear, *curved_within_bounds(model, record.inputs)]
+    params = model.bounded(record.inputs)
     if any(not np.isfinite(value) for value in start.values()):
         return None
     first, second = (slice(None, None, len(record) // n | 1) for n in (FIRST, SECOND))  # odd, to alternate with pairs
@@ -119,7 +119,7 @@ class _Reading:
     model: Model
     inputs: Inputs
     force: Array
-    params: list[Param]
+    params: tuple[Param, ...]
     cluster: Array | None = None
 
     def named(self, x: Array) -> dict[str, float]:

@@ -57,11 +57,6 @@ class Problem:
         """All parameters: linear, then curved; the order of the Jacobian's columns."""
         return self.linear + self.curved
 
-    def project(self, q: Array) -> tuple[dict[str, float], Array]:
-        """Values by name with the best linear parameters at the curved ones (len(curved),), and the residual (m,)."""
-        trial = self.at(q)
-        return trial.values, trial.residual
-
     def at(self, q: Array) -> "Projection":
         """The projection at curved parameters (len(curved),); a residual of HUGE where the design is not finite."""
         point = dict(zip([p.name for p in self.curved], map(float, q), strict=True))
@@ -205,7 +200,7 @@ def _within_bounds(triangle: Array, params: Sequence[Param]) -> Array:
         return x
     from scipy.optimize import lsq_linear
 
-    scale = _norms(triangle[:, :-1])
+    scale = norms(triangle[:, :-1])
     limits = (lower * scale, upper * scale)
     result = lsq_linear(triangle[:, :-1] / scale, triangle[:, -1], limits, method="bvls", lsmr_tol="auto")
     return np.clip(result.x / scale, lower, upper)
@@ -213,11 +208,12 @@ def _within_bounds(triangle: Array, params: Sequence[Param]) -> Array:
 
 def _lstsq(triangle: Array, k: int) -> Array:
     """Least squares of each later column of R by its first k, shape (k, columns − k); minimum norm if flat."""
-    scale = _norms(triangle[:, :k])
+    scale = norms(triangle[:, :k])
     return np.linalg.lstsq(triangle[:, :k] / scale, triangle[:, k:], rcond=1e-12)[0] / scale[:, None]
 
 
-def _norms(columns: Array) -> Array:
+def norms(columns: Array) -> Array:
+    """Norms of columns (m, k), 1 where a column is nothing, shape (k,)."""
     scale = np.linalg.norm(columns, axis=0)
     scale[scale == 0.0] = 1.0
     return scale

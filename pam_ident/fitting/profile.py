@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core import UsageError
-from .fit import LEVEL, Fit, at_bound, picker
-from .solve import curved_within_bounds, solve
+from .covariance import student
+from .fit import Fit, at_bound, picker
+from .solve import solve
 
 Array = np.ndarray
 MOST_STEPS = 40
@@ -45,11 +46,9 @@ def profile(fit: Fit, name: str) -> Profile:
     fitted = [e.name for e in fit.estimates if e.name not in fit.held]
     if name not in fitted:
         raise UsageError(f"no fitted parameter {name!r} to profile; fitted are {', '.join(fitted)}")
-    from scipy.special import stdtrit
-
     estimate = next(e for e in fit.estimates if e.name == name)
     walk = _Walk(fit, name)
-    limit = float(stdtrit(estimate.dof, 0.5 + 0.5 * LEVEL)) ** 2 if math.isfinite(estimate.dof) else 4.0
+    limit = float(student(np.array(estimate.dof))) ** 2 if math.isfinite(estimate.dof) else 4.0
     sides = [walk.outward(sign, limit) for sign in (-1.0, 1.0)]
     points = [*reversed(sides[0][0]), walk.centre, *sides[1][0]]
     (low, high), names = (side[1] for side in sides), [p.name for p in walk.params]
@@ -76,7 +75,7 @@ class _Walk:
 
     def __init__(self, fit: Fit, name: str) -> None:
         self.fit, self.name = fit, name
-        self.params = [*fit.model.linear, *curved_within_bounds(fit.model, fit.record.inputs)]
+        self.params = fit.model.bounded(fit.record.inputs)
         self.param = next(p for p in self.params if p.name == name)
         self.pick = picker(fit.rows, fit.weights)
         self.centre: Point = (fit.values, 0.0)

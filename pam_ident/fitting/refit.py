@@ -98,7 +98,7 @@ def _solve(fit: Fit, force: Array, pick: Callable[[Array], Array]) -> Mapping[st
 
 def _complete(fit: Fit, found: Refits | None, n: int, alone: Callable[[int], Mapping[str, float]]) -> tuple[Array, int]:
     """Values (n, k) in the model's order; those that left the interval or a bound are solved singly."""
-    params = _free(fit, [*fit.model.linear, *curved_within_bounds(fit.model, fit.record.inputs)])
+    params = _free(fit, fit.model.bounded(fit.record.inputs))
     if found is None:
         values, bad = np.empty((n, len(params))), np.ones(n, bool)
     else:

@@ -1,6 +1,7 @@
 """What figures of force over contraction share: samples by isobar and branch, mean curves, pressures as labels."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from typing import Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -68,12 +69,22 @@ def model_curve(fit: Fit, rows: Array, sign: float) -> tuple[Array, Array]:
     return grid, fit.model.force(dense, fit.values)
 
 
-def label_isobars(axes: Axes, starts: Mapping[float, float], left: float, right: float) -> None:
-    """Pressure beside the left end of each isobar, moved apart where labels would overlap.
+class Line(Protocol):
+    """A curve of one isobar: contraction and force in N, (m,) each."""
 
-    `starts` maps a pressure in MPa to the force in N at which its curves begin; `left` and `right` are the ends of the
-    contraction that is shown.
-    """
+    @property
+    def pressure_MPa(self) -> float: ...  # noqa: D102
+    @property
+    def line(self) -> Array: ...  # noqa: D102
+    @property
+    def line_force(self) -> Array: ...  # noqa: D102
+
+
+def label_isobars(axes: Axes, curves: Sequence[Line]) -> None:
+    """Pressure beside the left end of each isobar's curves, moved apart where labels would overlap."""
+    pressures = dict.fromkeys(c.pressure_MPa for c in curves)
+    starts = {p: float(np.mean([c.line_force[0] for c in curves if c.pressure_MPa == p])) for p in pressures}
+    left, right = min(float(c.line[0]) for c in curves), max(float(c.line[-1]) for c in curves)
     levels = sorted(starts)
     levels = [levels[i] for i in thin(len(levels), MOST_LABELS)]
     span = right - left or 0.01

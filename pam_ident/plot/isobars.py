@@ -57,9 +57,7 @@ def draw(record: Record, limit: int = 1500) -> Figure:
             alpha=0.5,
         )
         axes.plot(curve.line, curve.line_force, color=colour, linestyle=BRANCH_DASH[curve.branch], linewidth=1.2)
-    levels = dict.fromkeys(curve.pressure_MPa for curve in curves)
-    starts = {p: float(np.mean([c.line_force[0] for c in curves if c.pressure_MPa == p])) for p in levels}
-    label_isobars(axes, starts, min(float(c.line[0]) for c in curves), max(float(c.line[-1]) for c in curves))
+    label_isobars(axes, curves)
     axes.set_title("Measured (points) and their mean (lines)")
     axes.set_xlabel("contraction ratio ε (1)")
     axes.set_ylabel("force (N)")

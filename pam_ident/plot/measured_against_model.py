@@ -97,9 +97,7 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
             axes[2].plot(curve.contraction, curve.after, alpha=0.45, **dots)
     top.set_ylabel("force (N)")
     top.set_title(f"Measured (points) and {'completed model' if after else 'model'} (lines)")
-    levels = dict.fromkeys(c.pressure_MPa for c in curves)
-    starts = {p: float(np.mean([c.line_force[0] for c in curves if c.pressure_MPa == p])) for p in levels}
-    label_isobars(top, starts, min(float(c.line[0]) for c in curves), max(float(c.line[-1]) for c in curves))
+    label_isobars(top, curves)
     _legend(top, curves)
     reach = 1.08 * max(float(np.max(np.abs(c.before))) for c in curves)
     for panel, one, title in zip(axes[1:], (fit, after), ("Error of the model as given", "Error after"), strict=False):

@@ -41,7 +41,10 @@ FAMILY = {
     "presliding_hysteresis": "friction",
     "viscous_damping": "rate",
     "pressure_lag": "rate",
+    "end_taper": "ends",
+    "length_offset": "ends",
 }
+"""Effects of the same kind, between which a wrong name counts as right kind; others are a family of their own."""
 SHARES = {
     "tier1": 0.25,
     "tier2": 0.25,

@@ -1,19 +1,12 @@
 """The findings of the audit as a page in Markdown."""
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from .audit_paper import Audit
+from .text_templates import templates
 
 
 def audit_page(audit: Audit) -> str:
     """The page docs/paper.md, its figures rounded, so that every machine writes the same."""
-    environment = Environment(
-        loader=PackageLoader("pam_ident.workflow", "templates"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    environment = templates()
     environment.filters["n"] = rounded
     return environment.get_template("paper.md.j2").render(audit=audit)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..core import UsageError
 from ..fitting import fit, fit_isobars
+from ..fitting.fit import branch_names
 from ..fitting.isobars import FOLDED
 from ..records import Record
 from .setup import Setup
@@ -37,10 +38,9 @@ def compare_methods(record: Record, setup: Setup, branch: str = "together") -> t
     """
     if setup.law not in FOLDED or setup.effects:
         raise UsageError(f"two-stage and global side by side: expected {' or '.join(FOLDED)} without effects")
-    branches = ("contraction", "extension") if branch == "separate" else (branch,)
     return tuple(
         _row(record, setup, method, mu, name)
-        for name in branches
+        for name in branch_names(branch)
         for method in ("two-stage", "global")
         for mu in (PAPER_MU, None)
     )

@@ -9,7 +9,8 @@ import numpy as np
 from ..core import UsageError
 from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, noise_floor
 from ..fitting.bootstrap import bootstrap
-from ..fitting.fit import LEVEL, Estimate
+from ..fitting.covariance import student
+from ..fitting.fit import Estimate, branch_names
 from ..fitting.floor import LackOfFit, NoiseFloor
 from ..fitting.identifiability import PINNED, StandIn
 from ..fitting.profile import Profile, profile
@@ -109,7 +110,7 @@ def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> Fi
     at all, DataError when it lacks the branch.
     """
     wishes = wishes or Wishes()
-    branches = ("contraction", "extension") if wishes.branch == "separate" else (wishes.branch,)
+    branches = branch_names(wishes.branch)
     fits = {
         name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
         for name in branches
@@ -174,9 +175,7 @@ def _from_lines(one: Fit, table: IsobarTable, branch: str) -> Fit:
 
 
 def _on_lines(e: Estimate, value: float, stderr: float, dof: float) -> Estimate:
-    from scipy.special import stdtrit
-
-    half = float(stdtrit(dof, 0.5 + 0.5 * LEVEL)) * stderr if dof > 0 else math.nan
+    half = float(student(np.array(dof))) * stderr if dof > 0 else math.nan
     verdict = e.verdict if e.verdict.kind == "held" else PINNED
     return Estimate(e.name, e.unit, e.doc, value, stderr, False, True, value - half, value + half, dof, verdict)
 

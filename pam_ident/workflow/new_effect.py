@@ -4,11 +4,10 @@ import keyword
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from ..core import UsageError
 from ..effects import catalogue
 from .files import check_target, write_whole
+from .text_templates import templates
 
 
 @dataclass(frozen=True)
@@ -66,23 +65,20 @@ def new_effect(file: str | Path, name: str | None = None, role: str = "adds_forc
         )
     if given in catalogue():
         raise UsageError(f"effect {given!r} is known already; take another name, or `pam-ident effects show {given}`")
-    environment = Environment(
-        loader=PackageLoader("pam_ident.workflow", "templates"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     example = ROLES[role]
-    text = environment.get_template("effect.py.j2").render(
-        file=path.name,
-        name=given,
-        title=given.replace("_", " ").capitalize(),
-        role=role,
-        classes=sorted([example.type, "Effect"]),
-        size=example.size,
-        columns=example.columns,
-        form=example.form,
+    text = (
+        templates()
+        .get_template("effect.py.j2")
+        .render(
+            file=path.name,
+            name=given,
+            title=given.replace("_", " ").capitalize(),
+            role=role,
+            classes=sorted([example.type, "Effect"]),
+            size=example.size,
+            columns=example.columns,
+            form=example.form,
+        )
     )
     write_whole(path, text)
     return given

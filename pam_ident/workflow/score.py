@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
+from ..rig.challenge import FAMILY
+
 Json = Mapping[str, Any]
 NOTHING, UNKNOWN = "nothing", "unknown"
 KINDS = {
@@ -20,17 +22,6 @@ KINDS = {
     "unknown": "outside the catalogue",
     "blunt": "one speed only",
 }
-FAMILY = {
-    "coulomb_friction": "friction",
-    "stribeck_friction": "friction",
-    "pressure_friction": "friction",
-    "presliding_hysteresis": "friction",
-    "viscous_damping": "rate",
-    "pressure_lag": "rate",
-    "end_taper": "ends",
-    "length_offset": "ends",
-}
-"""Effects of the same kind, between which a wrong name counts as right kind; others are a family of their own."""
 PATTERN = {"screw_ripple": "periodic", "rub": "local", "mount_slip": "step"}
 CROWD = 4
 """A group of more names than this is no answer."""
