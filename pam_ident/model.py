@@ -1,6 +1,6 @@
 """A model is one law plus labelled effects; nothing else."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from inspect import Parameter, Signature
@@ -10,6 +10,7 @@ import numpy as np
 
 from .core import Inputs, Param, UsageError
 from .core.lmfit_names import from_lmfit_names, to_parameters
+from .core.recursion import Live, Memory
 from .effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure, get_effect
 from .laws import Law, get_law
 
@@ -43,7 +44,7 @@ class Term:
 
     def amount(self, inputs: Inputs, values: Values, force: Array) -> Array:
         """columns · (sizes − neutral), shape (n,)."""
-        sizes = np.array([values[f"{self.effect.name}.{p.name}"] - p.neutral for p in self.form.sizes])
+        sizes = _vector(inputs, [values[f"{self.effect.name}.{p.name}"] - p.neutral for p in self.form.sizes])
         return self.columns(inputs, values, force) @ sizes
 
 
@@ -155,6 +156,7 @@ class Model:
         `values` needs the curved parameters; `force` (n,) in N is what force-dependent effects are given.
         """
         inputs = self._geometry(inputs, values)
+        xp = inputs.xp
         pressure, contraction = inputs.pressure, inputs.contraction
         factor: Array | float = 1.0
         added: list[Array] = []
@@ -168,42 +170,82 @@ class Model:
             else:
                 added.append(term.columns(inputs, values, force))
         if pressure is not inputs.pressure:
-            pressure = np.maximum(pressure, np.minimum(inputs.pressure, 0.0))
+            pressure = xp.maximum(pressure, xp.minimum(inputs.pressure, 0.0))
         if contraction is not inputs.contraction:
-            contraction = np.clip(contraction, -0.5, 0.95)
+            contraction = xp.clip(contraction, -0.5, 0.95)
         columns = self.law.columns(pressure, contraction, inputs.specimen, values)
         fixed = self.law.fixed(pressure, contraction, inputs.specimen, values)
         if self.terms:
-            columns = np.hstack([columns * np.reshape(factor, (-1, 1)), *added])
+            columns = xp.hstack([columns * xp.reshape(factor, (-1, 1)), *added])
             fixed = fixed * factor
         return columns, fixed
 
     def force(self, inputs: Inputs, values: Values) -> Array:
         """Force in N, shape (n,); effects that depend on the force are solved for it, sample by sample."""
-        sizes = np.array([values[p.name] for p in self.linear])
+        sizes = _vector(inputs, [values[p.name] for p in self.linear])
 
         def step(force: Array) -> Array:
             columns, fixed = self.design(inputs, values, force)
             return fixed + columns @ sizes
 
-        force = step(np.zeros(len(inputs)))
-        if self.separable:
-            return force
-        for _ in range(12):
-            first = step(force)
-            second = step(first)
-            miss = float(np.max(np.abs(second - first)))
-            if not miss > 1e-9 * (1.0 + float(np.max(np.abs(second)))):
-                return second
-            change = first - force
-            slope = np.divide(second - first, change, out=np.zeros_like(change), where=np.abs(change) > 1e-12)
-            force = first + (second - first) / (1.0 - np.clip(slope, -20.0, 0.7))
-        return force
+        force = step(inputs.xp.zeros(len(inputs)))
+        return force if self.separable else _solve(step, force, ROUNDS)
+
+    def step(self, inputs: Inputs, values: Values, memory: Memory | None) -> tuple[Array, Memory]:
+        """Force in N, shape (n,), of n muscles side by side at one instant, and what they then remember.
+
+        `memory` is that of the last accepted instant, or None at the first, where the muscles are at rest. Trial
+        steps from the same instant may share it, for nothing is changed in place. All of it can be traced by JAX.
+        Effects that depend on the force begin at the last one and are solved by a fixed number of rounds.
+        """
+        sizes = _vector(inputs, [values[p.name] for p in self.linear])
+        if memory is None:
+            last, slots = inputs.xp.zeros(len(inputs)), None
+        else:
+            (last,), *slots = memory
+
+        def at(force: Array) -> tuple[Array, Memory]:
+            live = Live(slots)
+            columns, fixed = self.design(replace(inputs, live=live), values, force)
+            return fixed + columns @ sizes, live.slots
+
+        if not self.separable:
+            last = _solve(lambda force: at(force)[0], last, ROUNDS if memory is None else LIVE_ROUNDS)
+        force, found = at(last)
+        return force, ((force,), *found)
 
     def _geometry(self, inputs: Inputs, values: Values) -> Inputs:
         return inputs.with_geometry(values["r0"], values["theta0"]) if self.free_geometry else inputs
 
 
+def _vector(inputs: Inputs, values: list[float]) -> Array:
+    """Numbers, which may be traced, as an array of the kind of the inputs."""
+    return inputs.xp.asarray(values, dtype=float)
+
+
+def _solve(step: Callable[[Array], Array], force: Array, rounds: int) -> Array:
+    """Force (n,) that `step` returns unchanged, each sample by Steffensen's iteration from `force`.
+
+    Ends early where all have settled, except under JAX, which cannot know that while it traces.
+    """
+    xp = force.__array_namespace__()
+    for _ in range(rounds):
+        first = step(force)
+        second = step(first)
+        if xp is np:
+            miss = float(np.max(np.abs(second - first)))
+            if not miss > 1e-9 * (1.0 + float(np.max(np.abs(second)))):
+                return second
+        change = first - force
+        moves = xp.abs(change) > 1e-12
+        slope = xp.where(moves, (second - first) / xp.where(moves, change, 1.0), 0.0)
+        force = first + (second - first) / (1.0 - xp.clip(slope, -20.0, 0.7))
+    return force
+
+
+ROUNDS = 12
+LIVE_ROUNDS = 2
+"""Rounds of the force's own iteration: over a record, and live, from a force an instant ago."""
 GEOMETRY = (
     Param("r0", "mm", "initial radius of the braid", 0.5, 100.0, start=10.0, scale=1.0),
     Param("theta0", "deg", "initial braid angle", 20.0, 35.0, start=25.0, scale=1.0, symbol="θ0", grid=(23.0, 27.0)),

@@ -7,10 +7,12 @@ MPa times mm² is N. Contraction is positive when the muscle shortens.
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from .errors import DataError
+from .recursion import Live
 
 Array = np.ndarray
 
@@ -71,7 +73,8 @@ class Specimen:
     def radius_ratio(self, contraction: Array) -> Array:
         """r / r0 of the ideal braid at a contraction ratio (any shape), from cosθ = (1−ε) cosθ0."""
         square = (3.0 * self.b - self.a * (1.0 - contraction) ** 2) / 3.0
-        return np.sqrt(np.maximum(square, 1e-9))
+        xp = square.__array_namespace__()
+        return xp.sqrt(xp.maximum(square, 1e-9))
 
     def log_volume_slope(self, contraction: Array) -> Array:
         """d ln V / dε of the braid's cylinder V = π r² L (any shape, dimensionless)."""
@@ -87,7 +90,7 @@ class Inputs:
     extension, 0 where a static table knows no branch; a hold keeps the direction of the motion before
     it and has `moving` False. `stroke_speed` is the median speed of the stroke a sample belongs to.
     `segment` numbers the runs between changes of pressure or gaps in time.
-    Fields that a record lacks are None.
+    Fields that a record lacks are None. With `live` the samples are no record, but n muscles at one instant.
     """
 
     pressure: Array
@@ -101,9 +104,15 @@ class Inputs:
     cycle: Array | None = None
     temperature: Array | None = None
     segment: Array | None = None
+    live: Live | None = None
 
     def __len__(self) -> int:
         return len(self.pressure)
+
+    @property
+    def xp(self) -> Any:
+        """The array namespace of these samples: NumPy for a record, JAX where a model is traced."""
+        return self.pressure.__array_namespace__()
 
     @cached_property
     def displacement_mm(self) -> Array:

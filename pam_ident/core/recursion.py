@@ -1,8 +1,31 @@
-"""A first-order recursion along a record, without a loop over its samples."""
+"""Recursions: along a whole record without a loop over its samples, and live, from one instant to the next."""
+
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
 Array = np.ndarray
+Slot = tuple[Array, ...]
+Memory = tuple[Slot, ...]
+"""What n muscles side by side remember of an instant: a slot of arrays (n,) for each operator that remembers."""
+
+
+class Live:
+    """A walk along a memory, slot by slot, by those who remember; they must ask in the same order at each instant.
+
+    `memory` is that of the last accepted instant, which stays as it is, or None at the first. `slots` is what it
+    has become at the present one.
+    """
+
+    def __init__(self, memory: Iterable[Slot] | None) -> None:
+        self._before = None if memory is None else iter(memory)
+        self.slots: Memory = ()
+
+    def step(self, first: Slot, advance: Callable[..., Slot]) -> Slot:
+        """The next slot at the present instant: `first` at the first, later `advance(*slot before)`."""
+        slot = first if self._before is None else advance(*next(self._before))
+        self.slots += (slot,)
+        return slot
 
 
 def decaying_sum(decay: Array, gain: Array) -> Array:

@@ -1,14 +1,18 @@
-"""Memory along a record: relaxation in time and elements that slip."""
+"""Memory along a record: relaxation in time and elements that slip.
+
+Where the inputs are live, the same recursion takes one step from the last accepted instant, for each muscle apart.
+"""
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from ..core import Inputs
-from ..core.recursion import decaying_sum
+from ..core.recursion import Live, Slot, decaying_sum
 
 Array = np.ndarray
 
@@ -20,11 +24,56 @@ def relax(inputs: Inputs, drive: Array, tau: float | Array) -> Array:
     rig does that goes to its next start and settles there. `tau` in s may differ from sample to sample, shape (n,).
     """
     assert inputs.time is not None and inputs.segment is not None
+    if inputs.live is not None:
+        return _relax_live(inputs.live, inputs, drive, tau + inputs.xp.zeros_like(drive))
     decay = np.diff(inputs.time) / (0.5 * (tau[1:] + tau[:-1]) if isinstance(tau, np.ndarray) else tau)
     answer = np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
     answer = np.where(np.diff(inputs.segment) != 0, np.exp(-decay), answer)
     gain = np.diff(drive) * answer
     return decaying_sum(np.exp(-decay), gain)
+
+
+def _relax_live(live: Live, inputs: Inputs, drive: Array, tau: Array) -> Array:
+    assert inputs.time is not None
+    xp, now = inputs.xp, inputs.time
+
+    def advance(q: Array, drive_before: Array, tau_before: Array, time: Array) -> Slot:
+        decay = (now - time) / (0.5 * (tau + tau_before))
+        answer = xp.where(decay > 1e-9, -xp.expm1(-decay) / xp.maximum(decay, 1e-300), 1.0)
+        return q * xp.exp(-decay) + (drive - drive_before) * answer, drive, tau, now
+
+    return live.step((xp.zeros_like(drive), drive, tau, now), advance)[0]
+
+
+def _moved_live(live: Live, inputs: Inputs, move: Callable[[Array, Array], Array]) -> Array:
+    """State that begins at 0, and that `move` takes from one instant to the next over the travel in mm."""
+    x = inputs.displacement_mm
+    return live.step((inputs.xp.zeros_like(x), x), lambda state, before: (move(state, x - before), x))[0]
+
+
+def since_first(inputs: Inputs, values: Array) -> Array:
+    """Values (n,) less that of the first sample."""
+    if inputs.live is None:
+        return values - values[0]
+    return values - inputs.live.step((values,), lambda first: (first,))[0]
+
+
+def time_held(inputs: Inputs, held: Array) -> Array:
+    """Seconds since the hold began that a sample is part of, by the mask `held`, shape (n,); live nothing is held."""
+    assert inputs.time is not None
+    if inputs.live is not None:
+        return inputs.xp.zeros_like(inputs.time)
+    begins = np.r_[True, held[1:] & ~held[:-1]]
+    return inputs.time - inputs.time[np.maximum.accumulate(np.where(begins, np.arange(len(inputs)), 0))]
+
+
+def cycles_of_test(inputs: Inputs) -> Array:
+    """Cycles counted from the start of the test, not of the isobar, shape (n,); live there is one run only."""
+    assert inputs.cycle is not None and inputs.segment is not None
+    if inputs.live is not None:
+        return inputs.cycle
+    begins = np.r_[True, (np.diff(inputs.cycle) != 0) | (np.diff(inputs.segment) != 0)]
+    return np.cumsum(begins)
 
 
 def runs(inputs: Inputs) -> list[slice]:
@@ -41,6 +90,8 @@ def stop_operator(inputs: Inputs, width_mm: float) -> Array:
 
     Prandtl's stop operator driven by the displacement; the element starts at rest.
     """
+    if inputs.live is not None:
+        return _moved_live(inputs.live, inputs, lambda z, dx: inputs.xp.clip(z + dx / width_mm, -1.0, 1.0))
     way = _one_way(inputs)
     states = []
     state = 0.0
@@ -53,6 +104,13 @@ def stop_operator(inputs: Inputs, width_mm: float) -> Array:
 
 def dahl_operator(inputs: Inputs, width_mm: float) -> Array:
     """Dahl's friction state, dz/dx = (1 − z sgn ẋ)/width: exponential return after each reversal, within ±1."""
+    if inputs.live is not None:
+        xp = inputs.xp
+
+        def move(z: Array, dx: Array) -> Array:
+            return xp.sign(dx) + (z - xp.sign(dx)) * xp.exp(-xp.abs(dx) / width_mm)
+
+        return _moved_live(inputs.live, inputs, move)
     way = _one_way(inputs)
     states = []
     state = 0.0

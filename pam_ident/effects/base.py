@@ -94,17 +94,17 @@ class Effect:
 
 def one(values: Array) -> Array:
     """A single column, shape (n, 1)."""
-    return np.asarray(values, float)[:, None]
+    return values.__array_namespace__().asarray(values, dtype=float)[:, None]
 
 
 def slip(inputs: Inputs) -> tuple[Array, Array]:
     """Sign of sliding where the muscle moves (0 in holds), and the sign kept through holds (0 in motion)."""
     if inputs.moving is None:
-        return inputs.direction, np.zeros(len(inputs))
+        return inputs.direction, inputs.xp.zeros(len(inputs))
     return inputs.direction * inputs.moving, inputs.direction * ~inputs.moving
 
 
 def speed(inputs: Inputs) -> Array:
     """|dx/dt| in mm/s, shape (n,)."""
     assert inputs.velocity is not None
-    return np.abs(inputs.velocity)
+    return inputs.xp.abs(inputs.velocity)

@@ -1,6 +1,6 @@
 """The bladder resists being stretched around the hoop and shortened along the axis."""
 
-import numpy as np
+import math
 
 from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one
@@ -24,7 +24,7 @@ def hoop_force(inputs: Inputs) -> Array:
     """Force in N per MPa of modulus of a bladder stretched around the hoop only, shape (n,), ≤ 0 in contraction."""
     s, shortened = inputs.specimen, 1.0 - inputs.contraction
     stretch = 1.0 - 1.0 / s.radius_ratio(inputs.contraction)
-    return -2.0 * s.a / 3.0 * np.pi * s.initial_radius_mm * wall(inputs) * shortened * stretch
+    return -2.0 * s.a / 3.0 * math.pi * s.initial_radius_mm * wall(inputs) * shortened * stretch
 
 
 def _hoop(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -44,20 +44,21 @@ def invariant_slopes(inputs: Inputs) -> tuple[Array, Array, Array]:
 
 def _mooney_rivlin(inputs: Inputs, shape: Shape, force: Array) -> Array:
     _, d1, d2 = invariant_slopes(inputs)
-    section = 2.0 * np.pi * inputs.specimen.initial_radius_mm * wall(inputs)
-    return -section * np.column_stack([d1, d2])
+    section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
+    return -section * inputs.xp.column_stack([d1, d2])
 
 
 def _gent(inputs: Inputs, shape: Shape, force: Array) -> Array:
     i1, d1, _ = invariant_slopes(inputs)
-    section = 2.0 * np.pi * inputs.specimen.initial_radius_mm * wall(inputs)
-    return one(-section * 0.5 * d1 / np.maximum(1.0 - i1 / shape["J_m"], 0.02))
+    section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
+    return one(-section * 0.5 * d1 / inputs.xp.maximum(1.0 - i1 / shape["J_m"], 0.02))
 
 
 def _yeoh(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    xp = inputs.xp
     i1, d1, _ = invariant_slopes(inputs)
-    section = 2.0 * np.pi * inputs.specimen.initial_radius_mm * wall(inputs)
-    return -section * d1[:, None] * np.column_stack([np.ones(len(i1)), 2.0 * i1, 3.0 * i1**2])
+    section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
+    return -section * d1[:, None] * xp.column_stack([xp.ones_like(i1), 2.0 * i1, 3.0 * i1**2])
 
 
 EFFECT = Effect(

@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one
 from .bladder_elasticity import wall
@@ -14,7 +12,7 @@ E_MOD = Param("E_printed", "MPa·mm⁻¹", "modulus by the printed form: not a Y
 def _printed(inputs: Inputs, shape: Shape, force: Array) -> Array:
     s, shortened = inputs.specimen, 1.0 - inputs.contraction
     stretch = 1.0 - 1.0 / s.radius_ratio(inputs.contraction)
-    factor = 2.0 * math.sqrt(3.0 * s.a) / 3.0 * np.pi * s.initial_radius_mm * s.initial_length_mm * wall(inputs)
+    factor = 2.0 * math.sqrt(3.0 * s.a) / 3.0 * math.pi * s.initial_radius_mm * s.initial_length_mm * wall(inputs)
     return one(-factor * shortened**2 * stretch)
 
 

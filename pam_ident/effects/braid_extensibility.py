@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one
 
@@ -14,7 +12,7 @@ def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
     s = inputs.specimen
     cos = (1.0 - inputs.contraction) * math.cos(math.radians(s.braid_angle_deg))
     sin = math.sin(math.radians(s.braid_angle_deg))
-    return one(-4e-3 * np.pi**2 * (s.initial_radius_mm / sin) ** 4 * inputs.pressure**2 * cos)
+    return one(-4e-3 * math.pi**2 * (s.initial_radius_mm / sin) ** 4 * inputs.pressure**2 * cos)
 
 
 EFFECT = Effect(

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable
 
-import numpy as np
-
 from ..core import Inputs, Param
+from ._history import time_held
 from .base import AddsForce, Array, Effect, Shape, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
@@ -21,13 +20,14 @@ def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -np.column_stack(slip(inputs))
+    return -inputs.xp.column_stack(slip(inputs))
 
 
 def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    xp = inputs.xp
     moving, held = slip(inputs)
-    ramp = np.tanh(speed(inputs) / shape["v_0"]) if inputs.velocity is not None else 1.0
-    return -np.column_stack([moving * ramp, held])
+    ramp = xp.tanh(speed(inputs) / shape["v_0"]) if inputs.velocity is not None else 1.0
+    return -xp.column_stack([moving * ramp, held])
 
 
 def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -35,9 +35,8 @@ def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
     if inputs.time is None:
         return _held(inputs, shape, force)
     moving, held = slip(inputs)
-    begins = np.r_[True, (held[1:] != 0.0) & (held[:-1] == 0.0)]
-    since = inputs.time - inputs.time[np.maximum.accumulate(np.where(begins, np.arange(len(inputs)), 0))]
-    return -np.column_stack([moving, held * np.exp(-since / shape["tau_h"])])
+    fading = inputs.xp.exp(-time_held(inputs, held != 0.0) / shape["tau_h"])
+    return -inputs.xp.column_stack([moving, held * fading])
 
 
 def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
@@ -47,18 +46,18 @@ def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
     """
     moving, held = slip(inputs)
     if inputs.velocity is None or inputs.stroke_speed is None:
-        return -np.column_stack([moving, 0.0 * moving, held, 0.0 * held])
-    return -np.column_stack([moving, moving * dip(speed(inputs)), held, held * dip(inputs.stroke_speed)])
+        return -inputs.xp.column_stack([moving, 0.0 * moving, held, 0.0 * held])
+    return -inputs.xp.column_stack([moving, moving * dip(speed(inputs)), held, held * dip(inputs.stroke_speed)])
 
 
 def gaussian_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Columns of the Stribeck form exp(−(v/v_s)²)."""
-    return stribeck_columns(inputs, lambda v: np.exp(-((v / shape["v_s"]) ** 2)))
+    return stribeck_columns(inputs, lambda v: inputs.xp.exp(-((v / shape["v_s"]) ** 2)))
 
 
 def exponential_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Columns of the Stribeck form exp(−v/v_s)."""
-    return stribeck_columns(inputs, lambda v: np.exp(-v / shape["v_s"]))
+    return stribeck_columns(inputs, lambda v: inputs.xp.exp(-v / shape["v_s"]))
 
 
 EFFECT = Effect(

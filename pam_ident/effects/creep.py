@@ -25,11 +25,12 @@ def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _prony(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return np.column_stack([_drive(inputs, inputs.contraction, shape["tau"] * ratio) for ratio in (0.1, 1.0, 10.0)])
+    times = [shape["tau"] * ratio for ratio in (0.1, 1.0, 10.0)]
+    return inputs.xp.column_stack([_drive(inputs, inputs.contraction, tau) for tau in times])
 
 
 def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(np.sum([_drive(inputs, inputs.contraction, tau) for tau in DECADES], axis=0) / len(DECADES))
+    return one(inputs.xp.stack([_drive(inputs, inputs.contraction, tau) for tau in DECADES]).sum(axis=0) / len(DECADES))
 
 
 def _force(inputs: Inputs, shape: Shape, force: Array) -> Array:

@@ -1,7 +1,5 @@
 """The ends stay narrow, so that the cylinder contracts more than the muscle."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsContraction, one
 
@@ -14,7 +12,7 @@ def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _saturating(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(shape["e_s"] * -np.expm1(-inputs.contraction / shape["e_s"]))
+    return one(shape["e_s"] * -inputs.xp.expm1(-inputs.contraction / shape["e_s"]))
 
 
 EFFECT = Effect(

@@ -1,7 +1,5 @@
 """The load cell reads a force where there is none."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one
 
@@ -9,7 +7,7 @@ BIAS = Param("F_b", "N", "force read at no load", -2000.0, 2000.0, scale=10.0)
 
 
 def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(np.ones(len(inputs)))
+    return one(inputs.xp.ones(len(inputs)))
 
 
 EFFECT = Effect(

@@ -1,8 +1,7 @@
 """The load cell's zero wanders with time."""
 
-import numpy as np
-
 from ..core import Inputs, Param
+from ._history import since_first
 from .base import AddsForce, Array, Effect, Shape, one
 
 RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0)
@@ -13,7 +12,7 @@ TAU = Param("tau", "s", "settling time of the drift", 5.0, 1e5, start=200.0, gri
 def elapsed(inputs: Inputs) -> Array:
     """Seconds since the first sample, shape (n,)."""
     assert inputs.time is not None
-    return inputs.time - inputs.time[0]
+    return since_first(inputs, inputs.time)
 
 
 def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -21,11 +20,11 @@ def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _settling(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-np.expm1(-elapsed(inputs) / shape["tau"]))
+    return one(-inputs.xp.expm1(-elapsed(inputs) / shape["tau"]))
 
 
 def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(np.log1p(elapsed(inputs) / shape["tau"]))
+    return one(inputs.xp.log1p(elapsed(inputs) / shape["tau"]))
 
 
 EFFECT = Effect(

@@ -1,7 +1,5 @@
 """The length called initial is not the length of no contraction."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsContraction, one
 
@@ -9,7 +7,7 @@ OFFSET = Param("e_off", "1", "contraction read where there is none", -0.2, 0.2, 
 
 
 def _constant(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-np.ones(len(inputs)))
+    return one(-inputs.xp.ones(len(inputs)))
 
 
 EFFECT = Effect(

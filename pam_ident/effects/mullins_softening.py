@@ -1,8 +1,7 @@
 """The rubber is stiffer in its first cycles."""
 
-import numpy as np
-
 from ..core import Inputs, Param
+from ._history import cycles_of_test
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
@@ -15,7 +14,7 @@ N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 60.0, start
 
 def _fading(inputs: Inputs, shape: Shape) -> Array:
     assert inputs.cycle is not None
-    return np.exp(-(inputs.cycle - 1.0) / shape["n_0"])
+    return inputs.xp.exp(-(inputs.cycle - 1.0) / shape["n_0"])
 
 
 def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -28,15 +27,13 @@ def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _whole_test(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Cycles counted from the start of the test, not of the isobar."""
-    assert inputs.cycle is not None and inputs.segment is not None
-    begins = np.r_[True, (np.diff(inputs.cycle) != 0) | (np.diff(inputs.segment) != 0)]
-    fading = np.exp(-(np.cumsum(begins) - 1.0) / shape["n_0"])
-    return np.column_stack([fading, -fading * inputs.contraction])
+    fading = inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / shape["n_0"])
+    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
 
 
 def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
     fading = _fading(inputs, shape)
-    return np.column_stack([fading, -fading * inputs.contraction])
+    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
 
 
 EFFECT = Effect(

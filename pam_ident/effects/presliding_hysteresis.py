@@ -1,7 +1,5 @@
 """Elastic micro-slip before full sliding: corners of the loop rounded after each reversal."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from ._history import dahl_operator, stop_operator
 from .base import AddsForce, Array, Effect, Shape, one
@@ -31,7 +29,7 @@ def _dahl(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _three(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -np.column_stack([stop_operator(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)])
+    return -inputs.xp.column_stack([stop_operator(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)])
 
 
 EFFECT = Effect(

@@ -1,7 +1,5 @@
 """Dry friction in proportion to the contact pressure of the braid."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, slip
 
@@ -23,7 +21,7 @@ def _constant(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -np.column_stack(slip(inputs)) * inputs.pressure[:, None]
+    return -inputs.xp.column_stack(slip(inputs)) * inputs.pressure[:, None]
 
 
 def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:

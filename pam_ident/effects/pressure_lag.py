@@ -1,7 +1,5 @@
 """Air must flow through hose and valve, so that the muscle's pressure lags the sensor's while it moves."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from ._history import relax
 from .base import Array, Effect, Shape, TransformsPressure, one
@@ -35,19 +33,19 @@ def _quasi_steady(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
     ratio = inputs.specimen.radius_ratio(inputs.contraction)
-    log_volume = np.log(ratio**2 * (1.0 - inputs.contraction))
+    log_volume = inputs.xp.log(ratio**2 * (1.0 - inputs.contraction))
     return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, log_volume, shape["tau"]))
 
 
 def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A valve of fixed conductance fills a larger volume more slowly: τ grows with V."""
     volume = inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
-    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, np.log(volume), shape["tau"] * volume))
+    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), shape["tau"] * volume))
 
 
 def _orifice(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    rate = _rate(inputs)
-    return one(-np.sign(rate) * 0.1 * (np.abs(rate) / 0.1) ** shape["n"])
+    rate, xp = _rate(inputs), inputs.xp
+    return one(-xp.sign(rate) * 0.1 * (xp.abs(rate) / 0.1) ** shape["n"])
 
 
 EFFECT = Effect(

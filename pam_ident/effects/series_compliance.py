@@ -1,7 +1,5 @@
 """Fixture and load cell give way under load, so that the muscle is shorter than the sensor says."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsContraction, one
 
@@ -14,7 +12,7 @@ def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _stiffening(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _columns(inputs, shape, force) / (1.0 + np.maximum(force, 0.0)[:, None] / shape["F_1"])
+    return _columns(inputs, shape, force) / (1.0 + inputs.xp.maximum(force, 0.0)[:, None] / shape["F_1"])
 
 
 EFFECT = Effect(

@@ -1,8 +1,7 @@
 """The rubber softens as it warms."""
 
-import numpy as np
-
 from ..core import Inputs, Param
+from ._history import since_first
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
@@ -15,7 +14,7 @@ G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvi
 def warming(inputs: Inputs) -> Array:
     """Temperature above that of the first sample in K, shape (n,)."""
     assert inputs.temperature is not None
-    return inputs.temperature - inputs.temperature[0]
+    return since_first(inputs, inputs.temperature)
 
 
 def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -23,7 +22,7 @@ def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _quadratic(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -np.column_stack([warming(inputs), warming(inputs) ** 2])
+    return -inputs.xp.column_stack([warming(inputs), warming(inputs) ** 2])
 
 
 def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:

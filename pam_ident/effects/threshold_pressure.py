@@ -1,7 +1,5 @@
 """Pressure that is spent before the bladder touches the braid."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsPressure, one
 
@@ -10,11 +8,11 @@ WIDTH = Param("w", "MPa", "pressure over which the threshold is reached", 0.005,
 
 
 def _hard(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-np.ones(len(inputs)))
+    return one(-inputs.xp.ones(len(inputs)))
 
 
 def _soft(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(np.expm1(-np.maximum(inputs.pressure, 0.0) / shape["w"]))
+    return one(inputs.xp.expm1(-inputs.xp.maximum(inputs.pressure, 0.0) / shape["w"]))
 
 
 EFFECT = Effect(

@@ -1,7 +1,5 @@
 """Force against the speed of motion."""
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one, speed
 
@@ -18,7 +16,7 @@ def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.velocity is not None
-    return one(-np.sign(inputs.velocity) * 0.01 * (speed(inputs) / 10.0) ** shape["n"])
+    return one(-inputs.xp.sign(inputs.velocity) * 0.01 * (speed(inputs) / 10.0) ** shape["n"])
 
 
 def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -28,7 +26,7 @@ def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
     column = _power(inputs, shape, force)
-    return np.hstack([column, column * inputs.pressure[:, None]])
+    return inputs.xp.hstack([column, column * inputs.pressure[:, None]])
 
 
 EFFECT = Effect(

@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one
 
@@ -11,12 +9,12 @@ SHARE = Param("wall_share", "1", "share of the wall's thickness that acts", 0.0,
 
 
 def _thick(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    s = inputs.specimen
+    s, xp = inputs.specimen, inputs.xp
     t = s.wall_thickness_mm or 1.0
     cos = (1.0 - inputs.contraction) * math.cos(math.radians(s.braid_angle_deg))
-    sin = np.sqrt(np.maximum(1.0 - cos**2, 1e-4))
+    sin = xp.sqrt(xp.maximum(1.0 - cos**2, 1e-4))
     d90 = 2.0 * s.initial_radius_mm / math.sin(math.radians(s.braid_angle_deg))
-    return one(np.pi * inputs.pressure * (d90 * t * (2.0 * sin - 1.0 / sin) - t**2))
+    return one(math.pi * inputs.pressure * (d90 * t * (2.0 * sin - 1.0 / sin) - t**2))
 
 
 EFFECT = Effect(
