@@ -1,5 +1,6 @@
 """Answers as the dictionaries that other programs read; NaN is blanked when they are written."""
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
         "record": record,
         "law": law,
         "effects": next(iter(fits.values())).model.labels,
+        **_muscle(next(iter(fits.values()))),
         "branches": {branch: _branch(one) | _checks(answer.checks[branch]) for branch, one in fits.items()},
     }
     if answer.isobars is not None:
@@ -71,6 +73,12 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
     ]
     found["passive"] = answer.passive
     return found
+
+
+def _muscle(one: "Fit") -> Json:
+    """What a fitted model needs besides its parameters to be used elsewhere."""
+    specimen = {key: value for key, value in asdict(one.record.specimen).items() if key != "sensors"}
+    return {"specimen": specimen, "free_geometry": one.model.free_geometry}
 
 
 def _checks(checks: "Checks") -> Json:
@@ -183,24 +191,15 @@ def _experiment(experiment: "Experiment | None") -> Json | None:
     return {
         "vary": list(experiment.vary),
         "text": experiment.text,
-        "predicted": [
-            {"effect": s.effect, "rival": s.rival, "standard_errors": s.standard_errors} for s in experiment.predicted
-        ],
+        "predicted": [asdict(one) for one in experiment.predicted],
         "minutes": experiment.minutes,
         "protocol": None if experiment.protocol is None else experiment.protocol.table(),
     }
 
 
 def _pattern(pattern: "Pattern | None") -> Json | None:
-    if pattern is None:
-        return None
-    return {
-        "kind": pattern.kind,
-        "coordinate": pattern.coordinate,
-        "value": pattern.value,
-        "unit": pattern.unit,
-        "share": pattern.share,
-    }
+    keys = ("kind", "coordinate", "value", "unit", "share")
+    return None if pattern is None else {key: getattr(pattern, key) for key in keys}
 
 
 def addition_json(record: str, addition: "Addition") -> Json:
@@ -227,6 +226,7 @@ def ladder_json(record: str, ladder: "Ladder") -> Json:
         "schema": "pam-ident/ladder/1",
         "record": record,
         "law": ladder.rungs[0].fit.model.law.name,
+        **_muscle(ladder.rungs[0].fit),
         "rungs": [
             {
                 "effects": list(rung.effects),

@@ -6,7 +6,7 @@ PAPER = {
     "contraction": {"a0": -197.8, "a1": 2442.0, "b0": 1735.0, "b1": 5464.0, "c0": -9.3, "c1": 688.3, "mu": 45.0},
     "extension": {"a0": -344.5, "a1": 2554.0, "b0": -43.2, "b1": 8430.0, "c0": 43.24, "c1": 899.2, "mu": 45.0},
 }
-KEYS = {"schema", "record", "law", "effects", "branches", "loops", "passive"}
+KEYS = {"schema", "record", "law", "effects", "specimen", "free_geometry", "branches", "loops", "passive"}
 
 
 @pytest.fixture
@@ -32,6 +32,13 @@ def test_json_of_a_fit_is_the_contracts(answer, clean):
     assert set(found) == KEYS and found["schema"] == "pam-ident/fit/1"
     assert found["record"] == str(clean) and found["law"] == "exponential_law"
     assert found["effects"] == ["coulomb_friction"] and list(found["branches"]) == ["together"]
+    assert found["free_geometry"] is False and found["specimen"] == {
+        "name": "made",
+        "initial_length_mm": 200.0,
+        "initial_radius_mm": 10.0,
+        "braid_angle_deg": 25.4,
+        "wall_thickness_mm": 1.5,
+    }
     branch = found["branches"]["together"]
     contract = {"parameters", "rmse_N", "max_error_N", "r2", "n"}
     assert set(branch) == contract | {"noise_floor_N", "noise_memory_samples", "lack_of_fit", "stand_ins"}

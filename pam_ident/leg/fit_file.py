@@ -1,0 +1,102 @@
+"""The answers of `pam-ident fit --json` and `ladder --json`, read back."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ..core import DataError, Specimen, UsageError
+from ..effects import Effect
+from ..model import Model
+
+T = TypeVar("T")
+GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a file holds, as far as it is needed here; `path` is told where something is wrong."""
+
+    path: Path
+    content: Mapping[str, Any]
+
+    def get(self, key: str, kind: type[T], where: Mapping[str, Any] | None = None) -> T:
+        """A field of the file, or of the object `where`. Raises DataError where it is missing or of another kind."""
+        holder = self.content if where is None else where
+        value = holder.get(key) if isinstance(holder, Mapping) else None
+        if not isinstance(value, kind):
+            raise DataError(f"{self.path}: {key!r} is missing or no {kind.__name__}; write the file again with --json")
+        return value
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Labels of the effects of a fit."""
+        return tuple(self.get("effects", list))
+
+    @property
+    def branches(self) -> dict[str, dict[str, float]]:
+        """Parameter values of a fit by branch."""
+        return {name: self.values(one) for name, one in self.get("branches", dict).items()}
+
+    def values(self, holder: Mapping[str, Any]) -> dict[str, float]:
+        """Parameter values by name of a branch or a rung. Raises DataError for what is no number."""
+        found = {}
+        for name, one in self.get("parameters", dict, holder).items():
+            value = one.get("value") if isinstance(one, dict) else None
+            if not isinstance(value, (int, float)):
+                raise DataError(f"{self.path}: parameter {name} has the value {value}; expected a number")
+            found[name] = float(value)
+        return found
+
+    def model(self, effects: tuple[str, ...], extra: tuple[Effect, ...]) -> Model:
+        """The law with effects. Raises UsageError for what is not known."""
+        try:
+            return Model.build(self.get("law", str), effects, extra, bool(self.content.get("free_geometry")))
+        except UsageError as error:
+            raise UsageError(f"{self.path}: {error}") from None
+
+
+def read_answer(path: str | Path, kind: str) -> Answer:
+    """A file of `pam-ident KIND --json`. Raises DataError for any other file."""
+    path = Path(path)
+    hint = f"expected a file of `pam-ident {kind} RECORD --law LAW --json FILE`"
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); {hint}") from None
+    except ValueError:
+        raise DataError(f"{path}: is no JSON; {hint}") from None
+    schema = content.get("schema") if isinstance(content, dict) else None
+    if schema != f"pam-ident/{kind}/1":
+        raise DataError(f"{path}: has the schema {schema}; {hint}")
+    return Answer(path, content)
+
+
+def read_specimen_of(answer: Answer) -> Specimen:
+    """The specimen a file was made with. Raises DataError for files of earlier versions, which do not hold it."""
+    table = answer.content.get("specimen")
+    if not isinstance(table, dict) or not set(GEOMETRY) <= set(table):
+        raise DataError(f"{answer.path}: does not hold its specimen; give a specimen, or fit again with --json")
+    try:
+        return Specimen(**{name: table[name] for name in GEOMETRY})
+    except (DataError, TypeError) as error:
+        raise DataError(f"{answer.path}: {error}") from None
+
+
+def read_rungs(answer: Answer) -> list[tuple[tuple[str, ...], dict[str, float]]]:
+    """Labels of the effects and parameter values of each rung of a ladder."""
+    return [(tuple(answer.get("effects", list, one)), answer.values(one)) for one in answer.get("rungs", list)]
+
+
+def fitted_branches(found: Mapping[str, T], where: str) -> tuple[T, T]:
+    """What belongs to contraction and to extension; twice the same where both were fitted together.
+
+    Raises UsageError where a branch is missing.
+    """
+    if set(found) == {"together"}:
+        return found["together"], found["together"]
+    if set(found) == {"contraction", "extension"}:
+        return found["contraction"], found["extension"]
+    given = ", ".join(found) or "no branch"
+    raise UsageError(f"{where}: holds {given}; expected both branches: fit with --branch together or separate")
