@@ -1,8 +1,8 @@
 """Air in and out of a muscle: valve, pressure and mass, and the volume of the braid. SI, absolute pressure.
 
-Air is an ideal gas, the walls let no heat through, and what flows in brings the enthalpy of its source. Pressure and mass
-are states side by side, so that the balances of energy and of mass both hold and the temperature follows from them.
-Everything here can be traced by JAX.
+Air is an ideal gas, the walls let no heat through, and what flows in brings the enthalpy of its source. Pressure and
+mass are states side by side, so that the balances of energy and of mass both hold and the temperature follows from
+them. Everything here can be traced by JAX.
 """
 
 import math
@@ -18,9 +18,9 @@ GAS = 287.0
 ATMOSPHERE = 101325.0
 """Pa."""
 LAMINAR = 0.999
-"""Pressure ratio above which the flow falls in a straight line to zero. The ellipse of ISO 6358 is infinitely steep at
-equal pressures, where a flow becomes laminar anyhow; a line from 0.999 is the usual cure (Beater 2007, Pneumatic Drives,
-Springer, with the ratio as a parameter)."""
+"""Pressure ratio above which the flow falls in a straight line to zero: the ellipse of ISO 6358 is infinitely steep at
+equal pressures, where the flow is laminar anyhow. Simulators do so from 0.995 to 0.999 (MathWorks, Constant Area
+Pneumatic Orifice (ISO 6358); compare Beater 2007, Pneumatic Drives, Springer, which was not seen)."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Supply:
     Raises DataError where the supply is not above the exhaust, or either is no pressure.
     """
 
-    pressure_Pa: float = ATMOSPHERE + 0.7e6
+    pressure_Pa: float
     temperature_K: float = 293.15
     exhaust_Pa: float = ATMOSPHERE
 
@@ -50,9 +50,9 @@ class Valve:
     is not above 0, a ratio outside 0 to 1 or a negative lag.
     """
 
-    area_m2: float = 1.0e-6
-    critical_ratio: float = 0.35
-    lag_s: float = 0.003
+    area_m2: float
+    critical_ratio: float
+    lag_s: float
 
     def __post_init__(self) -> None:
         if not (
@@ -107,8 +107,8 @@ def pressure_rate(
 ) -> tuple[Array, Array]:
     """ṗ in Pa/s and ṁ in kg/s of the air in a muscle, any shape.
 
-    Equation (9): ṗ = κ R (T_s q_in − T q_out)/V − κ p V̇/V with T = pV/(mR), the energy of a variable volume without heat
-    through its walls; ṁ = q_in − q_out.
+    Equation (9): ṗ = κ R (T_s q_in − T q_out)/V − κ p V̇/V with T = pV/(mR), the energy of a variable volume whose walls
+    let no heat through; ṁ = q_in − q_out.
     """
     temperature = gas_temperature(pressure_Pa, mass_kg, volume_m3)
     brought = GAS * (supply_K * q_in - temperature * q_out)
