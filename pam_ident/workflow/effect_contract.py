@@ -110,7 +110,11 @@ def says_what_it_is(effect: Effect, form: Form, record: Record) -> list[str]:
         f"two parameters have the same name: {', '.join(names)}": len(set(names)) == len(names),
     }
     found = [words for words, fine in checks.items() if not fine]
-    found += [f"parameter {n!r} is no Python name without a double underscore" for n in names if not _plain(n)]
+    found += [
+        f"parameter {n!r} is no Python name without a double underscore"
+        for n in names
+        if not n.isidentifier() or "__" in n
+    ]
     return found + [f"parameter {p.name} says nothing about itself (doc)" for p in form.params if not p.doc]
 
 
@@ -237,6 +241,13 @@ def force_solves_for_itself(effect: Effect, form: Form, record: Record) -> list[
     return []
 
 
+def it_can_be_stepped(effect: Effect, form: Form, record: Record) -> list[str]:
+    """In a closed loop, a row for each muscle, traced by JAX."""
+    from ..leg.loop_check import loop_fault
+
+    return [f"it cannot be stepped through time: {fault}" for fault in [loop_fault(form, record.specimen)] if fault]
+
+
 def a_fit_finds_it(effect: Effect, form: Form, record: Record) -> list[str]:
     """Clean data made with plausible sizes on the ideal law, fitted from the start values every fit has."""
     model, truth = model_of(effect, form), plausible(effect, form)
@@ -268,6 +279,7 @@ FORM_CHECKS = (
     it_matters,
     derivatives_agree,
     force_solves_for_itself,
+    it_can_be_stepped,
     a_fit_finds_it,
 )
 
@@ -285,10 +297,6 @@ def _wrong_columns(columns: Array, n: int, form: Form) -> str:
     if shape != (n, len(form.sizes)):
         return f"its columns have the shape {shape}; expected (samples, sizes) = {(n, len(form.sizes))}"
     return "" if np.isfinite(columns).all() else "its columns are not finite"
-
-
-def _plain(name: str) -> bool:
-    return name.isidentifier() and "__" not in name
 
 
 def _told(values: Mapping[str, float]) -> str:

@@ -84,25 +84,27 @@ def test_two_roles_at_once_are_refused(tmp_path):
 BREAKS = {
     "columns of one dimension": ("[:, None]", "", "expected (samples, sizes) = "),
     "a misspelt shape": ('shape["length"]', 'shape["lenght"]', "KeyError: 'lenght', line"),
-    "a formula that blows up": ("np.exp(-inputs.displacement_mm", "np.exp(1e3 / inputs.displacement_mm", "not finite"),
+    "a formula that blows up": ("xp.exp(-inputs.displacement_mm", "xp.exp(1e3 / inputs.displacement_mm", "not finite"),
     "a force of nothing": ("scale=10.0", "scale=1e-6", "N rms; set scale"),
     "an unreadable unit": ('"A", "N"', '"A", "pounds"', "unit 'pounds'"),
     "a parameter without words": ('"stroke over which it fades"', '""', "says nothing about itself"),
     "a grid out of bounds": ("grid=(4.0,", "grid=(0.1,", "0.1 in its grid"),
     "an unknown lever": ('levers=("pressure",)', 'levers=("luck",)', "unknown luck"),
     "no lever": ('levers=("pressure",)', "levers=()", "levers is empty"),
-    "a need not named": ("np.exp(-inputs.displacement_mm", "np.exp(-inputs.time", "uses what needs = () does not name"),
+    "a need not named": ("xp.exp(-inputs.displacement_mm", "xp.exp(-inputs.time", "uses what needs = () does not name"),
     "a size that the neutral does not undo": (
         "-1000.0, 1000.0, scale",
         "-1000.0, 1000.0, neutral=1.0, scale",
         "at its",
     ),
     "a shape that no start reaches": (
-        "np.exp(-inputs.displacement_mm /",
-        "np.sin(inputs.displacement_mm * 60 /",
+        "xp.exp(-inputs.displacement_mm /",
+        "xp.sin(inputs.displacement_mm * 60 /",
         "leaves",
     ),
-    "a shape in steps": ('shape["length"])', 'np.round(shape["length"], 3))', "not smooth in mine.length"),
+    "a shape in steps": ('shape["length"])', 'round(float(shape["length"]), 3))', "not smooth in mine.length"),
+    "functions of NumPy's": ("xp = inputs.pressure.__array_namespace__()", "import numpy as xp", "not from numpy"),
+    "a sum over samples": ("-inputs.displacement_mm /", "-xp.cumsum(inputs.displacement_mm) /", "rows are muscles"),
     "twice the same column": ("(SIZE,), _columns", "(SIZE, OTHER), _twice", "cannot pin the size"),
 }
 
@@ -119,7 +121,7 @@ OTHER = Param("B", "N", "the same again", -1000.0, 1000.0, scale=10.0)
 
 
 def _twice(inputs, shape, force):
-    return np.hstack([_columns(inputs, shape, force)] * 2)
+    return inputs.xp.hstack([_columns(inputs, shape, force)] * 2)
 
 
 EFFECT ="""
