@@ -173,11 +173,10 @@ def neutral_is_the_law_alone(effect: Effect, form: Form, record: Record) -> list
     lowest = record.inputs.pressure - record.inputs.pressure.min() - 0.002
     for inputs, law in product((record.inputs, replace(record.inputs, pressure=lowest)), LAWS):
         model = model_of(effect, form, law)
-        given = LAWS[law]
-        alone = Model(model.law).force(inputs, given)
+        alone = Model(model.law).force(inputs, LAWS[law])
         for corner in corners(form.shapes, 9):
             shapes = {f"{effect.name}.{k}": v for k, v in corner.items()}
-            off = np.abs(model.force(inputs, model.neutral(inputs) | given | shapes) - alone)
+            off = np.abs(model.force(inputs, model.neutral(inputs) | LAWS[law] | shapes) - alone)
             if not np.all(off <= 1e-10 + 1e-12 * np.abs(alone)):
                 return [f"at its neutral size it still changes the force by {off.max():.3g} N (law {law})"]
     return []
@@ -185,9 +184,8 @@ def neutral_is_the_law_alone(effect: Effect, form: Form, record: Record) -> list
 
 def start_is_inside(effect: Effect, form: Form, record: Record) -> list[str]:
     """Neutral sizes and the grids of shapes lie within the bounds."""
-    found = [
-        f"size {p.name}: neutral {p.neutral:g} is out of bounds" for p in form.sizes if p.clip(p.neutral) != p.neutral
-    ]
+    outside = [p for p in form.sizes if p.clip(p.neutral) != p.neutral]
+    found = [f"size {p.name}: neutral {p.neutral:g} is out of bounds" for p in outside]
     return found + [
         f"shape {p.name}: {x:g} in its grid is out of bounds" for p in form.shapes for x in p.grid if p.clip(x) != x
     ]
@@ -222,9 +220,7 @@ def derivatives_agree(effect: Effect, form: Form, record: Record) -> list[str]:
         off = np.abs(column - expected) / (np.abs(expected).max() + 1e-9)
         kinks = 0.01 if effect.stateful else 0.002  # a slipping element or a clipped pressure has a few
         if not np.mean(off > 2e-4) <= kinks:
-            found.append(
-                f"the force is not smooth in {p.name}: derivatives differ by up to {off.max():.2g} of the largest"
-            )
+            found.append(f"the force is not smooth in {p.name}: derivatives differ by {off.max():.2g} of the largest")
     return found
 
 

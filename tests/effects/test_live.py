@@ -25,7 +25,7 @@ REMEMBER = {
 
 
 def track(seed, n=240, dt=(0.004, 0.09)):
-    """A muscle that goes to and fro without a rest, 30 samples each way, under a pressure and a temperature that wander.
+    """A muscle that goes to and fro without a rest, 30 samples each way, while pressure and temperature wander.
 
     Cycles are counted as in a record, each second reversal a new one.
     """
@@ -95,7 +95,7 @@ def test_a_model_asked_live_has_the_force_along_the_record(effect, form):
     for k in range(len(TRACKS[0])):
         force, memory = model.step(instant(k), values, memory)
         found.append(force)
-    np.testing.assert_allclose(np.array(found), batch, rtol=1e-9, atol=1e-6 if form.uses_force else 1e-8)
+    np.testing.assert_allclose(np.array(found), batch, rtol=1e-9, atol=1e-8)
 
 
 @EACH_FORM
