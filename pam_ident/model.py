@@ -210,7 +210,7 @@ class Model:
             return fixed + columns @ sizes, live.slots
 
         if not self.separable:
-            last = _solve(lambda force: at(force)[0], last, ROUNDS if memory is None else LIVE_ROUNDS)
+            last = _solve(lambda force: at(force)[0], last, START_ROUNDS if memory is None else LIVE_ROUNDS)
         force, found = at(last)
         return force, ((force,), *found)
 
@@ -244,8 +244,9 @@ def _solve(step: Callable[[Array], Array], force: Array, rounds: int) -> Array:
 
 
 ROUNDS = 12
+START_ROUNDS = 4
 LIVE_ROUNDS = 2
-"""Rounds of the force's own iteration: over a record, and live, from a force an instant ago."""
+"""Rounds of the force's own iteration: over a record, at most; live, from no force, and from that an instant ago."""
 GEOMETRY = (
     Param("r0", "mm", "initial radius of the braid", 0.5, 100.0, start=10.0, scale=1.0),
     Param("theta0", "deg", "initial braid angle", 20.0, 35.0, start=25.0, scale=1.0, symbol="θ0", grid=(23.0, 27.0)),
