@@ -99,7 +99,7 @@ class Leg:
     stop_width_rad: float = float(np.radians(0.1))
     load_mass_kg: float = 0.0
     load_torque_N_m: float = 0.0
-    hip_servo: Servo = Servo(100.0, 6.0e-5, 5.0e4, 400.0, 200.0)
+    hip_servo: Servo = Servo(100.0, 6.0e-5, 1.0e5, 600.0, 200.0)
     ankle_servo: Servo = Servo(100.0, 1.2e-5, 1.0e4, 60.0, 60.0)
 
     def contraction(self, sprocket_rad: Array, length_m: float) -> tuple[Array, Array]:
