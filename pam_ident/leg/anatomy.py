@@ -79,8 +79,8 @@ class Leg:
 
     The sprocket, of `sprocket_radius_m`, is fixed to the crank; a muscle of rest length L0 has the contraction
     `rest_contraction` ± R s / L0, plus for the flexor (index 0), minus for the extensor (1). Links are uniform rods.
-    The stops are stiff springs beyond `stops_rad`, rounded over `stop_width_rad`; Winter's stride reaches −3°, so the
-    lower one lies at −5°. `load_mass_kg` sits at the foot's mass centre; `load_torque_N_m` acts on the flexion,
+    The stops are stiff springs beyond `stops_rad`, which set in over `stop_width_rad`; Winter's stride reaches −3°, so
+    the lower one lies at −5°. `load_mass_kg` sits at the foot's mass centre; `load_torque_N_m` acts on the flexion,
     positive where it flexes. All of it is assumed but the segments.
     """
 

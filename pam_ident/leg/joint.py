@@ -32,14 +32,16 @@ def inverse(leg: Leg, flexion: Array, rate: Array, wanted: Array, motion: Motion
 
 
 def passive_torque(leg: Leg, flexion: Array, rate: Array) -> Array:
-    """Damping, stops and load torque on the flexion, N·m, positive where they flex."""
+    """Damping, stops and load torque on the flexion, N·m, positive where they flex.
+
+    A stop passed by y pushes back by stiffness · y²/(y + width): nothing and no stiffness where it sets in.
+    """
     flexion = as_array(flexion)
     xp = flexion.__array_namespace__()
     low, high = leg.stops_rad
-    width = leg.stop_width_rad
-    zero = xp.zeros_like(flexion)
-    push = xp.logaddexp(zero, (low - flexion) / width) - xp.logaddexp(zero, (flexion - high) / width)
-    return leg.stop_stiffness_N_m * width * push - leg.damping_N_m_s * rate + leg.load_torque_N_m
+    below, above = xp.maximum(low - flexion, 0.0), xp.maximum(flexion - high, 0.0)
+    push = below**2 / (below + leg.stop_width_rad) - above**2 / (above + leg.stop_width_rad)
+    return leg.stop_stiffness_N_m * push - leg.damping_N_m_s * rate + leg.load_torque_N_m
 
 
 def _equation(leg: Leg, posture: Posture, flexion: Array, rate: Array, motion: Motion) -> tuple[Array, Array]:
