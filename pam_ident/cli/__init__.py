@@ -5,7 +5,7 @@ import sys
 
 import typer
 
-from . import add, challenge, compare, demo, diagnose, effects, fit, inspect, ladder, laws, report, rig, selftest
+from . import add, challenge, compare, demo, diagnose, effects, fit, inspect, ladder, laws, report, rig, selftest, track
 from .door import Door
 
 app = typer.Typer(
@@ -29,6 +29,7 @@ app.command()(ladder.ladder)
 app.command()(report.report)
 app.command()(rig.rig)
 app.command()(challenge.challenge)
+app.command()(track.track)
 app.command()(laws.laws)
 app.command()(selftest.selftest)
 app.add_typer(effects.app, name="effects")

@@ -6,11 +6,16 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from ..core import DataError, Specimen, UsageError
 from ..effects import Effect
 from ..model import Model
+from .spread import Spread
 
 T = TypeVar("T")
+Fitted = tuple[dict[str, float], Spread | None]
+"""Values of the parameters by name, and their covariance."""
 GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
 
 
@@ -35,9 +40,9 @@ class Answer:
         return tuple(self.get("effects", list))
 
     @property
-    def branches(self) -> dict[str, dict[str, float]]:
-        """Parameter values of a fit by branch."""
-        return {name: self.values(one) for name, one in self.get("branches", dict).items()}
+    def branches(self) -> dict[str, Fitted]:
+        """What was fitted, by branch."""
+        return {name: self.fitted(one) for name, one in self.get("branches", dict).items()}
 
     def values(self, holder: Mapping[str, Any]) -> dict[str, float]:
         """Parameter values by name of a branch or a rung. Raises DataError for what is no number."""
@@ -49,6 +54,22 @@ class Answer:
             found[name] = float(value)
         return found
 
+    def spread(self, holder: Mapping[str, Any]) -> Spread | None:
+        """Covariance of a branch or a rung; None where the file holds none. Raises DataError for one of wrong shape."""
+        if holder.get("covariance") is None:
+            return None
+        table = self.get("covariance", dict, holder)
+        names = tuple(self.get("names", list, table))
+        try:
+            matrix = np.array(self.get("matrix", list, table), float).reshape(len(names), len(names))
+        except (TypeError, ValueError):
+            raise DataError(f"{self.path}: the covariance of {len(names)} parameters is no square of numbers") from None
+        return Spread(names, matrix)
+
+    def fitted(self, holder: Mapping[str, Any]) -> Fitted:
+        """Parameter values and their covariance of a branch or a rung."""
+        return self.values(holder), self.spread(holder)
+
     def model(self, effects: tuple[str, ...], extra: tuple[Effect, ...]) -> Model:
         """The law with effects. Raises UsageError for what is not known."""
         try:
@@ -57,10 +78,10 @@ class Answer:
             raise UsageError(f"{self.path}: {error}") from None
 
 
-def read_answer(path: str | Path, kind: str) -> Answer:
+def read_answer(path: str | Path, *kinds: str) -> Answer:
     """A file of `pam-ident KIND --json`. Raises DataError for any other file."""
     path = Path(path)
-    hint = f"expected a file of `pam-ident {kind} RECORD --law LAW --json FILE`"
+    hint = f"expected a file of {' or '.join(f'`pam-ident {kind} RECORD --law LAW --json FILE`' for kind in kinds)}"
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -68,7 +89,7 @@ def read_answer(path: str | Path, kind: str) -> Answer:
     except ValueError:
         raise DataError(f"{path}: is no JSON; {hint}") from None
     schema = content.get("schema") if isinstance(content, dict) else None
-    if schema != f"pam-ident/{kind}/1":
+    if schema not in [f"pam-ident/{kind}/1" for kind in kinds]:
         raise DataError(f"{path}: has the schema {schema}; {hint}")
     return Answer(path, content)
 
@@ -84,9 +105,9 @@ def read_specimen_of(answer: Answer) -> Specimen:
         raise DataError(f"{answer.path}: {error}") from None
 
 
-def read_rungs(answer: Answer) -> list[tuple[tuple[str, ...], dict[str, float]]]:
-    """Labels of the effects and parameter values of each rung of a ladder."""
-    return [(tuple(answer.get("effects", list, one)), answer.values(one)) for one in answer.get("rungs", list)]
+def read_rungs(answer: Answer) -> list[tuple[tuple[str, ...], Fitted]]:
+    """Labels of the effects of each rung of a ladder, and what was fitted there."""
+    return [(tuple(answer.get("effects", list, one)), answer.fitted(one)) for one in answer.get("rungs", list)]
 
 
 def fitted_branches(found: Mapping[str, T], where: str) -> tuple[T, T]:

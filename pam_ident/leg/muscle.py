@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..core import DataError, Inputs, Specimen, UsageError
 from ..core.recursion import Slot
 from ..effects import Effect
@@ -14,6 +16,7 @@ from ..model import GEOMETRY, Model, Values
 from .arrays import Array, jnp
 from .fit_file import fitted_branches, read_answer, read_rungs, read_specimen_of
 from .loop_check import loop_fault
+from .spread import Spread
 
 Memory = tuple[Any, ...]
 """What muscles side by side remember of an instant: nested tuples of arrays (n,)."""
@@ -27,7 +30,7 @@ BRANCHES = ("contraction", "extension")
 @dataclass(frozen=True, eq=False)
 class Muscle:
     """A fitted model, stepped through time. `contraction` and `extension` are its parameters by branch, the same where
-    both were fitted together.
+    both were fitted together, `spreads` the covariances of both where they are known.
 
     Live, the direction of motion is tanh(v/0.2 mm/s), with 0 at rest; where the branches have parameters of their own,
     their forces are blended by it. Nothing counts as a rig's hold: at rest, friction takes what the load asks for and
@@ -41,6 +44,7 @@ class Muscle:
     specimen: Specimen
     contraction: Values
     extension: Values
+    spreads: tuple[Spread | None, Spread | None] = (None, None)
 
     def __post_init__(self) -> None:
         for branch, given in zip(BRANCHES, (self.contraction, self.extension), strict=True):
@@ -62,29 +66,28 @@ class Muscle:
         models = {(one.model.law.name, *one.model.labels, one.model.free_geometry) for one in pair}
         if len(models) > 1 or pair[0].record.specimen != pair[1].record.specimen:
             raise UsageError("fits: expected one model on one specimen for both branches; fit both in the same way")
-        return cls(pair[0].model, pair[0].record.specimen, pair[0].values, pair[1].values)
+        spreads = (Spread.of(pair[0]), Spread.of(pair[1]))
+        return cls(pair[0].model, pair[0].record.specimen, pair[0].values, pair[1].values, spreads)
 
     @classmethod
-    def from_json(
+    def read(
         cls, path: str | Path, specimen: Specimen | None = None, extra_effects: tuple[Effect, ...] = ()
-    ) -> "Muscle":
-        """From a file of `pam-ident fit --json`. `specimen` stands in for the file's.
+    ) -> "list[Muscle]":
+        """From a file of `pam-ident fit --json` one muscle, from one of `ladder --json` a muscle for each rung, the law
+        alone first. `specimen` stands in for the file's.
 
         Raises DataError for another file, UsageError for an effect that is not known.
         """
-        found = read_answer(path, "fit")
-        values = fitted_branches(found.branches, str(path))
-        return cls(found.model(found.effects, extra_effects), specimen or read_specimen_of(found), *values)
-
-    @classmethod
-    def rungs_from_json(
-        cls, path: str | Path, specimen: Specimen | None = None, extra_effects: tuple[Effect, ...] = ()
-    ) -> "list[Muscle]":
-        """A muscle for each rung of a file of `pam-ident ladder --json`, the law alone first. Raises as `from_json`."""
-        found = read_answer(path, "ladder")
+        found = read_answer(path, "fit", "ladder")
         given = specimen or read_specimen_of(found)
-        rungs = read_rungs(found)
-        return [cls(found.model(effects, extra_effects), given, values, values) for effects, values in rungs]
+        if "rungs" in found.content:
+            rows = [(effects, (fitted, fitted)) for effects, fitted in read_rungs(found)]
+        else:
+            rows = [(found.effects, fitted_branches(found.branches, str(path)))]
+        return [
+            cls(found.model(effects, extra_effects), given, *(values for values, _ in pair), tuple(s for _, s in pair))
+            for effects, pair in rows
+        ]
 
     @property
     def together(self) -> bool:
@@ -99,6 +102,19 @@ class Muscle:
         names = [name for name in self.model.names if name not in self._geometry(self.contraction)]
         given = zip(BRANCHES, (self.contraction, self.extension), strict=True)
         return {branch: {name: float(one[name]) for name in names} for branch, one in given}
+
+    def draws(self, count: int, seed: int) -> dict[str, dict[str, Array]] | None:
+        """As `values`, arrays (1 + count,): what was fitted, then draws from its uncertainty; None where that is unknown."""
+        found = {}
+        for branch, own, spread in zip(BRANCHES, (self.contraction, self.extension), self.spreads, strict=True):
+            left = None if spread is None else spread.given(tuple(self._geometry(own)))
+            if left is None or not left.names:
+                return None
+            normal = np.random.default_rng(seed).standard_normal((1 + count, len(left.names)))
+            normal[0] = 0.0
+            params = [p for p in self.model.params if p.name not in self._geometry(own)]
+            found[branch] = left.draws(own, params, normal)
+        return found
 
     def start(
         self,

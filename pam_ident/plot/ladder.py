@@ -1,5 +1,6 @@
 """The falling error: rms over the rungs of a ladder, down to the noise floor."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,23 +23,22 @@ class LadderData:
     noise_floor: float
 
 
-def added(ladder: Ladder) -> tuple[str, ...]:
-    """What each rung has that the one before had not: the law first, then `+ effect`."""
+def added(rungs: Sequence[tuple[str, Sequence[str]]]) -> tuple[str, ...]:
+    """What each rung, a law with its effects, has that the one before had not: the law first, then `+ effect`."""
     names: list[str] = []
-    before: set[str] = set()
-    for i, rung in enumerate(ladder.rungs):
-        new = [label for label in rung.effects if label not in before]
-        gone = [label for label in before if label not in rung.effects]
-        law = [rung.fit.model.law.name] if i == 0 else []
-        names.append("\n".join(law + [f"+ {label}" for label in new] + [f"− {label}" for label in sorted(gone)]) or "=")
-        before = set(rung.effects)
+    before: Sequence[str] = ()
+    for k, (law, effects) in enumerate(rungs):
+        new = [f"+ {label}" for label in effects if label not in before]
+        gone = [f"− {label}" for label in sorted(set(before) - set(effects))]
+        names.append("\n".join([law] * (k == 0) + new + gone) or "=")
+        before = effects
     return tuple(names)
 
 
 def data(ladder: Ladder) -> LadderData:
     """The numbers of a ladder, rung by rung."""
     return LadderData(
-        added(ladder),
+        added([(rung.fit.model.law.name, rung.effects) for rung in ladder.rungs]),
         np.array([rung.fit.rmse for rung in ladder.rungs]),
         np.array([rung.heldout_rmse for rung in ladder.rungs]),
         ladder.noise_floor,

@@ -41,7 +41,7 @@ def suspects(diagnosis: Diagnosis) -> Table:
 
 def ladder(steps: Ladder) -> Table:
     """The falling errors, rung by rung."""
-    names = added(steps)
+    names = added([(step.fit.model.law.name, step.effects) for step in steps.rungs])
     rows = tuple(
         (
             str(i),

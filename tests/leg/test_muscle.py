@@ -249,17 +249,17 @@ def files(tmp_path_factory, record):
 
 
 def test_a_fit_comes_back_from_its_file(files, record):
-    muscle = Muscle.from_json(files / "fit.json")
+    (muscle,) = Muscle.read(files / "fit.json")
     assert muscle.model.labels == ["coulomb_friction:held"] and muscle.together
     assert muscle.specimen == replace(MUSCLE, sensors=None)
     written = json.loads((files / "fit.json").read_text())["branches"]["together"]["parameters"]
     assert muscle.values()["extension"] == {name: one["value"] for name, one in written.items()}
     assert muscle.contraction["coulomb_friction.F_c"] == pytest.approx(9.0, abs=0.2)
-    assert Muscle.from_json(files / "fit.json", specimen=MUSCLE).specimen is MUSCLE
+    assert Muscle.read(files / "fit.json", specimen=MUSCLE)[0].specimen is MUSCLE
 
 
 def test_branches_fitted_apart_come_back_apart(files, record):
-    muscle = Muscle.from_json(files / "apart.json")
+    (muscle,) = Muscle.read(files / "apart.json")
     fitted = Muscle.from_fits(fit_branches(Model.build("exponential_law"), record, "separate"))
     assert not muscle.together
     for branch in ("contraction", "extension"):
@@ -267,7 +267,7 @@ def test_branches_fitted_apart_come_back_apart(files, record):
 
 
 def test_a_ladder_comes_back_rung_by_rung(files):
-    rungs = Muscle.rungs_from_json(files / "ladder.json")
+    rungs = Muscle.read(files / "ladder.json")
     written = json.loads((files / "ladder.json").read_text())["rungs"]
     assert len(rungs) == len(written) >= 2 and rungs[0].model.terms == ()
     for muscle, one in zip(rungs, written, strict=True):
@@ -277,7 +277,7 @@ def test_a_ladder_comes_back_rung_by_rung(files):
 
 def test_a_muscle_from_one_branch_or_of_two_models_is_refused(files, record):
     with pytest.raises(UsageError, match=r"one\.json: holds contraction; expected both branches"):
-        Muscle.from_json(files / "one.json")
+        Muscle.read(files / "one.json")
     fits = fit_branches(Model.build("exponential_law"), record, "separate")
     other = fit_branches(Model.build("polynomial"), record, "separate")
     with pytest.raises(UsageError, match="one model on one specimen"):
@@ -325,7 +325,7 @@ def test_a_file_that_is_not_whole_is_refused(files, tmp_path, change, error, tol
     path = tmp_path / "changed.json"
     path.write_text(json.dumps(found), encoding="utf-8")
     with pytest.raises(error, match=told):
-        Muscle.from_json(path)
+        Muscle.read(path)
 
 
 @pytest.mark.parametrize(
@@ -342,10 +342,10 @@ def test_another_file_is_refused_with_the_command_that_writes_one(files, tmp_pat
     if text is not None:
         path.write_text((files / "ladder.json").read_text() if text == "ladder" else text, encoding="utf-8")
     with pytest.raises(DataError, match=told) as caught:
-        Muscle.from_json(path)
+        Muscle.read(path)
     assert str(path) in str(caught.value) and "pam-ident fit RECORD" in str(caught.value)
     with pytest.raises(DataError, match="pam-ident ladder RECORD"):
-        Muscle.rungs_from_json(files / "fit.json")
+        Muscle.read(files / "fit.json")
 
 
 OWN = """

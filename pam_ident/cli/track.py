@@ -1,0 +1,135 @@
+"""pam-ident track."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import options, text
+
+if TYPE_CHECKING:
+    from ..leg.track import Track, Tracking
+
+Fit = "a file that `fit --json` or `ladder --json` wrote"
+
+
+def track(
+    plant: Annotated[
+        str | None,
+        typer.Option(
+            "--plant",
+            metavar="FIT",
+            help=f"The muscle in the leg: {Fit}; of a ladder the last rung.",
+            show_default=False,
+        ),
+    ] = None,
+    controller: Annotated[
+        str | None,
+        typer.Option(
+            "--controller", metavar="FIT", help=f"The model that the feed-forward knows: {Fit}.", show_default=False
+        ),
+    ] = None,
+    gait: Annotated[
+        str, typer.Option("--gait", metavar="GAIT", help="winter (adult), children, or a CSV file with knee_deg.")
+    ] = "winter",
+    cadence: Annotated[float | None, typer.Option("--cadence", metavar="HZ", help="Strides a second.")] = None,
+    paper: Annotated[bool, typer.Option("--paper", help="Judge the paper's 0.2 s instead of a whole stride.")] = False,
+    prototype: Annotated[
+        bool, typer.Option("--prototype", help="Run in the multibody leg (needs the extra `prototype`).")
+    ] = False,
+    kp: Annotated[float | None, typer.Option("--kp", metavar="K", help="Proportional gain, MPa/rad.")] = None,
+    ki: Annotated[float | None, typer.Option("--ki", metavar="K", help="Integral gain, MPa/(rad s).")] = None,
+    kd: Annotated[float | None, typer.Option("--kd", metavar="K", help="Derivative gain, MPa s/rad.")] = None,
+    supply: Annotated[float, typer.Option("--supply", metavar="MPa", help="Gauge pressure of the supply.")] = 0.7,
+    load: Annotated[float, typer.Option("--load", metavar="kg", help="Mass added at the foot.")] = 0.0,
+    effect_file: options.EffectFiles = None,
+    specimen: options.SpecimenFile = None,
+    out: Annotated[
+        str | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            help="Folder for figures; with --prototype its MJCF and pictures.",
+            show_default=False,
+        ),
+    ] = None,
+    json: options.JsonFile = None,
+) -> None:
+    """Run fitted models in a leg with two muscles: PID, and PID with each model ahead.
+
+    Without --plant and --controller the muscle and the ladder that come along are taken.
+    """
+    options.check_json(json)
+    from ..workflow.track_leg import Wishes, track_leg
+
+    if out is not None:
+        from ..workflow.paper_figures import make_folder
+
+        make_folder(out)
+    gains = (kp, ki, kd)
+    wishes = Wishes(
+        plant, controller, gait, cadence, paper, prototype, gains, supply, load, tuple(effect_file or ()), specimen
+    )
+    found = track_leg(wishes)
+    if json is not None:
+        from ..workflow.files import write_json
+        from ..workflow.to_json import track_json
+
+        write_json(json, track_json(found))
+    text.say(*_head(found), "", *_table(found), "", *_budget(found))
+    if out is not None:
+        from ..workflow.track_figures import write_track
+
+        text.say("", *(f"wrote {path}" for path in write_track(out, found)))
+
+
+def _head(found: "Track") -> list[str]:
+    course, gains = found.course, found.automatic.gains
+    stretch = "a whole stride" if course.window is None else f"{course.window.duration_s:g} s of a stride"
+    where = "in the multibody prototype" if found.prototype else "in the reduced leg"
+    lines = [
+        f"knee of gait {course.gait.name} at {course.gait.cadence_Hz:g} Hz, {stretch}, {where}",
+        f"PID tuned by hand ({found.by_hand.runs} runs): {_gains(found.by_hand.gains)}; "
+        f"{found.by_hand.rms_deg:.2f}° rms, {_worst(found.by_hand.worst_deg)}",
+        f"PID tuned automatically: {_gains(gains)}; {found.automatic.rms_deg:.2f}° rms, "
+        f"{_worst(found.automatic.worst_deg)}",
+    ]
+    if found.agreement_deg is not None:
+        lines.append(f"reduced leg and prototype differ by {found.agreement_deg:.3f}° rms in the last rung")
+    return lines
+
+
+def _gains(gains: "tuple[float, ...]") -> str:
+    return "Kp {} MPa/rad, Ki {} MPa/(rad s), Kd {} MPa s/rad".format(*(text.number(g, 3) for g in gains))
+
+
+def _worst(value: float) -> str:
+    return "unstable on a plant 20 % off" if value > 90.0 else f"{value:.2f}° on the worst plant 20 % off"
+
+
+def _table(found: "Track") -> list[str]:
+    rows = [("PID by hand", *_numbers(found.pid_by_hand), ""), ("PID", *_numbers(found.pid), "")]
+    for k, rung in enumerate(found.rungs):
+        model = rung.muscle.model
+        band = "" if rung.band is None else f"{rung.band[0]:.2f} to {rung.band[1]:.2f}"
+        rows.append((f"{k}  PID + {' + '.join([model.law.name, *model.labels])}", *_numbers(rung.tracking), band))
+    rows.append(("PID + the plant's own model", *_numbers(found.ideal), ""))
+    lines = text.table(("controller", "rms [deg]", "peak [deg]", "95 % band of rms"), rows)
+    for name, run in (("PID", found.pid), *((f"rung {k}", rung.tracking) for k, rung in enumerate(found.rungs))):
+        lines += [f"  {name}: {trouble}" for trouble in run.troubles]
+    return lines
+
+
+def _numbers(run: "Tracking") -> tuple[str, str]:
+    return f"{run.rms_deg:.3f}", f"{run.peak_deg:.3f}"
+
+
+def _budget(found: "Track") -> list[str]:
+    b = found.budget
+    rows = [
+        ("all causes", f"{b.everything:.3f}", ""),
+        ("a hinge in place of the four-bar knee", f"{b.without_structure:.3f}", f"{b.structure:+.3f}"),
+        ("gains tuned automatically", f"{b.without_tuning:.3f}", f"{b.tuning:+.3f}"),
+        ("a linear muscle without hysteresis", f"{b.without_muscle:.3f}", f"{b.muscle:+.3f}"),
+    ]
+    head = ("PID alone, tuned by hand, each cause switched off", "rms [deg]", "its share [deg]")
+    return text.table(head, rows)

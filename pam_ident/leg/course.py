@@ -1,0 +1,54 @@
+"""A gait as a task for the controller: what is wanted at its samples, what the stand does to hip and ankle meanwhile."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from .arrays import jax, jnp
+from .control import SAMPLE_S
+from .feed_forward import FeedForward, Plan
+from .gait import Gait, Motion, Window
+from .loop import STEP_S, STEPS, Task
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A stride to run in, then the one that is judged, or a window of it."""
+
+    gait: Gait
+    window: Window | None = None
+
+    @cached_property
+    def time(self) -> Array:
+        """Times of the controller's samples in s, shape (N,)."""
+        stride = 1.0 / self.gait.cadence_Hz
+        length = 2.0 * stride if self.window is None else stride + self.window.start_s + self.window.duration_s
+        return SAMPLE_S * np.arange(round(length / SAMPLE_S))
+
+    @cached_property
+    def judged(self) -> slice:
+        """The samples whose error counts."""
+        count = (1.0 / self.gait.cadence_Hz if self.window is None else self.window.duration_s) / SAMPLE_S
+        return slice(len(self.time) - round(count), len(self.time))
+
+    @cached_property
+    def imposed(self) -> Motion:
+        """The gait at begin, middle and end of all steps of the plant, arrays of shape (N, STEPS, 3)."""
+        steps = self.time[:, None] + STEP_S * np.arange(STEPS)
+        return self.gait.at(jnp.asarray(steps[..., None] + STEP_S * np.array([0.0, 0.5, 1.0])))
+
+    def plans(self, forward: FeedForward, sets: Any) -> Plan:
+        """Pressures for the middle of each interval of control, because a command rests until its end; for k sets of
+        parameters, NumPy arrays with the k in front."""
+        middle = jnp.asarray(self.time + 0.5 * SAMPLE_S)
+        return jax.tree.map(np.asarray, forward.plans(sets, middle, self.gait.at(middle)))
+
+    def task(self, ahead: Array) -> Task:
+        """The task with gauge pressures `ahead` in MPa, (…, N, 2) or (2,), commanded before any correction."""
+        target = self.gait.at(jnp.asarray(self.time)).knee.angle
+        whole = np.broadcast_shapes(ahead.shape, (len(self.time), 2))
+        return Task(target, np.broadcast_to(ahead, whole), self.imposed)

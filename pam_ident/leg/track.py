@@ -1,0 +1,181 @@
+"""Run fitted models in the leg: plain PID, then PID with the feed-forward of every rung of a ladder."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .arrays import jax
+from .budget import Budget, budget
+from .control import Gains
+from .course import Course
+from .feed_forward import FeedForward
+from .loop import CHUNK, Log, Loop, Scale, Task
+from .muscle import Muscle
+from .trouble import Trouble, plan_troubles, troubles
+from .tuning import Tuned, judge, rms_deg, tune, tune_by_hand
+
+if TYPE_CHECKING:
+    from .prototype import Angles
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Tracking:
+    """A run, over the samples judged: time (s), flexion wanted and reached (deg, (N,)), gauge pressures (MPa) and forces
+    (N) of flexor and extensor (N, 2)."""
+
+    time: Array
+    target: Array
+    flexion: Array
+    pressure: Array
+    force: Array
+    troubles: tuple[Trouble, ...] = ()
+
+    @property
+    def error(self) -> Array:
+        """Flexion wanted minus reached in degrees, shape (N,)."""
+        return self.target - self.flexion
+
+    @property
+    def rms_deg(self) -> float:
+        """Root mean square of the error."""
+        return float(np.sqrt(np.mean(self.error**2)))
+
+    @property
+    def peak_deg(self) -> float:
+        """Largest absolute error."""
+        return float(np.max(np.abs(self.error)))
+
+
+@dataclass(frozen=True)
+class Rung:
+    """PID with the feed-forward of one model: the model, the run, and the 95 % band of the rms error in degrees that the
+    uncertainty of its parameters leads to, None where that is not known."""
+
+    muscle: Muscle
+    tracking: Tracking
+    band: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Track:
+    """Plain PID tuned in both ways, PID with each model ahead, where the error comes from.
+
+    `ideal` is PID with the plant's own muscle ahead: what sampling, sensor and valves leave to any model. Tuning, bands and
+    budget are the reduced leg's; where there is a `motion`, the other runs are the prototype's, it is what the prototype
+    did under the last rung, and `agreement_deg` the rms difference between both legs there.
+    """
+
+    loop: Loop
+    course: Course
+    by_hand: Tuned
+    automatic: Tuned
+    pid_by_hand: Tracking
+    pid: Tracking
+    rungs: tuple[Rung, ...]
+    ideal: Tracking
+    budget: Budget
+    motion: "tuple[Angles, ...]" = ()
+    agreement_deg: float | None = None
+
+    @property
+    def prototype(self) -> bool:
+        """Whether the runs are those of the multibody prototype."""
+        return bool(self.motion)
+
+
+def track(
+    plant: Loop,
+    controllers: Sequence[Muscle],
+    course: Course,
+    gains: Gains | None = None,
+    prototype: bool = False,
+    seed: int = 1,
+) -> Track:
+    """Tune, run, and take the error apart. `controllers` are the models that the feed-forward knows, a rung each.
+
+    All rungs run with the gains of the plain PID: those found automatically, or `gains`. Raises UsageError where a
+    `prototype` is asked for and MuJoCo is missing.
+    """
+    bench = _Prototype(plant, course) if prototype else _Reduced(plant, course)
+    mean = np.broadcast_to(np.full(2, plant.pair.mean_MPa), (len(course.time), 2))
+    task, judged = course.task(mean), course.judged
+    by_hand = tune_by_hand(plant, task, judged)
+    chosen = tune(plant, task, judged, seed) if gains is None else judge(plant, task, judged, gains)
+    pid = [bench.run(course.task(mean[None]), tuned.gains) for tuned in (by_hand, chosen)]
+    ideal = bench.rung(plant.pair.muscle, chosen.gains, seed).tracking
+    rungs = tuple(bench.rung(muscle, chosen.gains, seed) for muscle in controllers)
+    found = budget(plant, task, judged, by_hand, chosen)
+    return Track(plant, course, by_hand, chosen, *pid, rungs, ideal, found, bench.motion, bench.agreement_deg)
+
+
+SAMPLES = CHUNK - 1
+"""Draws of a model's parameters for its band; with the fit itself they fill a batch."""
+
+
+@dataclass
+class _Reduced:
+    """Runs in the reduced leg."""
+
+    plant: Loop
+    course: Course
+    motion: "tuple[Angles, ...]" = ()
+    agreement_deg: float | None = None
+
+    def run(self, task: Task, gains: Gains) -> Tracking:
+        """The first of the task's commands, `task.ahead` (k, N, 2)."""
+        return self.judged(self.log(task, gains), task)
+
+    def log(self, task: Task, gains: Gains) -> Log:
+        """All of the task's commands, with the k in front."""
+        count = len(task.ahead)
+        many = Gains(*(np.full(count, gain) for gain in gains))
+        return self.plant.batch(many, Scale(*np.ones((len(Scale._fields), count))), task)
+
+    def judged(self, logs: Log, task: Task) -> Tracking:
+        """The part that counts of the first run, with its troubles."""
+        part = self.course.judged
+        log = jax.tree.map(lambda a: a[0], logs)
+        wanted, reached = (np.degrees(np.asarray(a)[part]) for a in (task.target, log.flexion))
+        found = tuple(troubles(self.plant.pair, log, task, part))
+        return Tracking(self.course.time[part], wanted, reached, log.pressure[part], log.force[part], found)
+
+    def rung(self, muscle: Muscle, gains: Gains, seed: int) -> Rung:
+        """PID with the inverse of `muscle` ahead, and what its parameters' uncertainty does to the error."""
+        sets = muscle.draws(SAMPLES, seed)
+        certain = jax.tree.map(lambda value: np.full(1, value), muscle.values())
+        plans = self.course.plans(
+            FeedForward(replace(self.plant.pair, muscle=muscle)), certain if sets is None else sets
+        )
+        task = self.course.task(plans.reference)
+        logs = self.log(task, gains)
+        first = self.first(logs, task, gains)
+        missed = plan_troubles(jax.tree.map(lambda a: a[0], plans), self.course.judged)
+        first = replace(first, troubles=(*first.troubles, *missed))
+        if sets is None:
+            return Rung(muscle, first)
+        low, high = np.quantile(rms_deg(logs, task, self.course.judged)[1:], (0.025, 0.975))
+        return Rung(muscle, first, (float(low), float(high)))
+
+    def first(self, logs: Log, task: Task, gains: Gains) -> Tracking:
+        """The run of the parameters as they were fitted."""
+        return self.judged(logs, task)
+
+
+class _Prototype(_Reduced):
+    """Runs in the multibody leg; what needs many runs stays with the reduced one."""
+
+    def run(self, task: Task, gains: Gains) -> Tracking:
+        from .co_simulation import co_simulate
+
+        log, motion = co_simulate(self.plant, self.course.gait, task._replace(ahead=task.ahead[0]), gains)
+        self.motion = tuple(motion[self.course.judged])
+        return self.judged(jax.tree.map(lambda a: a[None], log), task)
+
+    def first(self, logs: Log, task: Task, gains: Gains) -> Tracking:
+        found, reduced = self.run(task, gains), self.judged(logs, task)
+        self.agreement_deg = float(np.sqrt(np.mean((found.flexion - reduced.flexion) ** 2)))
+        return found
