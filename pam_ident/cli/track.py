@@ -18,7 +18,7 @@ def track(
         typer.Option(
             "--plant",
             metavar="FIT",
-            help=f"The muscle in the leg: {Fit}; of a ladder the last rung.",
+            help=f"Muscle in the leg: {Fit}; of a ladder the last rung.",
             show_default=False,
         ),
     ] = None,
@@ -48,7 +48,7 @@ def track(
         typer.Option(
             "--out",
             metavar="DIR",
-            help="Folder for figures; with --prototype its MJCF and pictures.",
+            help="Folder for figures; of a prototype its MJCF and pictures.",
             show_default=False,
         ),
     ] = None,

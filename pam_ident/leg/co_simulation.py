@@ -3,9 +3,9 @@
 import numpy as np
 
 from .arrays import Array, jax, jnp
-from .control import SAMPLE_S, SIGN, Gains, pid, start
+from .control import SAMPLE_S, SIGN, Control, Gains, pid, start
 from .gait import Gait
-from .loop import STEP_S, STEPS, Log, Loop, Task
+from .loop import STEP_S, STEPS, Log, Loop, Task, runge_kutta
 from .muscle import Memory
 from .pair import Air
 from .pneumatics import ATMOSPHERE
@@ -40,13 +40,12 @@ def co_simulate(loop: Loop, gait: Gait, task: Task, gains: Gains) -> tuple[Log, 
         k1 = slope(0.0, jax.tree.map(jnp.zeros_like, air))
         k2 = slope(0.5, k1)
         k3 = slope(0.5, k2)
-        k4 = slope(1.0, k3)
-        after = jax.tree.map(lambda y, a, b, c, d: y + STEP_S / 6.0 * (a + 2.0 * b + 2.0 * c + d), air, k1, k2, k3, k4)
-        return after, force, memory
+        return runge_kutta(air, k1, k2, k3, slope(1.0, k3)), force, memory
 
     @jax.jit
-    def correct(control, flexion: Array, target: Array, ahead: Array):
-        split, control = pid(gains, control, target - sensor.read(flexion), 0.5 * (ahead[0] - ahead[1]), pair.reach_MPa)
+    def correct(control: Control, flexion: Array, target: Array, ahead: Array) -> tuple[Array, Array, Control]:
+        error = target - sensor.read(flexion)
+        split, control = pid(gains, control, error, 0.5 * (ahead[0] - ahead[1]), pair.reach_MPa)
         return split, jnp.clip(ahead + split * SIGN, pair.lowest_MPa, pair.highest_MPa), control
 
     rows, seen = [], []
@@ -55,14 +54,13 @@ def co_simulate(loop: Loop, gait: Gait, task: Task, gains: Gains) -> tuple[Log, 
         now = prototype.angles()
         seen.append(now)
         split, reference, control = correct(control, now.knee, target, ahead)
-        before = air
+        before, pulls = air, []
         for i in range(STEPS):
             time = k * SAMPLE_S + i * STEP_S
             at = prototype.angles()
             air, force, memory = step(memory, air, time, at.sprocket, at.sprocket_rate, reference)
-            pull = np.asarray(force)
-            first = pull if i == 0 else first
-            prototype.step(float(pull[0] - pull[1]) * pair.leg.sprocket_radius_m, time)
+            pulls.append(np.asarray(force))
+            prototype.step(float(pulls[-1][0] - pulls[-1][1]) * pair.leg.sprocket_radius_m, time)
         gauge = (before.pressure - ATMOSPHERE) * 1e-6
-        rows.append((now.knee, now.knee_rate, gauge, reference, first, before.opening, split))
+        rows.append((now.knee, now.knee_rate, gauge, reference, pulls[0], before.opening, split))
     return Log(*(np.array([np.asarray(row[i]) for row in rows]) for i in range(len(Log._fields)))), seen

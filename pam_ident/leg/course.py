@@ -1,4 +1,4 @@
-"""A gait as a task for the controller: what is wanted at its samples, what the stand does to hip and ankle meanwhile."""
+"""A gait as a task for the controller: what is wanted at its samples, what the stand does meanwhile."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -7,7 +7,7 @@ from .arrays import Array, jax, jnp
 from .control import SAMPLE_S, SIGN
 from .gait import Motion
 from .joint import inverse
-from .muscle import Memory, Values
+from .muscle import ByBranch, Memory
 from .pair import Pair
 from .pneumatics import ATMOSPHERE, GAS, KAPPA, valve_flow
 
@@ -15,9 +15,9 @@ HALVINGS = 30
 
 
 class Plan(NamedTuple):
-    """At N instants: contraction of both muscles (N, 2), gauge pressures wanted in them and references that lead the valves
-    to these (MPa, (N, 2)), the torque that the leg needs and what of it the pair cannot give (N·m, (N,)), the openings
-    that the pressures need (N, 2), beyond ±1 where the valves are too small."""
+    """At N instants: contraction of both muscles (N, 2), gauge pressures wanted in them and references that lead the
+    valves to these (MPa, (N, 2)), the torque that the leg needs and what of it the pair cannot give (N·m, (N,)), the
+    openings that the pressures need (N, 2), beyond ±1 where the valves are too small."""
 
     contraction: Array
     pressure: Array
@@ -40,7 +40,7 @@ class FeedForward:
         count = len(leaves[0]) if leaves else 1
         return jax.jit(jax.vmap(self._plan, in_axes=(0, None, None), axis_size=count))(sets, time, motion)
 
-    def _plan(self, values: Values, time: Array, motion: Motion) -> Plan:
+    def _plan(self, values: ByBranch, time: Array, motion: Motion) -> Plan:
         pair, knee = self.pair, motion.knee
         posture = pair.leg.knee.at(knee.angle)
         contraction, speed = jax.vmap(pair.stroke)(posture.sprocket, posture.ratio * knee.rate)

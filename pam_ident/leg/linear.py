@@ -35,8 +35,8 @@ LAW = Law(
 
 
 def linearised(muscle: Muscle, pressures_MPa: tuple[float, float], contractions: tuple[float, float]) -> Muscle:
-    """The plane nearest to the pull of `muscle`, where it pulls, over a grid of gauge pressures and contractions, at rest
-    and moving both ways: dry friction becomes the damping that takes as much at SPEED_MM_S."""
+    """The plane nearest to the pull of `muscle`, where it pulls, over a grid of gauge pressures and contractions, at
+    rest and moving both ways: dry friction becomes the damping that takes as much at SPEED_MM_S."""
     axes = (np.linspace(*pressures_MPa, 21), np.linspace(*contractions, 21), SPEED_MM_S * np.array([-1.0, 0.0, 1.0]))
     p, e, v = (jnp.asarray(a.ravel()) for a in np.meshgrid(*axes))
     pull, _ = muscle.force(muscle.values(), muscle.start(p, e), 0.0, p, e, v)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -11,10 +11,12 @@ from .arrays import Array, jax, jnp
 from .control import SAMPLE_S, SIGN, Control, Gains, Sensor, pid, start
 from .gait import Motion
 from .joint import acceleration
-from .muscle import Memory, Values
+from .muscle import ByBranch, Memory
 from .pair import Air, Pair
 from .pneumatics import ATMOSPHERE
 
+T = TypeVar("T")
+SENSOR = Sensor()
 STEPS = 10
 """Steps of the integrator in one interval of control."""
 STEP_S = SAMPLE_S / STEPS
@@ -32,8 +34,8 @@ class State(NamedTuple):
 
 class Task(NamedTuple):
     """What the controller is to do at N samples: flexion wanted (rad, (N,)), gauge pressures that are commanded before
-    any correction (MPa, (N, 2)), and the gait at begin, middle and end of all steps (N, STEPS, 3), of which hip and ankle
-    are imposed on the plant."""
+    any correction (MPa, (N, 2)), and the gait at begin, middle and end of all steps (N, STEPS, 3), of which hip and
+    ankle are imposed on the plant."""
 
     target: Array
     ahead: Array
@@ -49,8 +51,8 @@ class Scale(NamedTuple):
 
 
 class Log(NamedTuple):
-    """What happened, at the N samples: flexion and its rate (N,), gauge pressures, references (MPa) and forces (N) of both
-    muscles (N, 2), valve openings (N, 2), split of the correction in MPa (N,)."""
+    """What happened, at the N samples: flexion and its rate (N,), gauge pressures, references (MPa) and forces (N) of
+    both muscles (N, 2), valve openings (N, 2), split of the correction in MPa (N,)."""
 
     flexion: Array
     rate: Array
@@ -66,20 +68,23 @@ class Loop:
     """A plant under control. `run` and `batch` are compiled at their first call."""
 
     pair: Pair
-    sensor: Sensor = Sensor()
+    sensor: Sensor = SENSOR
 
     @cached_property
-    def run(self) -> Callable[[Values, Gains, Scale, Task], Log]:
+    def run(self) -> Callable[[ByBranch, Gains, Scale, Task], Log]:
         """One run; values of the muscle's parameters as `Muscle.values` gives them."""
         return jax.jit(self._run)
 
     @cached_property
-    def _together(self) -> Callable[[Values, Gains, Scale, Task], Log]:
-        return jax.jit(jax.vmap(self._run, in_axes=(None, 0, 0, Task(None, 0, None))))
+    def _together(self) -> Callable[[ByBranch, Gains, Scale, Task, Array], Log]:
+        def one(values: ByBranch, gains: Gains, scale: Scale, task: Task, ahead: Array) -> Log:
+            return self._run(values, gains, scale, task._replace(ahead=ahead))
+
+        return jax.jit(jax.vmap(one, in_axes=(None, 0, 0, None, 0)))
 
     def batch(self, gains: Gains, scales: Scale, task: Task) -> Log:
-        """k runs of the plant's own muscle, with NumPy arrays (k,) of gains and scales and `task.ahead` (k, N, 2); the log
-        has the k in front. CHUNK at a time, so that one compilation serves every k and the states stay in the cache."""
+        """k runs of the plant's own muscle, with NumPy arrays (k,) of gains and scales and `task.ahead` (k, N, 2); the
+        log has the k in front. CHUNK at a time: one compilation serves every k, and the states stay in the cache."""
         values, count = self.pair.muscle.values(), len(task.ahead)
         if count == 1:
             gain, scale, ahead = (jax.tree.map(lambda a: a[0], x) for x in (gains, scales, task.ahead))
@@ -89,15 +94,13 @@ class Loop:
         logs = []
         for begin in range(0, count, CHUNK):
             rows = np.minimum(np.arange(begin, begin + CHUNK), count - 1)
-            part = (jax.tree.map(lambda a, rows=rows: a[rows], x) for x in (gains, scales, task.ahead))
-            some_gains, some_scales, ahead = part
-            log = self._together(values, some_gains, some_scales, task._replace(ahead=ahead))
-            logs.append(jax.tree.map(lambda a, k=min(CHUNK, count - begin): np.asarray(a)[:k], log))
-        return jax.tree.map(lambda *parts: np.concatenate(parts), *logs)
+            some, scale = (jax.tree.map(lambda a, rows=rows: a[rows], x) for x in (gains, scales))
+            logs.append(self._together(values, some, scale, task._replace(ahead=task.ahead[0]), task.ahead[rows]))
+        return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *logs)
 
     def rates(
         self,
-        values: Values,
+        values: ByBranch,
         scale: Scale,
         memory: Memory,
         time: Array,
@@ -119,7 +122,7 @@ class Loop:
             memory,
         )
 
-    def _run(self, values: Values, gains: Gains, scale: Scale, task: Task) -> Log:
+    def _run(self, values: ByBranch, gains: Gains, scale: Scale, task: Task) -> Log:
         state, memory = self.begin(task)
         error = task.target[0] - self.sensor.read(state.flexion)
 
@@ -151,7 +154,7 @@ class Loop:
         return state, self.pair.muscle.start(gauge, contraction)
 
     def _step(
-        self, values: Values, scale: Scale, carry: tuple[State, Memory], reference: Array, time: Array, motion: Motion
+        self, values: ByBranch, scale: Scale, carry: tuple[State, Memory], reference: Array, time: Array, motion: Motion
     ) -> tuple[tuple[State, Memory], Array]:
         """One step; `motion` at its begin, middle and end. The memory moves on to the step's begin, from where all
         stages look ahead."""
@@ -166,7 +169,9 @@ class Loop:
         k2 = slope(0.5, k1, middle)
         k3 = slope(0.5, k2, middle)
         k4 = slope(1.0, k3, last)
-        state = jax.tree.map(
-            lambda y, a, b, c, d: y + STEP_S / 6.0 * (a + 2.0 * b + 2.0 * c + d), state, k1, k2, k3, k4
-        )
-        return (state, memory), force
+        return (runge_kutta(state, k1, k2, k3, k4), memory), force
+
+
+def runge_kutta(state: T, k1: T, k2: T, k3: T, k4: T) -> T:
+    """The state one step on, from the four slopes of the classical method."""
+    return jax.tree.map(lambda y, a, b, c, d: y + STEP_S / 6.0 * (a + 2.0 * (b + c) + d), state, k1, k2, k3, k4)

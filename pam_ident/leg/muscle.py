@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from .fit_file import fitted_branches, read_answer, read_rungs, read_specimen_of
 from .loop_check import loop_fault
 from .spread import Spread
 
+ByBranch = Mapping[str, Values]
+"""Parameter values by branch and name."""
 Memory = tuple[Any, ...]
 """What muscles side by side remember of an instant: nested tuples of arrays (n,)."""
 SPEED_OF_REVERSAL = 0.2
@@ -72,7 +74,7 @@ class Muscle:
     @classmethod
     def read(
         cls, path: str | Path, specimen: Specimen | None = None, extra_effects: tuple[Effect, ...] = ()
-    ) -> "list[Muscle]":
+    ) -> list[Self]:
         """From a file of `pam-ident fit --json` one muscle, from one of `ladder --json` a muscle for each rung, the law
         alone first. `specimen` stands in for the file's.
 
@@ -85,8 +87,8 @@ class Muscle:
         else:
             rows = [(found.effects, fitted_branches(found.branches, str(path)))]
         return [
-            cls(found.model(effects, extra_effects), given, *(values for values, _ in pair), tuple(s for _, s in pair))
-            for effects, pair in rows
+            cls(found.model(effects, extra_effects), given, one[0], other[0], (one[1], other[1]))
+            for effects, (one, other) in rows
         ]
 
     @property
@@ -104,7 +106,7 @@ class Muscle:
         return {branch: {name: float(one[name]) for name in names} for branch, one in given}
 
     def draws(self, count: int, seed: int) -> dict[str, dict[str, Array]] | None:
-        """As `values`, arrays (1 + count,): what was fitted, then draws from its uncertainty; None where that is unknown."""
+        """As `values`, arrays (1 + count,): what was fitted, then draws from its uncertainty, None without that."""
         found = {}
         for branch, own, spread in zip(BRANCHES, (self.contraction, self.extension), self.spreads, strict=True):
             left = None if spread is None else spread.given(tuple(self._geometry(own)))
@@ -121,7 +123,7 @@ class Muscle:
         pressure_MPa: Array,
         contraction: Array,
         time_s: float = 0.0,
-        values: Mapping[str, Values] | None = None,
+        values: ByBranch | None = None,
     ) -> Memory:
         """Memory of n muscles at rest at gauge pressures and contraction ratios (n,); `values` where not its own."""
         given = self.values() if values is None else values
@@ -129,7 +131,7 @@ class Muscle:
 
     def force(
         self,
-        values: Mapping[str, Values],
+        values: ByBranch,
         memory: Memory,
         time_s: float | Array,
         pressure_MPa: Array,
@@ -145,7 +147,7 @@ class Muscle:
 
     def _at(
         self,
-        values: Mapping[str, Values],
+        values: ByBranch,
         memory: Memory | None,
         time_s: float | Array,
         pressure_MPa: Array,

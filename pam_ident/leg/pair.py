@@ -6,7 +6,7 @@ from typing import NamedTuple
 from .anatomy import LEG, Leg
 from .arrays import Array, jnp
 from .control import SIGN
-from .muscle import Memory, Muscle, Values
+from .muscle import ByBranch, Memory, Muscle
 from .pneumatics import (
     ATMOSPHERE,
     GAS,
@@ -20,8 +20,8 @@ from .pneumatics import (
 
 SUPPLY = Supply(pressure_Pa=0.7e6 + ATMOSPHERE, temperature_K=293.15, exhaust_Pa=ATMOSPHERE)
 VALVE = Valve(area_m2=5.7e-6, critical_ratio=0.35, lag_s=0.004)
-"""350 l/min from 6 to 5 bar (gauge), as the data sheet of Festo's proportional valve MPYE-5-1/8-HF-010-B gives; the critical
-ratio and the lag are assumed."""
+"""350 l/min from 6 to 5 bar (gauge), as the data sheet of Festo's proportional valve MPYE-5-1/8-HF-010-B gives; the
+critical ratio and the lag are assumed."""
 
 
 class Air(NamedTuple):
@@ -36,10 +36,10 @@ class Air(NamedTuple):
 class Pair:
     """An antagonist pair, index 0 the flexor and 1 the extensor, equation (8)'s F1 and F2.
 
-    `dead_volume_m3` is that of hose and fittings of one muscle. A valve opens in proportion to what its muscle's pressure is
-    off the reference, fully at `full_open_MPa`. References stay between `lowest_MPa`, below which venting has no
-    pressure left to drive it, and `highest_MPa`, what the maker allows (Festo DMSP-20: 0.6 MPa); `mean_MPa` is the
-    pressure about which the pair is split, all gauge.
+    `dead_volume_m3` is that of hose and fittings of one muscle. A valve opens in proportion to what its muscle's
+    pressure is off the reference, fully at `full_open_MPa`. References stay between `lowest_MPa`, below which venting
+    has no pressure left to drive it, and `highest_MPa`, what the maker allows (Festo DMSP-20: 0.6 MPa); `mean_MPa`
+    is the pressure about which the pair is split, all gauge.
     """
 
     muscle: Muscle
@@ -83,7 +83,7 @@ class Pair:
         return Air(rise, gain, (wanted - air.opening) / self.valve.lag_s)
 
     def pull(
-        self, values: Values, memory: Memory, time: Array, air: Air, contraction: Array, speed: Array
+        self, values: ByBranch, memory: Memory, time: Array, air: Air, contraction: Array, speed: Array
     ) -> tuple[Array, Memory]:
         """Forces in N (2,), never below zero because a chain cannot push, and the memory after it."""
         gauge = jnp.maximum((air.pressure - ATMOSPHERE) * 1e-6, 0.0)

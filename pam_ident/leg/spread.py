@@ -25,7 +25,7 @@ class Spread:
         return None if fit.covariance is None else cls(fit.free, fit.covariance.matrix)
 
     def given(self, held: Sequence[str]) -> "Spread":
-        """What is left where some of the parameters are known to be what they are (a conditional normal distribution)."""
+        """What is left where some of the parameters are known: a conditional normal distribution."""
         known = np.array([name in held for name in self.names])
         free, cross = self.matrix[np.ix_(~known, ~known)], self.matrix[np.ix_(~known, known)]
         left = free - cross @ np.linalg.pinv(self.matrix[np.ix_(known, known)]) @ cross.T

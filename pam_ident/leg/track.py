@@ -24,8 +24,8 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Tracking:
-    """A run, over the samples judged: time (s), flexion wanted and reached (deg, (N,)), gauge pressures (MPa) and forces
-    (N) of flexor and extensor (N, 2)."""
+    """A run, over the samples judged: time (s), flexion wanted and reached (deg, (N,)), gauge pressures (MPa) and
+    forces (N) of flexor and extensor (N, 2)."""
 
     time: Array
     target: Array
@@ -52,8 +52,8 @@ class Tracking:
 
 @dataclass(frozen=True)
 class Rung:
-    """PID with the feed-forward of one model: the model, the run, and the 95 % band of the rms error in degrees that the
-    uncertainty of its parameters leads to, None where that is not known."""
+    """PID with the feed-forward of one model: the model, the run, and the 95 % band of the rms error in degrees that
+    the uncertainty of its parameters leads to, None where that is not known."""
 
     muscle: Muscle
     tracking: Tracking
@@ -64,9 +64,9 @@ class Rung:
 class Track:
     """Plain PID tuned in both ways, PID with each model ahead, where the error comes from.
 
-    `ideal` is PID with the plant's own muscle ahead: what sampling, sensor and valves leave to any model. Tuning, bands and
-    budget are the reduced leg's; where there is a `motion`, the other runs are the prototype's, it is what the prototype
-    did under the last rung, and `agreement_deg` the rms difference between both legs there.
+    `ideal` is PID with the plant's own muscle ahead: what sampling, sensor and valves leave to any model. Tuning, bands
+    and budget are the reduced leg's. Where there is a `motion`, the other runs are the prototype's; it is what the
+    prototype did under the last rung, and `agreement_deg` is the rms difference between both legs there.
     """
 
     loop: Loop
@@ -105,11 +105,11 @@ def track(
     task, judged = course.task(mean), course.judged
     by_hand = tune_by_hand(plant, task, judged)
     chosen = tune(plant, task, judged, seed) if gains is None else judge(plant, task, judged, gains)
-    pid = [bench.run(course.task(mean[None]), tuned.gains) for tuned in (by_hand, chosen)]
+    slow, pid = (bench.run(course.task(mean[None]), tuned.gains) for tuned in (by_hand, chosen))
     ideal = bench.rung(plant.pair.muscle, chosen.gains, seed).tracking
     rungs = tuple(bench.rung(muscle, chosen.gains, seed) for muscle in controllers)
     found = budget(plant, task, judged, by_hand, chosen)
-    return Track(plant, course, by_hand, chosen, *pid, rungs, ideal, found, bench.motion, bench.agreement_deg)
+    return Track(plant, course, by_hand, chosen, slow, pid, rungs, ideal, found, bench.motion, bench.agreement_deg)
 
 
 SAMPLES = CHUNK - 1

@@ -1,8 +1,9 @@
-"""Knee tracking (Figure 16 of the paper): flexion wanted and reached, and the error, for plain PID and the rungs of a ladder."""
+"""Knee tracking (Figure 16 of the paper): flexion wanted, reached, and the error, for PID and a ladder's rungs."""
 
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..leg.track import Track, Tracking
@@ -84,15 +85,14 @@ def draw(track: Track) -> Figure:
     below.set_xlabel("time (s)")
     below.set_ylabel("error, wanted − reached (°)")
     below.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, labelcolor=INK)
-    _ladder(figure, grid[:, 1], shown)
+    _ladder(figure.add_subplot(grid[:, 1]), shown)
     return figure
 
 
-def _ladder(figure: Figure, place: object, shown: TrackingData) -> None:
-    axes = figure.add_subplot(place)  # pyright: ignore[reportArgumentType]
+def _ladder(axes: Axes, shown: TrackingData) -> None:
     y = np.arange(len(shown.rungs))
     axes.axvline(shown.pid_rms, color=VERMILION, linestyle="--", linewidth=1.2)
-    axes.text(shown.pid_rms, -0.62, "plain PID ", color=VERMILION, ha="right", va="center", fontsize=8.5)
+    axes.text(shown.pid_rms, -0.62, "plain PID  ", color=VERMILION, ha="right", va="center", fontsize=8.5)
     axes.hlines(y, shown.band[:, 0], shown.band[:, 1], color=BLUE, linewidth=5.0, alpha=0.3)
     axes.plot(shown.rms, y, marker="o", color=BLUE, linewidth=1.4)
     for value, place_y in zip(shown.rms, y, strict=True):

@@ -12,8 +12,8 @@ FRAMES = 25
 
 
 def write_track(folder: str | Path, found: Track) -> list[Path]:
-    """Write the figures of tracking (the paper's 16), loop (13) and knee as SVG; of a prototype also leg.xml, pictures and
-    an animation of the stride. Raises UsageError where MuJoCo cannot draw."""
+    """Write the figures of tracking (the paper's 16), loop (13) and knee as SVG; of a prototype also leg.xml, pictures
+    and an animation of the stride. Raises UsageError where MuJoCo cannot draw."""
     folder = Path(folder)
     leg = found.loop.pair.leg
     figures = {"tracking": tracking.draw(found), "loop": loop_diagram.draw(), "four_bar": four_bar.draw(leg.knee)}
