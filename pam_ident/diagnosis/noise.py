@@ -1,6 +1,8 @@
 """What is noise: how large, how unequal, and how correlated from sample to sample."""
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +14,8 @@ Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
 SMOOTHED = 0.6
 """Share of the displacement sensor's noise that smoothing a stroke leaves."""
+BLOCK = 16
+"""Rows that are filtered as one."""
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 80.0])
 
 
@@ -43,11 +47,60 @@ class Noise:
     def whiten(self, columns: Array) -> Array:
         """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same shape."""
         flat = columns.ndim == 1
-        scaled = (columns if not flat else columns[:, None]) / self.sigma
-        scaled[self.outlier] = 0.0
-        out = (innovations(scaled, self.decay, self.gain) if self.coloured else scaled) / self.spread[:, None]
-        out[self.outlier] = 0.0
+        table = columns[:, None] if flat else columns
+        out = self._blocks.filter(table) if self.coloured else table * self._weight[:, None]
         return out[:, 0] if flat else out
+
+    @cached_property
+    def _weight(self) -> Array:
+        """What a row is multiplied with where noise is white: none of an outlier."""
+        return np.where(self.outlier, 0.0, 1.0 / (self.sigma * self.spread))
+
+    @cached_property
+    def _blocks(self) -> "_Blocks":
+        return _Blocks.of(self.decay, self.gain, self._weight)
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """A filter in blocks of rows, each a small matrix, so that many columns pass at the speed of matrix products.
+
+    A block takes its rows z (BLOCK, k) and the prediction p (k,) of the first of them to `rows` · z + `first` ⊗ p, and
+    hands on the prediction `onward` · z + `kept` p.
+    """
+
+    rows: Array
+    first: Array
+    onward: Array
+    kept: Array
+
+    @classmethod
+    def of(cls, decay: Array, gain: Array, weight: Array) -> "_Blocks":
+        """The innovations of z under a filter (decay, gain: (n,)), times `weight` (n,); rows of no weight are not read."""
+        short = -len(decay) % BLOCK
+        keep = np.r_[decay[1:] * (1.0 - gain[:-1]), np.zeros(short + 1)].reshape(-1, BLOCK)
+        take = np.r_[decay[1:] * gain[:-1], np.zeros(short + 1)].reshape(-1, BLOCK)
+        scale = np.r_[weight, np.zeros(short)].reshape(-1, BLOCK)
+        read = scale > 0.0
+        rows, state = np.zeros((len(keep), BLOCK, BLOCK + 1)), np.zeros((len(keep), BLOCK + 1))
+        state[:, BLOCK] = 1.0
+        for j in range(BLOCK):
+            rows[:, j] = -scale[:, j, None] * state
+            rows[:, j, j] += scale[:, j]
+            state *= keep[:, j, None]
+            state[:, j] += take[:, j] * read[:, j]
+        return cls(rows[:, :, :BLOCK] * read[:, None, :], rows[:, :, BLOCK], state[:, None, :BLOCK], state[:, BLOCK])
+
+    def filter(self, z: Array) -> Array:
+        """Columns (n, k) → (n, k)."""
+        n, k = z.shape
+        whole, rest = divmod(n, BLOCK)
+        parts = z if not rest else np.vstack([z, np.zeros((BLOCK - rest, k))])
+        parts = parts.reshape(len(self.kept), BLOCK, k)
+        out = self.rows @ parts
+        begun = decaying_sum(self.kept[:-1], (self.onward @ parts)[:-1, 0])
+        out += self.first[:, :, None] * begun[:, None, :]
+        return out.reshape(-1, k)[:n]
 
 
 def innovations(z: Array, decay: Array, gain: Array) -> Array:
@@ -60,15 +113,40 @@ def filter_gains(decay: Array, share: Array, extra: Array) -> tuple[Array, Array
 
     `decay` (n, g) is the memory from the sample before, `share` (g,) the correlated part of the unit variance,
     `extra` (n,) the variance of what is added.
+
+    A step of the variance is a fraction of two straight lines, so a block of steps is one, too: a product of 2 × 2
+    matrices. Blocks are multiplied out side by side, then their first variances follow one from the other.
     """
-    gain, spread = np.empty_like(decay), np.empty_like(decay)
-    variance = share + 0.0
-    for i in range(len(decay)):
-        predicted = decay[i] ** 2 * variance + (1.0 - decay[i] ** 2) * share
-        total = predicted + 1.0 - share + extra[i]
-        gain[i], spread[i] = predicted / total, np.sqrt(total)
-        variance = predicted * (1.0 - gain[i])
-    return gain, spread
+    n, g = decay.shape
+    length = math.isqrt(n - 1) + 1
+    square = _in_blocks(decay**2, length)
+    fresh = (1.0 - square) * share
+    white = 1.0 - share + _in_blocks(extra[:, None], length)
+    a, b, c, d = np.ones_like(fresh[:, 0]), np.zeros_like(fresh[:, 0]), np.zeros_like(fresh[:, 0]), 1.0
+    for j in range(length):
+        s, q, r = square[:, j], fresh[:, j], white[:, j]
+        top, side = s * a + q * c, s * b + q * d  # variance predicted, times the denominator
+        a, b, c, d = r * top, r * side, top + r * c, side + r * d
+        unit = 1.0 / (c + d)
+        a, b, c, d = a * unit, b * unit, c * unit, d * unit
+    variance = np.empty_like(fresh[:, 0])
+    variance[0] = share
+    for k in range(1, len(variance)):
+        v = variance[k - 1]
+        variance[k] = (a[k - 1] * v + b[k - 1]) / (c[k - 1] * v + d[k - 1])
+    gain, total = np.empty_like(fresh), np.empty_like(fresh)
+    for j in range(length):
+        predicted = square[:, j] * variance + fresh[:, j]
+        total[:, j] = predicted + white[:, j]
+        gain[:, j] = predicted / total[:, j]
+        variance = predicted * (1.0 - gain[:, j])
+    return gain.reshape(-1, g)[:n], np.sqrt(total.reshape(-1, g)[:n])
+
+
+def _in_blocks(rows: Array, length: int) -> Array:
+    """Rows (n, g) in blocks, (blocks, length, g), filled up with zeros."""
+    short = -len(rows) % length
+    return np.vstack([rows, np.zeros((short, rows.shape[1]))]).reshape(-1, length, rows.shape[1])
 
 
 def estimate_noise(

@@ -61,9 +61,10 @@ class Trial:
         view = View(self.record, base.model, base.values)
         atoms = [a for effect in self.suspects for a in view.atoms(effect)]
         self.noise: Noise = noise or self._noise(view, atoms)
-        self._drop_unseen(view.compress(atoms, self.noise))
+        data = view.compress(atoms, self.noise)
+        self._drop_unseen(data)
         self.suspects = [e for e in self.suspects if e.name not in self.excluded]
-        self.data = view.compress([a for a in atoms if a.effect not in self.excluded], self.noise)
+        self.data = data.only([k for k, a in enumerate(atoms) if a.effect not in self.excluded])
         squares = self.squares(base.model, base.values)
         self.empty = Verdict((), base.values, squares, squares)
         self.excess = self._excess()
