@@ -37,8 +37,9 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     trials = [(trial, verdict)]
 
     def judge_again(noise: Noise) -> None:
-        again = Trial(base, suspects, noise)
-        trials.append((again, _answer(again, most)))
+        if not any(noise.like(court.noise) for court, _ in trials):
+            again = Trial(base, suspects, noise, trial)
+            trials.append((again, _answer(again, most)))
 
     judge_again(trial.noise_left_by(verdict, white=True))
     judge_again(trial.noise_left_by(trial.empty))
@@ -52,11 +53,11 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     scored = [(_full_cost(court, found), k) for k, (court, found) in enumerate(rivals.values())]
     (_, noise), k = min(scored, key=lambda item: item[0][0])
     _, found = list(rivals.values())[k]
-    final = Trial(base, suspects, noise)
+    final = Trial(base, suspects, noise, trial)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _weighed(final, final.refit(seen, found.values))
     if len(kept.terms) < len(found.terms):
-        final = Trial(base, suspects, final.noise_left_by(kept))
+        final = Trial(base, suspects, final.noise_left_by(kept), trial)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
 

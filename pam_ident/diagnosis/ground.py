@@ -11,7 +11,7 @@ from .search import orthonormal
 from .trial import Trial, Verdict
 
 Array = np.ndarray
-TOGETHER = 1 << 18
+TOGETHER = 1 << 19
 """Numbers in the columns that are made and whitened in one go: so many stay in the processor's cache."""
 Point = Mapping[str, float]
 

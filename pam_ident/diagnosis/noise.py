@@ -14,6 +14,8 @@ Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
 SMOOTHED = 0.6
 """Share of the displacement sensor's noise that smoothing a stroke leaves."""
+ALIKE = 0.1
+"""Difference in size up to which noises of one colour lead to the same answer."""
 BLOCK = 16
 """Rows that are filtered as one."""
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 80.0])
@@ -43,6 +45,11 @@ class Noise:
     def coloured(self) -> bool:
         """Whether neighbouring samples are correlated."""
         return self.share > 0.0
+
+    def like(self, other: "Noise") -> bool:
+        """Whether another noise has the same colour and practically the same size."""
+        same = (self.share, self.memory, self.clock) == (other.share, other.memory, other.clock)
+        return same and abs(self.sigma - other.sigma) < ALIKE * other.sigma
 
     def whiten(self, columns: Array) -> Array:
         """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same shape."""

@@ -32,14 +32,20 @@ def _wave(along: Array, period: Array | float) -> Array:
     found = np.empty((len(along), 2, m))
     if m > 8 and np.ptp(np.diff(numbers)) < 1e-9 * np.max(np.abs(np.diff(numbers))):
         fine = math.isqrt(m)
-        coarse = np.exp(1j * turn * numbers[::fine])[:, :, None]
-        wave = (coarse * np.exp(1j * turn * (numbers[:fine] - numbers[0]))[:, None, :]).reshape(len(along), -1)[:, :m]
+        coarse = _circle(turn * numbers[::fine])[:, :, None]
+        wave = (coarse * _circle(turn * (numbers[:fine] - numbers[0]))[:, None, :]).reshape(len(along), -1)[:, :m]
         found[:, 0], found[:, 1] = wave.real, wave.imag
     else:
         phase = turn * numbers
         np.cos(phase, out=found[:, 0])
         np.sin(phase, out=found[:, 1])
     return found.reshape(len(along), -1)
+
+
+def _circle(angle: Array) -> Array:
+    found = np.empty(angle.shape, complex)
+    found.real, found.imag = np.cos(angle), np.sin(angle)
+    return found
 
 
 def _ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:

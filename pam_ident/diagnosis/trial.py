@@ -45,9 +45,14 @@ class Verdict:
 
 
 class Trial:
-    """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted."""
+    """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted.
 
-    def __init__(self, base: Fit, suspects: Sequence[Effect], noise: Noise | None = None) -> None:
+    A trial of the same record against another `noise` takes over from the trial `before` what no noise changes.
+    """
+
+    def __init__(
+        self, base: Fit, suspects: Sequence[Effect], noise: Noise | None = None, before: "Trial | None" = None
+    ) -> None:
         self.base = base
         self.record: Record = base.record
         self.excluded: dict[str, tuple[str, str]] = {}
@@ -58,8 +63,12 @@ class Trial:
                 self.excluded[effect.name] = ("not_excited", f"the record holds no {', no '.join(lacking)}")
             else:
                 self.suspects.append(effect)
-        view = View(self.record, base.model, base.values)
-        atoms = [a for effect in self.suspects for a in view.atoms(effect)]
+        if before is None:
+            view = View(self.record, base.model, base.values)
+            atoms = [a for effect in self.suspects for a in view.atoms(effect)]
+        else:
+            view, atoms = before.law, before.atoms
+        self.law, self.atoms = view, atoms
         self.noise: Noise = noise or self._noise(view, atoms)
         data = view.compress(atoms, self.noise)
         self._drop_unseen(data)
