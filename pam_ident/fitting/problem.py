@@ -181,7 +181,6 @@ class Projection:
         triangle: Array = np.linalg.qr(np.column_stack([columns, slopes]), mode="r")  # pyright: ignore
         return slopes - columns @ _lstsq(triangle, columns.shape[1])
 
-
     def _slopes(self) -> Array:
         return self.problem.whiten(self.problem._slopes(self.point, self.sizes))
 
