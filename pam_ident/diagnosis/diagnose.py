@@ -23,7 +23,7 @@ Array = np.ndarray
 REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
 MOST = 10_000
-"""Rows of a record in time that are looked at: in so many what is heavy enough for a name earns several times its price."""
+"""Rows of a record in time that are looked at: in so many what deserves a name earns ten times its cost."""
 EXACT = 500
 """Rows up to which suspects, and in a table forms, are judged by refits."""
 

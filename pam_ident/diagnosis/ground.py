@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -90,17 +91,17 @@ def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> lis
     many = max(1, TOGETHER // (len(view.record) * width))
     for begin in range(0, len(points), many):
         some = points[begin : begin + many]
-        shapes = {p.name: np.array([point[p.name] for point in some]) for p in form.shapes}
+        shapes: dict[str, Any] = {p.name: np.array([point[p.name] for point in some]) for p in form.shapes}
         matrix = noise.whiten(signature(form, view.record.inputs, shapes, view.around))
-        bad = ~np.isfinite(matrix.sum(axis=0))
-        if bad.any():
-            matrix[:, bad] = 0.0
         own = _grams(matrix, width)
-        ridge = 1e-10 * np.trace(own, axis1=1, axis2=2) + 1e-300
+        size = np.trace(own, axis1=1, axis2=2)
+        bad = ~np.isfinite(size)
+        ridge = np.where(bad, 1.0, 1e-10 * size + 1e-300)
         for k, ground in enumerate(grounds):
             seen = ground.frame @ matrix
-            gram = own - _grams(seen[:-1], width) + ridge[:, None, None] * np.eye(width)
-            product = seen[-1].reshape(width, -1).T
+            gram, product = own - _grams(seen[:-1], width), seen[-1].reshape(width, -1).T
+            gram[bad], product[bad] = 0.0, 0.0
+            gram += ridge[:, None, None] * np.eye(width)
             sizes = np.linalg.solve(gram, product[:, :, None])[:, :, 0]
             gains = np.sum(product * sizes, axis=1)
             i = int(np.argmax(gains))

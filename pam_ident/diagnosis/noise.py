@@ -1,8 +1,10 @@
 """What is noise: how large, how unequal, and how correlated from sample to sample."""
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
@@ -83,7 +85,7 @@ class _Blocks:
 
     @classmethod
     def of(cls, decay: Array, gain: Array, weight: Array) -> "_Blocks":
-        """The innovations of z under a filter (decay, gain: (n,)), times `weight` (n,); rows of no weight are not read."""
+        """Innovations under a filter, times `weight`, shape (n,) each; rows of no weight are not read."""
         short = -len(decay) % BLOCK
         keep = np.r_[decay[1:] * (1.0 - gain[:-1]), np.zeros(short + 1)].reshape(-1, BLOCK)
         take = np.r_[decay[1:] * gain[:-1], np.zeros(short + 1)].reshape(-1, BLOCK)
@@ -101,9 +103,8 @@ class _Blocks:
     def filter(self, z: Array) -> Array:
         """Columns (n, k) → (n, k)."""
         n, k = z.shape
-        whole, rest = divmod(n, BLOCK)
-        parts = z if not rest else np.vstack([z, np.zeros((BLOCK - rest, k))])
-        parts = parts.reshape(len(self.kept), BLOCK, k)
+        short = -n % BLOCK
+        parts = (np.vstack([z, np.zeros((short, k))]) if short else z).reshape(-1, BLOCK, k)
         out = self.rows @ parts
         begun = decaying_sum(self.kept[:-1], (self.onward @ parts)[:-1, 0])
         out += self.first[:, :, None] * begun[:, None, :]
@@ -129,7 +130,7 @@ def filter_gains(decay: Array, share: Array, extra: Array) -> tuple[Array, Array
     square = _in_blocks(decay**2, length)
     fresh = (1.0 - square) * share
     white = 1.0 - share + _in_blocks(extra[:, None], length)
-    a, b, c, d = np.ones_like(fresh[:, 0]), np.zeros_like(fresh[:, 0]), np.zeros_like(fresh[:, 0]), 1.0
+    (a, d), (b, c) = np.ones((2, *fresh[:, 0].shape)), np.zeros((2, *fresh[:, 0].shape))
     for j in range(length):
         s, q, r = square[:, j], fresh[:, j], white[:, j]
         top, side = s * a + q * c, s * b + q * d  # variance predicted, times the denominator
@@ -201,14 +202,43 @@ def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, 
     step = np.diff(inputs.time, prepend=inputs.time[0])
     unit = float(np.median(step[1:]))
     best, least = white, n * float(np.log(square)) + float(np.sum(np.log(1.0 + extra))) - 12.0
-    memories, shares = (m.ravel() for m in np.meshgrid(MEMORY_SAMPLES, SHARES))
     for clock, advance, seconds in (("samples", np.ones(n), 1.0), ("seconds", step / unit, unit)):
-        decay = np.exp(-advance[:, None] / memories)
-        decay[0] = 0.0
-        gain, spread = filter_gains(decay, shares, extra)
-        for g in range(len(shares)):
-            left = innovations(z[:, None], decay[:, g], gain[:, g])[:, 0] / spread[:, g]
-            cost = n * float(np.log(np.mean(left**2))) + 2.0 * float(np.sum(np.log(spread[:, g])))
-            if cost < least:
-                best, least = (float(shares[g]), float(memories[g]) * seconds, clock, decay[:, g]), cost
+        (k, j), cost = _most_likely(advance, z, extra)
+        if cost < least:
+            decay = np.exp(-advance / MEMORY_SAMPLES[k])
+            decay[0] = 0.0
+            best, least = (float(SHARES[j]), float(MEMORY_SAMPLES[k]) * seconds, clock, decay), cost
     return best
+
+
+def _most_likely(advance: Array, z: Array, extra: Array) -> tuple[tuple[int, int], float]:
+    """Place in (MEMORY_SAMPLES, SHARES) of the likeliest process, and its deviance: at wide steps first, then near."""
+    costs: dict[tuple[int, int], float] = {}
+
+    def weigh(places: Iterable[tuple[int, int]]) -> tuple[int, int]:
+        new = [(k, j) for k, j in places if (k, j) not in costs and k < len(MEMORY_SAMPLES) and j < len(SHARES)]
+        if new:
+            costs.update(zip(new, _deviances(new, advance, z, extra), strict=True))
+        return min(costs, key=costs.__getitem__)
+
+    here = weigh(product(range(0, len(MEMORY_SAMPLES), 2), (0, 2, 4, 6, 7)))
+    while True:
+        k, j = here
+        near = weigh(product(range(max(k - 1, 0), k + 2), range(max(j - 1, 0), j + 2)))
+        if near == here:
+            return here, costs[here]
+        here = near
+
+
+def _deviances(places: Sequence[tuple[int, int]], advance: Array, z: Array, extra: Array) -> list[float]:
+    """Minus twice the log likelihood of z under processes of some memories and shares, up to a constant."""
+    which = np.array(places)
+    memory, share = MEMORY_SAMPLES[which[:, 0]], SHARES[which[:, 1]]
+    decay = np.exp(-advance[:, None] / memory)
+    decay[0] = 0.0
+    gain, spread = filter_gains(decay, share, extra)
+    left = [innovations(z[:, None], d, g)[:, 0] for d, g in zip(decay.T, gain.T, strict=True)]
+    logs = 2.0 * np.sum(np.log(spread), axis=0)
+    return [
+        len(z) * float(np.log(np.mean((e / s) ** 2))) + float(c) for e, s, c in zip(left, spread.T, logs, strict=True)
+    ]

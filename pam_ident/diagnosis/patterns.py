@@ -34,7 +34,7 @@ def _wave(along: Array, period: Array | float) -> Array:
         fine = math.isqrt(m)
         coarse = _circle(turn * numbers[::fine])[:, :, None]
         wave = (coarse * _circle(turn * (numbers[:fine] - numbers[0]))[:, None, :]).reshape(len(along), -1)[:, :m]
-        found[:, 0], found[:, 1] = wave.real, wave.imag
+        found[:, 0], found[:, 1] = np.real(wave), np.imag(wave)
     else:
         phase = turn * numbers
         np.cos(phase, out=found[:, 0])
@@ -43,9 +43,7 @@ def _wave(along: Array, period: Array | float) -> Array:
 
 
 def _circle(angle: Array) -> Array:
-    found = np.empty(angle.shape, complex)
-    found.real, found.imag = np.cos(angle), np.sin(angle)
-    return found
+    return np.cos(angle) + 1j * np.sin(angle)
 
 
 def _ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:

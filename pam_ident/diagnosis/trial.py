@@ -25,6 +25,11 @@ TOO_FLAT = 0.05
 """Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
 
 
+def labels(terms: Sequence[Term]) -> frozenset[str]:
+    """What terms are called."""
+    return frozenset(term.label for term in terms)
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """A set of terms fitted exactly: values, whitened sum of squares and cost."""
@@ -38,6 +43,11 @@ class Verdict:
     def names(self) -> frozenset[str]:
         """Effects of the set."""
         return frozenset(t.effect.name for t in self.terms)
+
+    @property
+    def labels(self) -> frozenset[str]:
+        """Effects of the set with their forms."""
+        return labels(self.terms)
 
     def without(self, term: Term) -> list[Term]:
         """The set less one of its terms."""
