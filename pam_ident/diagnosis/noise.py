@@ -130,7 +130,8 @@ def filter_gains(decay: Array, share: Array, extra: Array) -> tuple[Array, Array
     square = _in_blocks(decay**2, length)
     fresh = (1.0 - square) * share
     white = 1.0 - share + _in_blocks(extra[:, None], length)
-    (a, d), (b, c) = np.ones((2, *fresh[:, 0].shape)), np.zeros((2, *fresh[:, 0].shape))
+    shape = fresh[:, 0].shape
+    a, b, c, d = np.ones(shape), np.zeros(shape), np.zeros(shape), np.ones(shape)
     for j in range(length):
         s, q, r = square[:, j], fresh[:, j], white[:, j]
         top, side = s * a + q * c, s * b + q * d  # variance predicted, times the denominator
