@@ -12,7 +12,7 @@ from .ground import Ground, Lead, scan
 from .noise import Noise
 from .patterns import patterns
 from .search import Choice, beam_search
-from .trial import Trial, Verdict
+from .trial import Trial, Verdict, labels
 
 LIGHT, LIGHT_PATTERN = 0.04, 0.1
 """Share of the noise's variance that an effect, or a pattern, must explain: for less a wrong name is worse."""
@@ -27,8 +27,8 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     """The answer to a record, with the noise and the effects made to agree.
 
     Slow noise and an effect can each pass for the other. So where noise is coloured the record is judged again
-    against the noise that the law alone would imply, and against that which the new answer leaves; the answers and
-    all their parts are then compared by their full likelihood, each with its own noise.
+    against the noise that the law alone would imply, and against that which a new answer leaves; the answers and all
+    their parts are then compared by their full likelihood, each with its own noise.
     """
     trial = Trial(base, suspects)
     verdict = _answer(trial, most)
@@ -37,26 +37,28 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     trials = [(trial, verdict)]
 
     def judge_again(noise: Noise) -> None:
-        again = Trial(base, suspects, noise)
-        trials.append((again, _answer(again, most)))
+        if not any(noise.like(court.noise) for court, _ in trials):
+            again = Trial(base, suspects, noise, trial)
+            trials.append((again, _answer(again, most)))
 
     judge_again(trial.noise_left_by(verdict, white=True))
     judge_again(trial.noise_left_by(trial.empty))
     last, answer = trials[-1]
-    judge_again(last.noise_left_by(answer))
-    rivals: dict[tuple[str, ...], tuple[Trial, Verdict]] = {}
+    if not any(answer.labels == found.labels for court, found in trials if court is not last):
+        judge_again(last.noise_left_by(answer))
+    rivals: dict[frozenset[str], tuple[Trial, Verdict]] = {}
     for court, found in trials:
         for size in range(len(found.terms) + 1):
             for terms in combinations(found.terms, size):
-                rivals.setdefault(tuple(sorted(t.label for t in terms)), (court, court.refit(terms, found.values)))
+                rivals.setdefault(labels(terms), (court, court.refit(terms, found.values)))
     scored = [(_full_cost(court, found), k) for k, (court, found) in enumerate(rivals.values())]
     (_, noise), k = min(scored, key=lambda item: item[0][0])
     _, found = list(rivals.values())[k]
-    final = Trial(base, suspects, noise)
+    final = Trial(base, suspects, noise, trial)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _weighed(final, final.refit(seen, found.values))
     if len(kept.terms) < len(found.terms):
-        final = Trial(base, suspects, final.noise_left_by(kept))
+        final = Trial(base, suspects, final.noise_left_by(kept), trial)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..effects import Effect, catalogue
 from ..fitting import Fit, fit
 from ..model import Model, Term
-from ..records import Record
+from ..records import Record, thinned
 from .confounding import groups
 from .deliberate import investigate
 from .dictionary import Atom
@@ -22,6 +22,8 @@ from .trial import Trial, Verdict
 Array = np.ndarray
 REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
+MOST = 10_000
+"""Rows of a record in time that are looked at: in so many what deserves a name earns ten times its cost."""
 EXACT = 500
 """Rows up to which suspects, and in a table forms, are judged by refits."""
 
@@ -35,7 +37,7 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     base = fit(model, record)
     known = catalogue(extra)
     suspects = [e for e in known.values() if e.candidate and e.name not in model.effect_names]
-    steady = replace(record, inputs=record.steady)
+    steady = thinned(replace(record, inputs=record.steady), MOST)
     trial, verdict = investigate(fit(model, steady, detail=False), suspects)
     named = [t for t in verdict.terms if t.effect.candidate]
     weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}

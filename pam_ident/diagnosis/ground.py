@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,8 +12,8 @@ from .search import orthonormal
 from .trial import Trial, Verdict
 
 Array = np.ndarray
-TOGETHER = 128
-"""Atoms whose columns are made and whitened in one go."""
+TOGETHER = 1 << 19
+"""Numbers in the columns that are made and whitened in one go: so many stay in the processor's cache."""
 Point = Mapping[str, float]
 
 
@@ -35,6 +36,7 @@ class Ground:
         self.basis = orthonormal(trial.noise.whiten(self.view.law))
         residual = trial.noise.whiten(self.view.residual)
         self.residual = residual - self.basis @ (self.basis.T @ residual)
+        self.frame = np.ascontiguousarray(np.column_stack([self.basis, self.residual]).T)
 
 
 @dataclass(frozen=True)
@@ -86,17 +88,20 @@ def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> lis
     """On each ground the point of a form with the largest gain in whitened squares."""
     view, noise, width = grounds[0].view, grounds[0].noise, len(form.sizes)
     found: list[_Best | None] = [None] * len(grounds)
-    for begin in range(0, len(points), TOGETHER):
-        some = points[begin : begin + TOGETHER]
-        columns = np.hstack([signature(form, view.record.inputs, point, view.around) for point in some])
-        matrix = noise.whiten(columns)
-        bad = ~np.isfinite(matrix.sum(axis=0))
-        matrix[:, bad] = 0.0
+    many = max(1, TOGETHER // (len(view.record) * width))
+    for begin in range(0, len(points), many):
+        some = points[begin : begin + many]
+        shapes: dict[str, Any] = {p.name: np.array([point[p.name] for point in some]) for p in form.shapes}
+        matrix = noise.whiten(signature(form, view.record.inputs, shapes, view.around))
         own = _grams(matrix, width)
-        ridge = 1e-10 * np.trace(own, axis1=1, axis2=2) + 1e-300
+        size = np.trace(own, axis1=1, axis2=2)
+        bad = ~np.isfinite(size)
+        ridge = np.where(bad, 1.0, 1e-10 * size + 1e-300)
         for k, ground in enumerate(grounds):
-            gram = own - _grams(ground.basis.T @ matrix, width) + ridge[:, None, None] * np.eye(width)
-            product = (matrix.T @ ground.residual).reshape(-1, width)
+            seen = ground.frame @ matrix
+            gram, product = own - _grams(seen[:-1], width), seen[-1].reshape(width, -1).T
+            gram[bad], product[bad] = 0.0, 0.0
+            gram += ridge[:, None, None] * np.eye(width)
             sizes = np.linalg.solve(gram, product[:, :, None])[:, :, 0]
             gains = np.sum(product * sizes, axis=1)
             i = int(np.argmax(gains))
@@ -105,10 +110,10 @@ def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> lis
 
 
 def _grams(matrix: Array, width: int) -> Array:
-    """Gram matrices (m, width, width) of the blocks of a matrix (n, m · width)."""
-    blocks = matrix.reshape(len(matrix), matrix.shape[1] // width, width)
-    found = np.empty((blocks.shape[1], width, width))
+    """Gram matrices (m, width, width) of the columns i, m + i, 2 m + i, … of a matrix (n, width · m)."""
+    parts = matrix.reshape(len(matrix), width, -1)
+    found = np.empty((parts.shape[2], width, width))
     for i in range(width):
         for j in range(i + 1):
-            found[:, i, j] = found[:, j, i] = np.einsum("nm,nm->m", blocks[:, :, i], blocks[:, :, j])
+            found[:, i, j] = found[:, j, i] = np.einsum("nm,nm->m", parts[:, i], parts[:, j])
     return found

@@ -1,6 +1,10 @@
 """What is noise: how large, how unequal, and how correlated from sample to sample."""
 
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
 
 import numpy as np
 
@@ -12,6 +16,10 @@ Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
 SMOOTHED = 0.6
 """Share of the displacement sensor's noise that smoothing a stroke leaves."""
+ALIKE = 0.1
+"""Difference in size up to which noises of one colour lead to the same answer."""
+BLOCK = 16
+"""Rows that are filtered as one."""
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 80.0])
 
 
@@ -40,14 +48,67 @@ class Noise:
         """Whether neighbouring samples are correlated."""
         return self.share > 0.0
 
+    def like(self, other: "Noise") -> bool:
+        """Whether another noise has the same colour and practically the same size."""
+        same = (self.share, self.memory, self.clock) == (other.share, other.memory, other.clock)
+        return same and abs(self.sigma - other.sigma) < ALIKE * other.sigma
+
     def whiten(self, columns: Array) -> Array:
         """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same shape."""
         flat = columns.ndim == 1
-        scaled = (columns if not flat else columns[:, None]) / self.sigma
-        scaled[self.outlier] = 0.0
-        out = (innovations(scaled, self.decay, self.gain) if self.coloured else scaled) / self.spread[:, None]
-        out[self.outlier] = 0.0
+        table = columns[:, None] if flat else columns
+        out = self._blocks.filter(table) if self.coloured else table * self._weight[:, None]
         return out[:, 0] if flat else out
+
+    @cached_property
+    def _weight(self) -> Array:
+        """What a row is multiplied with where noise is white: none of an outlier."""
+        return np.where(self.outlier, 0.0, 1.0 / (self.sigma * self.spread))
+
+    @cached_property
+    def _blocks(self) -> "_Blocks":
+        return _Blocks.of(self.decay, self.gain, self._weight)
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """A filter in blocks of rows, each a small matrix, so that many columns pass at the speed of matrix products.
+
+    A block takes its rows z (BLOCK, k) and the prediction p (k,) of the first of them to `rows` · z + `first` ⊗ p, and
+    hands on the prediction `onward` · z + `kept` p.
+    """
+
+    rows: Array
+    first: Array
+    onward: Array
+    kept: Array
+
+    @classmethod
+    def of(cls, decay: Array, gain: Array, weight: Array) -> "_Blocks":
+        """Innovations under a filter, times `weight`, shape (n,) each; rows of no weight are not read."""
+        short = -len(decay) % BLOCK
+        keep = np.r_[decay[1:] * (1.0 - gain[:-1]), np.zeros(short + 1)].reshape(-1, BLOCK)
+        take = np.r_[decay[1:] * gain[:-1], np.zeros(short + 1)].reshape(-1, BLOCK)
+        scale = np.r_[weight, np.zeros(short)].reshape(-1, BLOCK)
+        read = scale > 0.0
+        rows, state = np.zeros((len(keep), BLOCK, BLOCK + 1)), np.zeros((len(keep), BLOCK + 1))
+        state[:, BLOCK] = 1.0
+        for j in range(BLOCK):
+            rows[:, j] = -scale[:, j, None] * state
+            rows[:, j, j] += scale[:, j]
+            state *= keep[:, j, None]
+            state[:, j] += take[:, j] * read[:, j]
+        return cls(rows[:, :, :BLOCK] * read[:, None, :], rows[:, :, BLOCK], state[:, None, :BLOCK], state[:, BLOCK])
+
+    def filter(self, z: Array) -> Array:
+        """Columns (n, k) → (n, k)."""
+        n, k = z.shape
+        short = -n % BLOCK
+        parts = (np.vstack([z, np.zeros((short, k))]) if short else z).reshape(-1, BLOCK, k)
+        out = self.rows @ parts
+        begun = decaying_sum(self.kept[:-1], (self.onward @ parts)[:-1, 0])
+        out += self.first[:, :, None] * begun[:, None, :]
+        return out.reshape(-1, k)[:n]
 
 
 def innovations(z: Array, decay: Array, gain: Array) -> Array:
@@ -60,15 +121,41 @@ def filter_gains(decay: Array, share: Array, extra: Array) -> tuple[Array, Array
 
     `decay` (n, g) is the memory from the sample before, `share` (g,) the correlated part of the unit variance,
     `extra` (n,) the variance of what is added.
+
+    A step of the variance is a fraction of two straight lines, so a block of steps is one, too: a product of 2 × 2
+    matrices. Blocks are multiplied out side by side, then their first variances follow one from the other.
     """
-    gain, spread = np.empty_like(decay), np.empty_like(decay)
-    variance = share + 0.0
-    for i in range(len(decay)):
-        predicted = decay[i] ** 2 * variance + (1.0 - decay[i] ** 2) * share
-        total = predicted + 1.0 - share + extra[i]
-        gain[i], spread[i] = predicted / total, np.sqrt(total)
-        variance = predicted * (1.0 - gain[i])
-    return gain, spread
+    n, g = decay.shape
+    length = math.isqrt(n - 1) + 1
+    square = _in_blocks(decay**2, length)
+    fresh = (1.0 - square) * share
+    white = 1.0 - share + _in_blocks(extra[:, None], length)
+    shape = fresh[:, 0].shape
+    a, b, c, d = np.ones(shape), np.zeros(shape), np.zeros(shape), np.ones(shape)
+    for j in range(length):
+        s, q, r = square[:, j], fresh[:, j], white[:, j]
+        top, side = s * a + q * c, s * b + q * d  # variance predicted, times the denominator
+        a, b, c, d = r * top, r * side, top + r * c, side + r * d
+        unit = 1.0 / (c + d)
+        a, b, c, d = a * unit, b * unit, c * unit, d * unit
+    variance = np.empty_like(fresh[:, 0])
+    variance[0] = share
+    for k in range(1, len(variance)):
+        v = variance[k - 1]
+        variance[k] = (a[k - 1] * v + b[k - 1]) / (c[k - 1] * v + d[k - 1])
+    gain, total = np.empty_like(fresh), np.empty_like(fresh)
+    for j in range(length):
+        predicted = square[:, j] * variance + fresh[:, j]
+        total[:, j] = predicted + white[:, j]
+        gain[:, j] = predicted / total[:, j]
+        variance = predicted * (1.0 - gain[:, j])
+    return gain.reshape(-1, g)[:n], np.sqrt(total.reshape(-1, g)[:n])
+
+
+def _in_blocks(rows: Array, length: int) -> Array:
+    """Rows (n, g) in blocks, (blocks, length, g), filled up with zeros."""
+    short = -len(rows) % length
+    return np.vstack([rows, np.zeros((short, rows.shape[1]))]).reshape(-1, length, rows.shape[1])
 
 
 def estimate_noise(
@@ -116,14 +203,43 @@ def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, 
     step = np.diff(inputs.time, prepend=inputs.time[0])
     unit = float(np.median(step[1:]))
     best, least = white, n * float(np.log(square)) + float(np.sum(np.log(1.0 + extra))) - 12.0
-    memories, shares = (m.ravel() for m in np.meshgrid(MEMORY_SAMPLES, SHARES))
     for clock, advance, seconds in (("samples", np.ones(n), 1.0), ("seconds", step / unit, unit)):
-        decay = np.exp(-advance[:, None] / memories)
-        decay[0] = 0.0
-        gain, spread = filter_gains(decay, shares, extra)
-        for g in range(len(shares)):
-            left = innovations(z[:, None], decay[:, g], gain[:, g])[:, 0] / spread[:, g]
-            cost = n * float(np.log(np.mean(left**2))) + 2.0 * float(np.sum(np.log(spread[:, g])))
-            if cost < least:
-                best, least = (float(shares[g]), float(memories[g]) * seconds, clock, decay[:, g]), cost
+        (k, j), cost = _most_likely(advance, z, extra)
+        if cost < least:
+            decay = np.exp(-advance / MEMORY_SAMPLES[k])
+            decay[0] = 0.0
+            best, least = (float(SHARES[j]), float(MEMORY_SAMPLES[k]) * seconds, clock, decay), cost
     return best
+
+
+def _most_likely(advance: Array, z: Array, extra: Array) -> tuple[tuple[int, int], float]:
+    """Place in (MEMORY_SAMPLES, SHARES) of the likeliest process, and its deviance: at wide steps first, then near."""
+    costs: dict[tuple[int, int], float] = {}
+
+    def weigh(places: Iterable[tuple[int, int]]) -> tuple[int, int]:
+        new = [(k, j) for k, j in places if (k, j) not in costs and k < len(MEMORY_SAMPLES) and j < len(SHARES)]
+        if new:
+            costs.update(zip(new, _deviances(new, advance, z, extra), strict=True))
+        return min(costs, key=costs.__getitem__)
+
+    here = weigh(product(range(0, len(MEMORY_SAMPLES), 2), (0, 2, 4, 6, 7)))
+    while True:
+        k, j = here
+        near = weigh(product(range(max(k - 1, 0), k + 2), range(max(j - 1, 0), j + 2)))
+        if near == here:
+            return here, costs[here]
+        here = near
+
+
+def _deviances(places: Sequence[tuple[int, int]], advance: Array, z: Array, extra: Array) -> list[float]:
+    """Minus twice the log likelihood of z under processes of some memories and shares, up to a constant."""
+    which = np.array(places)
+    memory, share = MEMORY_SAMPLES[which[:, 0]], SHARES[which[:, 1]]
+    decay = np.exp(-advance[:, None] / memory)
+    decay[0] = 0.0
+    gain, spread = filter_gains(decay, share, extra)
+    left = [innovations(z[:, None], d, g)[:, 0] for d, g in zip(decay.T, gain.T, strict=True)]
+    logs = 2.0 * np.sum(np.log(spread), axis=0)
+    return [
+        len(z) * float(np.log(np.mean((e / s) ** 2))) + float(c) for e, s, c in zip(left, spread.T, logs, strict=True)
+    ]

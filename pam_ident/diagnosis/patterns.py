@@ -1,14 +1,17 @@
 """Shapes that no known effect has: a ripple, a rub in one place, a step in time, a trend, a free curve.
 
 They are written as effects so that they are fitted and priced like the suspects, but they carry no physics and are
-never selected by name: they describe what is left.
+never selected by name: they describe what is left. Their columns take arrays (m,) of shapes, too, and are then (n, k m)
+of k sizes, all of the first size first.
 """
+
+import math
 
 import numpy as np
 
 from ..core import Inputs, Param
 from ..effects import AddsForce, Effect, Form, TransformsContraction
-from ..effects.base import Array, Shape, one, slip
+from ..effects.base import Array, Shape, slip
 
 SOURCE = "a description, not a physical effect"
 LENGTHS = 30
@@ -19,12 +22,32 @@ WAVE = (COS, SIN)
 SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
 
 
-def _wave(phase: Array) -> Array:
-    return np.column_stack([np.cos(phase), np.sin(phase)])
+def _wave(along: Array, period: Array | float) -> Array:
+    """Cosine and sine of 2π along/period, along (n,): (n, 2), or (n, 2 m) of m periods, cosines first.
+
+    Of wave numbers in even steps few are turned, by the angles of a coarse and of a fine step, into all others.
+    """
+    numbers = 1.0 / np.atleast_1d(period)
+    turn, m = 2.0 * np.pi * along[:, None], len(numbers)
+    found = np.empty((len(along), 2, m))
+    if m > 8 and np.ptp(np.diff(numbers)) < 1e-9 * np.max(np.abs(np.diff(numbers))):
+        fine = math.isqrt(m)
+        coarse = _circle(turn * numbers[::fine])[:, :, None]
+        wave = (coarse * _circle(turn * (numbers[:fine] - numbers[0]))[:, None, :]).reshape(len(along), -1)[:, :m]
+        found[:, 0], found[:, 1] = np.real(wave), np.imag(wave)
+    else:
+        phase = turn * numbers
+        np.cos(phase, out=found[:, 0])
+        np.sin(phase, out=found[:, 1])
+    return found.reshape(len(along), -1)
+
+
+def _circle(angle: Array) -> Array:
+    return np.cos(angle) + 1j * np.sin(angle)
 
 
 def _ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _wave(2.0 * np.pi * inputs.displacement_mm / shape["period"])
+    return _wave(inputs.displacement_mm, shape["period"])
 
 
 def _loaded_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -37,23 +60,20 @@ def _odd_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _beat(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.time is not None
-    return _wave(2.0 * np.pi * (inputs.time - inputs.time[0]) / shape["period"])
-
-
-def _bump(inputs: Inputs, shape: Shape) -> Array:
-    return np.exp(-0.5 * ((inputs.displacement_mm - shape["place"]) / shape["width"]) ** 2)
+    return _wave(inputs.time - inputs.time[0], shape["period"])
 
 
 def _even_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(_bump(inputs, shape))
+    return np.exp(-0.5 * ((inputs.displacement_mm[:, None] - shape["place"]) / shape["width"]) ** 2)
 
 
 def _odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-_bump(inputs, shape) * slip(inputs)[0])
+    return -_even_bump(inputs, shape, force) * slip(inputs)[0][:, None]
 
 
 def _pressed_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(_bump(inputs, shape) * inputs.pressure / max(float(np.max(inputs.pressure)), 1e-9))
+    pressed = inputs.pressure / max(float(np.max(inputs.pressure)), 1e-9)
+    return _even_bump(inputs, shape, force) * pressed[:, None]
 
 
 def _pressed_odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -62,8 +82,8 @@ def _pressed_odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _box(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Constant within the width, with soft edges a fifth of it wide, so that place and width can be searched."""
-    off = np.abs(inputs.displacement_mm - shape["place"])
-    return one(0.5 - 0.5 * np.tanh((off - shape["width"]) / (0.2 * shape["width"])))
+    off = np.abs(inputs.displacement_mm[:, None] - shape["place"])
+    return 0.5 - 0.5 * np.tanh((off - shape["width"]) / (0.2 * np.asarray(shape["width"])))
 
 
 def _odd_box(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -71,25 +91,22 @@ def _odd_box(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _stop(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(np.maximum(inputs.displacement_mm - shape["place"], 0.0))
-
-
-def _after(inputs: Inputs, shape: Shape) -> Array:
-    assert inputs.time is not None
-    return (inputs.time >= shape["moment"]).astype(float)
+    return np.maximum(inputs.displacement_mm[:, None] - shape["place"], 0.0)
 
 
 def _force_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(_after(inputs, shape))
+    assert inputs.time is not None
+    return (inputs.time[:, None] >= shape["moment"]).astype(float)
 
 
 def _pulse(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.time is not None
-    return one(_after(inputs, shape) * (inputs.time < shape["moment"] + shape["length"]))
+    time, begin = inputs.time[:, None], np.asarray(shape["moment"])
+    return ((time >= begin) & (time < begin + shape["length"])).astype(float)
 
 
 def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(_after(inputs, shape) / inputs.specimen.initial_length_mm)
+    return _force_step(inputs, shape, force) / inputs.specimen.initial_length_mm
 
 
 def _hats(values: Array, knots: int) -> Array:

@@ -5,6 +5,7 @@ linear solve in their Gram matrix.
 """
 
 from collections.abc import Iterable, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,6 +55,17 @@ class Compressed:
         bounds = [(p.lower - p.neutral, p.upper - p.neutral) for a in self.atoms for p in a.sizes]
         self.lower = np.array([b[0] for b in bounds]) if bounds else np.empty(0)
         self.upper = np.array([b[1] for b in bounds]) if bounds else np.empty(0)
+
+    def only(self, atoms: Sequence[int]) -> "Compressed":
+        """The same with some of the atoms."""
+        columns = self.columns(atoms)
+        fewer = copy(self)
+        fewer.atoms = tuple(self.atoms[a] for a in atoms)
+        fewer.starts = np.r_[0, np.cumsum(np.diff(self.starts)[list(atoms)])].astype(int)
+        fewer.before, fewer.left, fewer.scale = self.before[columns], self.left[columns], self.scale[columns]
+        fewer.gram, fewer.product = self.gram[np.ix_(columns, columns)], self.product[columns]
+        fewer.lower, fewer.upper = self.lower[columns], self.upper[columns]
+        return fewer
 
     def columns(self, atoms: Iterable[int]) -> Array:
         """Column numbers of some atoms."""

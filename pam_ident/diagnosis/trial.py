@@ -25,6 +25,11 @@ TOO_FLAT = 0.05
 """Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
 
 
+def labels(terms: Sequence[Term]) -> frozenset[str]:
+    """What terms are called."""
+    return frozenset(term.label for term in terms)
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """A set of terms fitted exactly: values, whitened sum of squares and cost."""
@@ -39,15 +44,25 @@ class Verdict:
         """Effects of the set."""
         return frozenset(t.effect.name for t in self.terms)
 
+    @property
+    def labels(self) -> frozenset[str]:
+        """Effects of the set with their forms."""
+        return labels(self.terms)
+
     def without(self, term: Term) -> list[Term]:
         """The set less one of its terms."""
         return [t for t in self.terms if t is not term]
 
 
 class Trial:
-    """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted."""
+    """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted.
 
-    def __init__(self, base: Fit, suspects: Sequence[Effect], noise: Noise | None = None) -> None:
+    A trial of the same record against another `noise` takes over from the trial `before` what no noise changes.
+    """
+
+    def __init__(
+        self, base: Fit, suspects: Sequence[Effect], noise: Noise | None = None, before: "Trial | None" = None
+    ) -> None:
         self.base = base
         self.record: Record = base.record
         self.excluded: dict[str, tuple[str, str]] = {}
@@ -58,12 +73,17 @@ class Trial:
                 self.excluded[effect.name] = ("not_excited", f"the record holds no {', no '.join(lacking)}")
             else:
                 self.suspects.append(effect)
-        view = View(self.record, base.model, base.values)
-        atoms = [a for effect in self.suspects for a in view.atoms(effect)]
+        if before is None:
+            view = View(self.record, base.model, base.values)
+            atoms = [a for effect in self.suspects for a in view.atoms(effect)]
+        else:
+            view, atoms = before.law, before.atoms
+        self.law, self.atoms = view, atoms
         self.noise: Noise = noise or self._noise(view, atoms)
-        self._drop_unseen(view.compress(atoms, self.noise))
+        data = view.compress(atoms, self.noise)
+        self._drop_unseen(data)
         self.suspects = [e for e in self.suspects if e.name not in self.excluded]
-        self.data = view.compress([a for a in atoms if a.effect not in self.excluded], self.noise)
+        self.data = data.only([k for k, a in enumerate(atoms) if a.effect not in self.excluded])
         squares = self.squares(base.model, base.values)
         self.empty = Verdict((), base.values, squares, squares)
         self.excess = self._excess()

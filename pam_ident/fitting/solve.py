@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from ..core import Inputs, Param
+from ..effects import Form
 from ..model import Model
 from .problem import Problem, Solution, Whiten, all_rows, bounded_lstsq
 from .solvers import QUICK, Solver, VariableProjection
@@ -62,6 +64,7 @@ def separated(
 ) -> Problem:
     """The separable problem while the force that effects are given stays `acting` (n,) in N, default the measured."""
     acting = force if acting is None else acting
+    model = _remembering(model, inputs, acting)
     guess = model.neutral(inputs)
     curved = [replace(p, start=p.clip(guess[p.name])) for p in curved_within_bounds(model, inputs)]
 
@@ -69,6 +72,26 @@ def separated(
         return model.design(inputs, values, acting)
 
     return Problem(model.linear, tuple(curved), design, force, start, whiten)
+
+
+def _remembering(model: Model, inputs: Inputs, acting: Array) -> Model:
+    """The same model, whose effects keep their columns at these inputs while only other parameters move."""
+
+    def remembering(form: Form) -> Form:
+        names = [p.name for p in form.shapes]
+
+        @lru_cache(maxsize=4)
+        def at(*shape: float) -> Array:
+            return form.columns(inputs, dict(zip(names, shape, strict=True)), acting)
+
+        def columns(given: Inputs, shape: Mapping[str, float], force: Array) -> Array:
+            if given is inputs and force is acting:
+                return at(*(shape[name] for name in names))
+            return form.columns(given, shape, force)
+
+        return replace(form, columns=columns)
+
+    return replace(model, terms=tuple(replace(term, form=remembering(term.form)) for term in model.terms))
 
 
 def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float], whiten: Whiten = all_rows) -> Problem:

@@ -44,6 +44,8 @@ class VariableProjection:
         """The best of the descents; exact at once where nothing is curved."""
         if not problem.curved:
             return Solution(problem.at(np.empty(0)).values, True, "linear")
+        if not self.polish:
+            problem = replace(problem, rough=True)
         found = [_descend(trial, 2e-6, 1e-5, 25) for trial in problem.starts(self.max_starts)[: self.keep]]
         best, status, message = min(found, key=lambda one: one[0].cost)
         if self.polish:

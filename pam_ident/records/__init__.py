@@ -3,5 +3,6 @@
 from ..core import Specimen
 from .load import file_sha256, read_record, read_specimen
 from .record import Record, build_record
+from .thin import thinned
 
-__all__ = ["Record", "Specimen", "build_record", "file_sha256", "read_record", "read_specimen"]
+__all__ = ["Record", "Specimen", "build_record", "file_sha256", "read_record", "read_specimen", "thinned"]

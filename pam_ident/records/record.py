@@ -65,6 +65,13 @@ class Record:
             cut[rows[int(np.argmax(gone >= 0.5 * gone.max()))]] = True
         return np.cumsum(cut)
 
+    def take(self, rows: Array) -> "Record":
+        """Some of the samples, by index, in order."""
+        inputs = self.inputs.take(rows)
+        steady = inputs if self.steady is self.inputs else self.steady.take(rows)
+        parts = {name: getattr(self, name)[rows] for name in ("force", "level", "stroke", "block")}
+        return replace(self, inputs=inputs, steady=steady, **parts)
+
     def branch_rows(self, branch: str) -> Array:
         """Mask of the samples of `contraction`, `extension` or `together` (all).
 

@@ -5,7 +5,16 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.core.recursion import decaying_sum
-from pam_ident.diagnosis.noise import estimate_noise, filter_gains, innovations
+from pam_ident.diagnosis.noise import (
+    MEMORY_SAMPLES,
+    SHARES,
+    Noise,
+    _deviances,
+    _most_likely,
+    estimate_noise,
+    filter_gains,
+    innovations,
+)
 from pam_ident.records import build_record
 
 SPECIMEN = Specimen("bench", 200.0, 10.0, 25.4, 1.5)
@@ -67,3 +76,40 @@ def test_a_spike_is_set_aside_and_a_bump_is_not(record):
     residual[2000:2020] += 8.0
     noise = estimate_noise(record, residual, np.zeros(4000), 8)
     assert noise.outlier[100] and not noise.outlier[2000:2020].any()
+
+
+def test_columns_are_whitened_by_blocks_as_by_the_full_covariance():
+    rng = np.random.default_rng(6)
+    n, share = 53, np.array([0.6])
+    decay = rng.uniform(0.2, 0.99, (n, 1))
+    decay[0] = 0.0
+    gain, spread = filter_gains(decay, share, np.zeros(n))
+    outlier = np.zeros(n, bool)
+    noise = Noise(2.0, 0.6, 3.0, "samples", decay[:, 0], gain[:, 0], spread[:, 0], outlier, 0.0)
+    kept = np.array([[np.prod(decay[min(i, j) + 1 : max(i, j) + 1]) for j in range(n)] for i in range(n)])
+    covariance = 4.0 * (share * kept + (1.0 - share) * np.eye(n))
+    columns = rng.standard_normal((n, 5))
+    white = noise.whiten(columns)
+    np.testing.assert_allclose(white.T @ white, columns.T @ np.linalg.solve(covariance, columns), rtol=1e-9)
+    np.testing.assert_allclose(noise.whiten(columns[:, 2]), white[:, 2], atol=1e-12)
+
+
+def test_an_outlier_neither_counts_nor_spoils_its_neighbours():
+    n = 40
+    decay = np.full((n, 1), 0.8)
+    decay[0] = 0.0
+    gain, spread = filter_gains(decay, np.array([1.0]), np.zeros(n))
+    noise = Noise(1.0, 1.0, 4.5, "samples", decay[:, 0], gain[:, 0], spread[:, 0], np.arange(n) == 20, 0.0)
+    one, other = np.ones(n), np.ones(n)
+    other[20] = 1e6
+    assert noise.whiten(other)[20] == 0.0
+    np.testing.assert_array_equal(noise.whiten(one), noise.whiten(other))
+
+
+def test_the_likeliest_colour_is_that_of_the_whole_grid():
+    advance, extra = np.ones(1500), np.zeros(1500)
+    z = coloured(0.85, 1500) + 0.6 * np.random.default_rng(8).standard_normal(1500)
+    places = [(k, j) for k in range(len(MEMORY_SAMPLES)) for j in range(len(SHARES))]
+    whole = _deviances(places, advance, z, extra)
+    place, least = _most_likely(advance, z, extra)
+    assert place == places[int(np.argmin(whole))] and least == pytest.approx(min(whole), rel=1e-12)

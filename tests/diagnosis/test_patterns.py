@@ -1,0 +1,51 @@
+"""Patterns are made and tried many at a time; what comes out must be what one at a time would give."""
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Specimen
+from pam_ident.diagnosis.ground import Ground, _best
+from pam_ident.diagnosis.patterns import patterns
+from pam_ident.diagnosis.trial import Trial
+from pam_ident.fitting import fit
+from pam_ident.model import Model
+from pam_ident.records import build_record
+
+
+@pytest.fixture
+def record():
+    time = np.arange(900) * 0.1
+    x = 20.0 - 20.0 * np.cos(2.0 * np.pi * time / 30.0)
+    noise = np.random.default_rng(1).standard_normal(900)
+    force = 400.0 - 5.0 * x + 3.0 * np.sin(2.0 * np.pi * x / 6.4) + noise
+    pressure = np.where(time < 45.0, 0.3, 0.4)
+    return build_record("loop", Specimen("bench", 200.0, 10.0, 25.4, 1.5), pressure, x / 200.0, force, time=time)
+
+
+def test_columns_of_many_shapes_are_those_of_each(record):
+    inputs, force = record.inputs, record.force
+    for effect in patterns(inputs):
+        for form in effect.forms:
+            if not form.shapes:
+                continue
+            grid = [np.array(p.grid[:12]) if k == 0 else np.full(12, p.grid[0]) for k, p in enumerate(form.shapes)]
+            many = form.columns(inputs, dict(zip([p.name for p in form.shapes], grid, strict=True)), force)
+            many = many.reshape(len(record), len(form.sizes), -1)
+            for i in range(many.shape[2]):
+                shape = {p.name: float(values[i]) for p, values in zip(form.shapes, grid, strict=True)}
+                np.testing.assert_allclose(many[:, :, i], form.columns(inputs, shape, force), atol=1e-11)
+
+
+def test_the_gain_of_a_ripple_is_the_fall_of_a_least_squares_fit(record):
+    trial = Trial(fit(Model.build("polynomial"), record), [])
+    ground = Ground(trial, trial.empty)
+    ripple = next(e for e in patterns(record.inputs) if e.name == "periodic").forms[0]
+    found = _best(ripple, [{"period": p} for p in (9.0, 6.4, 5.0)], [ground])[0]
+    columns = trial.noise.whiten(
+        np.column_stack([ground.view.law, ripple.columns(record.inputs, found.point, record.force)])
+    )
+    residual = trial.noise.whiten(ground.view.residual)
+    law = columns[:, :-2]
+    alone, whole = (np.linalg.lstsq(m / np.linalg.norm(m, axis=0), residual, rcond=None)[1][0] for m in (law, columns))
+    assert found.point == {"period": 6.4}
+    assert found.gain == pytest.approx(alone - whole, rel=1e-6)
