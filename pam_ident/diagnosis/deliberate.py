@@ -176,12 +176,14 @@ def _pattern_price(trial: Trial, lead: Lead) -> float:
 
 
 def _with_pattern(trial: Trial, lead: Lead, price: float) -> Verdict:
-    """Fit a pattern with the set it was found beyond, then without each of the set's names in turn."""
+    """Fit a pattern with the set it was found beyond, then without each of the set's names in turn.
+
+    A name must earn as much as the pattern: what an unknown effect has beyond a pattern's shape is no effect's."""
     terms = list(lead.onto.terms)
     verdict = trial.refit([*terms, lead.atom.term], lead.start, price + trial.price.total(terms))
     for gone in list(terms):
         fewer = [t for t in terms if t is not gone]
         rival = trial.refit([*fewer, lead.atom.term], verdict.values, price + trial.price.total(fewer))
-        if rival.cost < verdict.cost:
+        if rival.cost < verdict.cost + PATTERN_TOLERANCE * trial.excess:
             terms, verdict = fewer, rival
     return verdict

@@ -15,7 +15,7 @@ from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
 from .nouns import Diagnosis, Pattern, Suspect
-from .patterns import KINDS
+from .patterns import KINDS, OVER_PRESSURE
 from .probability import probabilities
 from .trial import Trial, Verdict
 
@@ -103,13 +103,14 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
     shape = {p.name: (verdict.values[f"{name}.{p.name}"], p.unit) for p in term.form.shapes}
     value, unit = next(iter(shape.values()), (None, ""))
     coordinate = "time" if name in ("step", "beat", "trend") else "displacement" if shape else "contraction"
+    coordinate = "pressure" if term.form.name == OVER_PRESSURE else coordinate
     words = {
         "local": f"a force in one place, around {value or 0:.3g} mm of contraction",
         "periodic": f"a ripple with a period of {value or 0:.3g} mm",
         "beat": f"a beat with a period of {value or 0:.3g} s",
         "step": f"a step at {value or 0:.4g} s",
         "trend": "a trend in time that no known drift follows",
-        "other": "a dependence on contraction that no known effect follows",
+        "other": f"a dependence on {coordinate} that no known effect follows",
     }
     text = f"{words[name]} ({term.form.name}), {share:.0%} of what is left unexplained"
     return Pattern(KINDS.get(name, name), coordinate, value, unit, float(share), text)

@@ -10,15 +10,18 @@ import math
 import numpy as np
 
 from ..core import Inputs, Param
-from ..effects import AddsForce, Effect, Form, TransformsContraction
+from ..effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction
 from ..effects.base import Array, Shape, slip
 
 SOURCE = "a description, not a physical effect"
 LENGTHS = 30
+OVER_PRESSURE, PRESSURE_KNOTS = "over_pressure", 5
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
+AGAINST = Param("against", "N", "amplitude against motion", scale=10.0)
 COS = Param("cosine", "N", "cosine part", scale=10.0)
 SIN = Param("sine", "N", "sine part", scale=10.0)
 WAVE = (COS, SIN)
+GAIN = Param("gain", "1", "change of the force's scale", -0.9, 2.0, scale=0.01)
 SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
 
 
@@ -69,6 +72,11 @@ def _even_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -_even_bump(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _one_way_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Of either size on either branch; on one branch alone where the two sizes are alike."""
+    return np.hstack([_even_bump(inputs, shape, force), _odd_bump(inputs, shape, force)])
 
 
 def _pressed_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -131,6 +139,10 @@ def _pressed_curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _hats(inputs.contraction, 9) * inputs.pressure[:, None]
 
 
+def _over_pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _hats(inputs.pressure, PRESSURE_KNOTS)[:, 1:]
+
+
 def _sizes(count: int) -> tuple[Param, ...]:
     return tuple(Param(f"knot_{k}", "N", "free curve", scale=10.0) for k in range(count))
 
@@ -157,6 +169,7 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
         start=stroke * 0.05,
         grid=tuple(stroke * w for w in (0.015, 0.035, 0.08)),
     )
+    over_pressure = AddsForce(OVER_PRESSURE, "free curve over pressure", _sizes(PRESSURE_KNOTS - 1), _over_pressure)
     found = [
         _pattern(
             "local",
@@ -165,6 +178,7 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
             [
                 AddsForce("even", "bump", (SIZE,), _even_bump, (place, width)),
                 AddsForce("odd", "bump against motion", (SIZE,), _odd_bump, (place, width)),
+                AddsForce("one_way", "bump that differs by branch", (SIZE, AGAINST), _one_way_bump, (place, width)),
                 AddsForce("pressed", "bump in proportion to pressure", (SIZE,), _pressed_bump, (place, width)),
                 AddsForce(
                     "pressed_odd",
@@ -196,6 +210,7 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
                 AddsForce("even", "free curve", _sizes(9), _even_curve),
                 AddsForce("odd", "free curve against motion", _sizes(9), _odd_curve),
                 AddsForce("pressed", "free curve in proportion to pressure", _sizes(9), _pressed_curve),
+                *([over_pressure] if len(np.unique(np.round(inputs.pressure, 2))) >= PRESSURE_KNOTS else []),
             ],
         ),
     ]
@@ -220,6 +235,7 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
                 [
                     AddsForce("force", "step of the force", (SIZE,), _force_step, (moment,)),
                     AddsForce("pulse", "step of the force, and back", (SIZE,), _pulse, (moment, length)),
+                    ScalesForce("gain", "step of the force's scale", (GAIN,), _force_step, (moment,)),
                     TransformsContraction("length", "step of the length", (SHIFT,), _length_step, (moment,)),
                 ],
             ),

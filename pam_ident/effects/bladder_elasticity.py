@@ -6,6 +6,7 @@ from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one
 
 E_MOD = Param("E", "MPa", "Young's modulus of the bladder", 0.0, 200.0, scale=1.0)
+K = Param("K", "N", "stiffness of the bladder over contraction", 0.0, 1e5, scale=50.0)
 C1 = Param("C1", "MPa", "first Mooney–Rivlin constant", 0.0, 200.0, scale=0.2)
 C2 = Param("C2", "MPa", "second Mooney–Rivlin constant", -200.0, 200.0, scale=0.2)
 G = Param("G", "MPa", "shear modulus of the bladder", 0.0, 200.0, scale=0.3)
@@ -42,6 +43,10 @@ def invariant_slopes(inputs: Inputs) -> tuple[Array, Array, Array]:
     return i1, d1, d2
 
 
+def _spring(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-inputs.contraction)
+
+
 def _mooney_rivlin(inputs: Inputs, shape: Shape, force: Array) -> Array:
     _, d1, d2 = invariant_slopes(inputs)
     section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
@@ -68,6 +73,7 @@ EFFECT = Effect(
     "(Mooney–Rivlin); Gent 1996, Rubber Chemistry and Technology 69, 59–61; Yeoh 1993, ibid. 66, 754–771",
     forms=(
         AddsForce("textbook", "−(2a/3) π r0 t E (1−ε)(1 − r0/r)", (E_MOD,), _hoop),
+        AddsForce("spring", "−K ε", (K,), _spring),
         AddsForce("mooney_rivlin", "−2π r0 t (C1 dI1/dε + C2 dI2/dε)", (C1, C2), _mooney_rivlin),
         AddsForce("gent", "−π r0 t G (dI1/dε)/(1 − (I1−3)/J_m)", (G,), _gent, (J_M,)),
         AddsForce("yeoh", "−2π r0 t (dI1/dε)(C10 + 2 C20 (I1−3) + 3 C30 (I1−3)²)", (C10, C20, C30), _yeoh),

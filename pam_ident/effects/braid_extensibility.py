@@ -8,18 +8,25 @@ from .base import AddsForce, Array, Effect, Shape, one
 SOFTNESS = Param("inv_EA", "1/kN", "compliance of all threads, 1/EA", 0.0, 10.0, scale=0.01)
 
 
-def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _flat(inputs: Inputs, shape: Shape, force: Array) -> Array:
     s = inputs.specimen
-    cos = (1.0 - inputs.contraction) * math.cos(math.radians(s.braid_angle_deg))
     sin = math.sin(math.radians(s.braid_angle_deg))
-    return one(-4e-3 * math.pi**2 * (s.initial_radius_mm / sin) ** 4 * inputs.pressure**2 * cos)
+    return one(-4e-3 * math.pi**2 * (s.initial_radius_mm / sin) ** 4 * inputs.pressure**2)
+
+
+def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    cos = (1.0 - inputs.contraction) * math.cos(math.radians(inputs.specimen.braid_angle_deg))
+    return _flat(inputs, shape, force) * cos[:, None]
 
 
 EFFECT = Effect(
     name="braid_extensibility",
     title="Extensible threads",
     source="Davis, Tsagarakis, Canderle & Caldwell 2003, Int. J. Robotics Research 22(3–4), 213–227",
-    forms=(AddsForce("textbook", "−4π² r0⁴ p² cosθ/(sin⁴θ0 EA)", (SOFTNESS,), _columns),),
+    forms=(
+        AddsForce("textbook", "−4π² r0⁴ p² cosθ/(sin⁴θ0 EA)", (SOFTNESS,), _columns),
+        AddsForce("flat", "−4π² r0⁴ p²/(sin⁴θ0 EA)", (SOFTNESS,), _flat),
+    ),
     test="high pressures: the loss grows with the square of pressure",
     levers=("pressure",),
 )

@@ -7,7 +7,9 @@ from ._history import relax
 from .base import AddsForce, Array, Effect, Shape, one
 
 G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
-TAU = Param("tau", "s", "relaxation time", 0.05, 3000.0, start=10.0, grid=(0.3, 1.0, 3.0, 10.0, 30.0, 100.0))
+TAU = Param("tau", "s", "relaxation time", 0.2, 3000.0, start=10.0, grid=(0.3, 1.0, 3.0, 10.0, 30.0, 100.0))
+"""What relaxes faster than 0.2 s is damping: −G q is −G τ ε̇ then."""
+MIDDLE = Param("tau", "s", "middle relaxation time", 2.0, 3000.0, start=10.0, grid=(3.0, 10.0, 30.0, 100.0))
 THREE = tuple(
     Param(f"G_{k}", "N", f"relaxing force per contraction, {word} term", 0.0, 1e5, scale=100.0)
     for k, word in enumerate(("fastest", "middle", "slowest"), 1)
@@ -44,7 +46,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,)),
         AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic),
-        AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (TAU,)),
+        AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (MIDDLE,)),
         AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True),
     ),
     test="holds over three decades of time",

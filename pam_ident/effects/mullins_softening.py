@@ -6,6 +6,7 @@ from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
 EXTRA = Param("s", "1", "extra force in the first cycle, as a share", -1.0, 1.0, scale=0.02)
+S_EXTRA = Param("s_e", "1", "growth of that share with contraction", -20.0, 20.0, scale=0.1)
 E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", -200.0, 200.0, scale=1.0)
 F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.0, scale=10.0)
 G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)
@@ -19,6 +20,11 @@ def _fading(inputs: Inputs, shape: Shape) -> Array:
 
 def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(_fading(inputs, shape))
+
+
+def _shaped(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    fading = _fading(inputs, shape)
+    return inputs.xp.column_stack([fading, fading * inputs.contraction])
 
 
 def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -42,6 +48,7 @@ EFFECT = Effect(
     source="Mullins 1969, Rubber Chemistry and Technology 42, 339–362",
     forms=(
         ScalesForce("textbook", "F (1 + s exp(−(n−1)/n_0))", (EXTRA,), _whole, (N0,)),
+        ScalesForce("shaped", "F (1 + (s + s_e ε) exp(−(n−1)/n_0))", (EXTRA, S_EXTRA), _shaped, (N0,)),
         AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
         AddsForce("whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,)),

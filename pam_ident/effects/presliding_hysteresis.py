@@ -1,5 +1,7 @@
 """Elastic micro-slip before full sliding: corners of the loop rounded after each reversal."""
 
+import numpy as np
+
 from ..core import Inputs, Param
 from ._history import dahl_operator, stop_operator
 from .base import AddsForce, Array, Effect, Shape, one
@@ -20,16 +22,22 @@ THREE = tuple(
 )
 
 
+def _slipping(inputs: Inputs, width: float) -> float:
+    """`width`, or what still slips in both directions: an element that never does is a spring, and the bladder's."""
+    return width if inputs.live is not None else min(width, 0.4 * float(np.ptp(inputs.displacement_mm)))
+
+
 def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-stop_operator(inputs, shape["x_s"]))
+    return one(-stop_operator(inputs, _slipping(inputs, shape["x_s"])))
 
 
 def _dahl(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-dahl_operator(inputs, shape["x_s"]))
+    return one(-dahl_operator(inputs, _slipping(inputs, shape["x_s"])))
 
 
 def _three(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -inputs.xp.column_stack([stop_operator(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)])
+    widths = [_slipping(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
+    return -inputs.xp.column_stack([stop_operator(inputs, width) for width in widths])
 
 
 EFFECT = Effect(

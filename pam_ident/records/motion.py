@@ -6,6 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 Array = np.ndarray
+SLOPE_NOISE = 0.01
+"""Share of a stroke's speed that the sensor's noise may make of the speed at a sample."""
 
 
 @dataclass(frozen=True)
@@ -191,14 +193,33 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
             return curve(centred), slope
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
             return x, slope
-    half = max(1, min(6, n // 4))
+    return x, _local_slopes(time, x, noise)
+
+
+def _local_slopes(time: Array, x: Array, noise: float) -> Array:
+    """dx/dt from a line through the neighbours of each sample, at the ends from a parabola: over as few as keep the
+    noise below SLOPE_NOISE of the stroke's speed, because a drive may speed up and brake within a few samples."""
+    n, step = len(x), float(np.ptp(time)) / (len(x) - 1)
+    pace = float(np.ptp(x)) / float(np.ptp(time))
+    half = 1
+    while half < min(6, n // 4) and noise > SLOPE_NOISE * pace * step * np.sqrt(half * (half + 1) * (2 * half + 1) / 3):
+        half += 1
     index = np.arange(n)
     low, high = np.maximum(index - half, 0), np.minimum(index + half, n - 1) + 1
     shifted_t, shifted_x = time - time.mean(), x - x.mean()
     sums = [np.r_[0.0, np.cumsum(v)] for v in (shifted_t, shifted_x, shifted_t**2, shifted_t * shifted_x)]
     st, sx, stt, stx = (s[high] - s[low] for s in sums)
     m = high - low
-    return x, (stx - st * sx / m) / np.maximum(stt - st**2 / m, 1e-15)
+    slope = (stx - st * sx / m) / np.maximum(stt - st**2 / m, 1e-15)
+    span = 2 * half + 1
+    if n > span:
+        for ends, near in ((index[:half], index[:span]), (index[-half:], index[-span:])):
+            at = time[near] - time[near[half]]
+            if np.ptp(at) > 0.0:
+                scaled = at / np.ptp(at)
+                bent, straight, _ = np.linalg.lstsq(np.vander(scaled, 3), x[near], rcond=None)[0]
+                slope[ends] = (2.0 * bent * (time[ends] - time[near[half]]) / np.ptp(at) + straight) / np.ptp(at)
+    return slope
 
 
 def _smooth_holds(position: Array, x: Array, rest: Array, noise: float) -> None:
