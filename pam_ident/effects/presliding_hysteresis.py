@@ -24,7 +24,9 @@ THREE = tuple(
 
 def _slipping(inputs: Inputs, width: float) -> float:
     """`width`, or what still slips in both directions: an element that never does is a spring, and the bladder's."""
-    return width if inputs.live is not None else min(width, 0.4 * float(np.ptp(inputs.displacement_mm)))
+    if inputs.live is not None:
+        return width
+    return min(width, 0.4 * float(np.ptp(inputs.displacement_mm)) or width)
 
 
 def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:

@@ -205,11 +205,13 @@ def _local_slopes(time: Array, x: Array, noise: float) -> Array:
     while half < min(6, n // 4) and noise > SLOPE_NOISE * pace * step * np.sqrt(half * (half + 1) * (2 * half + 1) / 3):
         half += 1
     index = np.arange(n)
-    low, high = np.maximum(index - half, 0), np.minimum(index + half, n - 1) + 1
-    shifted_t, shifted_x = time - time.mean(), x - x.mean()
-    sums = [np.r_[0.0, np.cumsum(v)] for v in (shifted_t, shifted_x, shifted_t**2, shifted_t * shifted_x)]
-    st, sx, stt, stx = (s[high] - s[low] for s in sums)
-    m = high - low
+    m, st, sx, stt, stx = (np.zeros(n) for _ in range(5))
+    for offset in range(-half, half + 1):
+        near = np.clip(index + offset, 0, n - 1)
+        inside = near == index + offset
+        dt, dx = inside * (time[near] - time), inside * (x[near] - x)
+        for total, part in ((m, inside), (st, dt), (sx, dx), (stt, dt * dt), (stx, dt * dx)):
+            total += part
     slope = (stx - st * sx / m) / np.maximum(stt - st**2 / m, 1e-15)
     span = 2 * half + 1
     if n > span:
@@ -217,7 +219,7 @@ def _local_slopes(time: Array, x: Array, noise: float) -> Array:
             at = time[near] - time[near[half]]
             if np.ptp(at) > 0.0:
                 scaled = at / np.ptp(at)
-                bent, straight, _ = np.linalg.lstsq(np.vander(scaled, 3), x[near], rcond=None)[0]
+                bent, straight, _ = np.linalg.lstsq(np.vander(scaled, 3), x[near] - x[near[half]], rcond=None)[0]
                 slope[ends] = (2.0 * bent * (time[ends] - time[near[half]]) / np.ptp(at) + straight) / np.ptp(at)
     return slope
 

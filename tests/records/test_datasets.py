@@ -12,7 +12,7 @@ from pam_ident.model import Model
 from pam_ident.records import read_record
 from pam_ident.records.datasets import dataset_names, dataset_path, dataset_record
 
-RECORDS = ("dmsp20_300", "paper_laws", "festo_dmsp20_catalogue", "hidden_effect", "nothing_hidden")
+RECORDS = ("dmsp20_300", "paper_laws", "festo_dmsp20_catalogue", "hidden_effect", "nothing_hidden", "leg_muscle")
 
 
 def test_every_data_set_is_found_by_name_and_explains_itself():

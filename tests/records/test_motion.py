@@ -167,3 +167,20 @@ def test_a_record_that_never_moves_is_read_and_holds_no_motion():
 def test_one_sample_is_a_record():
     one = np.ones(1)
     assert len(build_record("r", MUSCLE, 0.3 * one, 0.1 * one, one, time=one)) == 1
+
+
+@pytest.mark.parametrize("speed", [2.0, 10.0, 40.0])
+def test_a_drive_that_speeds_up_and_brakes_within_a_few_samples_is_read_as_it_moves(speed):
+    share, stroke, n = 0.1, 50.0, 40
+    duration = stroke / speed / (1.0 - share)
+    u = np.linspace(0.0, 1.0, n)
+    rising, falling = u**2 / (2 * share), 1.0 - share - (1.0 - u) ** 2 / (2 * share)
+    way = np.where(u < share, rising, np.where(u > 1.0 - share, falling, u - share / 2)) / (1.0 - share)
+    pace = speed * np.minimum(1.0, np.minimum(u, 1.0 - u) / share)
+    rest = np.linspace(0.1, 4.0, 12)
+    t = np.r_[u * duration, duration + rest, duration + 4.05 + u * duration, 2 * duration + 4.05 + rest]
+    x = stroke * np.r_[way, np.ones(12), 1.0 - way, np.zeros(12)]
+    inputs = record_of(t, x, 0.01, seed=3).inputs
+    true = np.r_[pace, np.zeros(12), -pace, np.zeros(12)]
+    assert np.max(np.abs(inputs.velocity - true)) < 0.13 * speed
+    assert np.sqrt(np.mean((inputs.velocity - true) ** 2)) < 0.04 * speed

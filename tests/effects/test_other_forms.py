@@ -1,0 +1,71 @@
+"""The same physics in other forms: figures worked out by hand, and what keeps a form from being another effect."""
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Inputs, Specimen
+from pam_ident.effects import get_effect
+
+MUSCLE = Specimen("m", 200.0, 10.0, 25.0, 2.0)
+
+
+def columns(name, e, p=0.4, v=0.0, cycle=None, **shape):
+    e = np.atleast_1d(np.asarray(e, float))
+    given = Inputs(
+        np.broadcast_to(np.asarray(p, float), e.shape),
+        e,
+        MUSCLE,
+        np.sign(np.broadcast_to(np.asarray(v, float), e.shape)),
+        velocity=np.broadcast_to(np.asarray(v, float), e.shape),
+        cycle=None if cycle is None else np.broadcast_to(np.asarray(cycle, float), e.shape),
+        segment=np.zeros(len(e), int),
+    )
+    return get_effect(name)[1].columns(given, shape, np.zeros(len(e)))
+
+
+def test_damping_that_differs_by_branch_is_newtons_per_metre_a_second_on_its_own_branch():
+    found = columns("viscous_damping:asymmetric", [0.1, 0.1, 0.1], v=[50.0, 0.0, -20.0])
+    np.testing.assert_allclose(found @ [400.0, 100.0], [-20.0, 0.0, 2.0], atol=1e-12)
+
+
+def test_a_late_taper_begins_at_its_contraction():
+    found = columns("end_taper:late", [0.05, 0.1, 0.16], e_on=0.1)[:, 0]
+    np.testing.assert_allclose(found, [0.0, 0.0, 0.06], atol=1e-12)
+
+
+def test_a_polynomial_taper_is_square_and_cube():
+    np.testing.assert_allclose(columns("end_taper:polynomial", 0.2)[0], [0.04, 0.008], rtol=1e-12)
+
+
+def test_flat_threads_lose_the_same_force_at_every_contraction():
+    found = columns("braid_extensibility:flat", [0.0, 0.1, 0.25], p=[0.2, 0.2, 0.4])[:, 0]
+    sine = np.sin(np.radians(25.0))
+    np.testing.assert_allclose(found, -4e-3 * np.pi**2 * (10.0 / sine) ** 4 * np.array([0.04, 0.04, 0.16]), rtol=1e-12)
+    leaning = columns("braid_extensibility", 0.1, p=0.2)[0, 0]
+    assert leaning / found[1] == pytest.approx(0.9 * np.cos(np.radians(25.0)), rel=1e-12)
+
+
+def test_a_bladder_spring_pulls_back_in_proportion_to_contraction():
+    np.testing.assert_allclose(columns("bladder_elasticity:spring", [0.0, 0.1, 0.2])[:, 0] * 300.0, [0.0, -30.0, -60.0])
+
+
+def test_softening_may_grow_with_contraction():
+    found = columns("mullins_softening:shaped", [0.0, 0.2], cycle=[1.0, 3.0], n_0=2.0)
+    np.testing.assert_allclose(found @ [0.05, 0.5], [0.05, (0.05 + 0.1) * np.exp(-1.0)], rtol=1e-12)
+
+
+@pytest.mark.parametrize("form", ["textbook", "dahl", "maxwell_slip_3"])
+def test_an_element_that_would_never_slip_still_opens_a_loop(form):
+    """Without a limit on its travel it would be a spring, −W x/x_s on both branches, and pass for the bladder."""
+    way = np.r_[np.linspace(0.0, 0.2, 41), np.linspace(0.2, 0.0, 41)]
+    found = columns(f"presliding_hysteresis:{form}", way, v=np.r_[np.ones(41), -np.ones(41)], x_s=80.0)
+    up, down = found[:41, -1], found[41:, -1][::-1]
+    middle = slice(10, 31)
+    assert np.min(np.abs(up - down)[middle]) > 0.3 * np.ptp(found[:, -1])
+
+
+def test_what_relaxes_within_a_fifth_of_a_second_is_no_creep():
+    for form in get_effect("creep")[0].forms:
+        for p in form.shapes:
+            fastest = p.lower / (10.0 if form.name == "prony_3" else 1.0)
+            assert fastest >= 0.2
