@@ -75,7 +75,7 @@ def track(
         from ..workflow.to_json import track_json
 
         write_json(json, track_json(found))
-    text.say(*_head(found), "", *_table(found), "", *_budget(found))
+    text.say(*_head(found), "", *_table(found), *_troubles(found), "", *_budget(found))
     if out is not None:
         from ..workflow.track_figures import write_track
 
@@ -90,7 +90,8 @@ def _head(found: "Track") -> list[str]:
         f"knee of gait {course.gait.name} at {course.gait.cadence_Hz:g} Hz, {stretch}, {where}",
         f"PID tuned by hand ({found.by_hand.runs} runs): {_gains(found.by_hand.gains)}; "
         f"{found.by_hand.rms_deg:.2f}° rms, {_worst(found.by_hand.worst_deg)}",
-        f"PID tuned automatically: {_gains(gains)}; {found.automatic.rms_deg:.2f}° rms, "
+        f"PID {'tuned automatically' if found.automatic.runs else 'as given'}: {_gains(gains)}; "
+        f"{found.automatic.rms_deg:.2f}° rms, "
         f"{_worst(found.automatic.worst_deg)}",
     ]
     if found.agreement_deg is not None:
@@ -107,16 +108,27 @@ def _worst(value: float) -> str:
 
 
 def _table(found: "Track") -> list[str]:
-    rows = [("PID by hand", *_numbers(found.pid_by_hand), ""), ("PID", *_numbers(found.pid), "")]
+    rows = [("PID, by hand", *_numbers(found.pid_by_hand), ""), ("PID", *_numbers(found.pid), "")]
+    before: list[str] = []
     for k, rung in enumerate(found.rungs):
         model = rung.muscle.model
-        band = "" if rung.band is None else f"{rung.band[0]:.2f} to {rung.band[1]:.2f}"
-        rows.append((f"{k}  PID + {' + '.join([model.law.name, *model.labels])}", *_numbers(rung.tracking), band))
+        new = [f"+ {label}" for label in model.labels if label not in before]
+        gone = [f"- {label}" for label in before if label not in model.labels]
+        band = "" if rung.band is None else f"{rung.band[0]:.3f} to {rung.band[1]:.3f}"
+        name = f"PID + {model.law.name}" if k == 0 else ""
+        rows.append((" ".join([str(k), name, *new, *gone]).replace("  ", " "), *_numbers(rung.tracking), band))
+        before = model.labels
     rows.append(("PID + the plant's own model", *_numbers(found.ideal), ""))
-    lines = text.table(("controller", "rms [deg]", "peak [deg]", "95 % band of rms"), rows)
-    for name, run in (("PID", found.pid), *((f"rung {k}", rung.tracking) for k, rung in enumerate(found.rungs))):
-        lines += [f"  {name}: {trouble}" for trouble in run.troubles]
-    return lines
+    return text.table(("controller", "rms [deg]", "peak [deg]", "95 % band of rms"), rows)
+
+
+def _troubles(found: "Track") -> list[str]:
+    """Of plain PID and of the last rung; those of all runs are in the JSON."""
+    shown = {"PID": found.pid}
+    if found.rungs:
+        shown[f"rung {len(found.rungs) - 1}"] = found.rungs[-1].tracking
+    lines = [f"  {name}: {trouble}" for name, run in shown.items() for trouble in run.troubles]
+    return ["", *lines] if lines else []
 
 
 def _numbers(run: "Tracking") -> tuple[str, str]:
