@@ -22,6 +22,8 @@ from .trial import Trial, Verdict
 Array = np.ndarray
 REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
+HEAVY, STRUCK = 3.0, 0.1
+"""Excess kurtosis of the innovations, and share of their squares that lies far out, from which bursts are told."""
 MOST = 10_000
 """Rows of a record in time that are looked at: in so many what deserves a name earns ten times its cost."""
 EXACT = 500
@@ -120,10 +122,26 @@ def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
     n = len(trial.record)
     left, all_of_it = verdict.squares - n, max(trial.empty.squares - n, 1e-9)
     if left < REMAINDER * n or left < 0.02 * all_of_it:
-        return None
+        return None if verdict.terms else _bursts(trial, verdict)
     size = trial.noise.sigma * math.sqrt(left / n)
     text = f"about {size:.3g} N rms without a shape of its own, {left / all_of_it:.0%} of what is left unexplained"
     return Pattern("other", "contraction", None, "", min(left / all_of_it, 1.0), text)
+
+
+def _bursts(trial: Trial, verdict: Verdict) -> Pattern | None:
+    """What strikes now and then and dies away is in no normal noise, however coloured: its tails are too heavy."""
+    time = trial.record.inputs.time
+    left = trial.noise.whiten(trial.view(verdict).residual)
+    square = float(np.mean(left**2))
+    if time is None or not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
+        return None
+    far = np.abs(left) > 5.0 * float(np.median(np.abs(left))) / 0.6745
+    share = float(np.sum(left[far] ** 2) / np.sum(left**2))
+    if share < STRUCK:
+        return None
+    worst = float(time[np.argmax(np.abs(left))])
+    text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {worst:.4g} s"
+    return Pattern("other", "time", worst, "s", share, text)
 
 
 def _ranking(

@@ -4,6 +4,7 @@ from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsContraction, one
 
 COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0)
+N = Param("n", "1", "exponent of the stretch over force", 0.3, 1.0, start=0.67, grid=(0.5, 0.67))
 F_1 = Param("F_1", "N", "force at which the compliance has halved", 20.0, 1e5, start=400.0, grid=(80.0, 400.0))
 
 
@@ -15,6 +16,12 @@ def _stiffening(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _columns(inputs, shape, force) / (1.0 + inputs.xp.maximum(force, 0.0)[:, None] / shape["F_1"])
 
 
+def _contact(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """As of bodies that touch in a point or a line: half to two thirds as the exponent (Hertz 1882)."""
+    share = inputs.xp.maximum(force, 1e-3) / 1000.0
+    return one(share ** shape["n"] / inputs.specimen.initial_length_mm)
+
+
 EFFECT = Effect(
     name="series_compliance",
     title="Compliance in series",
@@ -24,6 +31,7 @@ EFFECT = Effect(
         TransformsContraction(
             "stiffening", "ε → ε + F/(K L0 (1 + F/F_1))", (COMPLIANCE,), _stiffening, (F_1,), uses_force=True
         ),
+        TransformsContraction("contact", "ε → ε + (F/1000 N)^n/(K L0)", (COMPLIANCE,), _contact, (N,), uses_force=True),
     ),
     test="a steel bar in place of the muscle",
     levers=("pressure",),
