@@ -10,7 +10,7 @@ from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record, thinned
 from .confounding import groups
-from .deliberate import investigate
+from .deliberate import EXACT, investigate
 from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
@@ -26,8 +26,6 @@ HEAVY, STRUCK = 3.0, 0.1
 """Excess kurtosis of the innovations, and share of their squares that lies far out, from which bursts are told."""
 MOST = 10_000
 """Rows of a record in time that are looked at: in so many what deserves a name earns ten times its cost."""
-EXACT = 500
-"""Rows up to which suspects, and in a table forms, are judged by refits."""
 
 
 def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Diagnosis:

@@ -1,5 +1,7 @@
 """Hidden effects of the virtual rig, whose physics is written apart from the effects, are named; others are not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -63,6 +65,41 @@ def test_what_no_known_effect_explains_is_described_not_named(tmp_path, unknown,
     assert answer.verdict == "unknown_effect" and answer.pattern is not None
     assert answer.pattern.kind == kind and answer.selected == ()
     assert answer.next_experiment is not None
+
+
+def with_force(record: Record, added) -> Record:
+    """The record with a force in N (n,) added."""
+    return replace(record, force=record.force + added)
+
+
+def test_bursts_over_the_noise_are_no_noise(tmp_path):
+    record = rig_record(tmp_path, seed=45, law=CHOU, noise="ar1")
+    time = record.inputs.time
+    begins = np.random.default_rng(8).uniform(time[0], time[-1], 9)
+    bursts = sum(40.0 * np.exp(-np.maximum(time - t, 0.0) / 2.0) * (time > t) for t in begins)
+    answer = diagnose(Model.build(CHOU), with_force(record, bursts))
+    assert answer.verdict == "unknown_effect" and answer.selected == ()
+    assert answer.pattern is not None and answer.pattern.coordinate == "time"
+    assert min(abs(begins - answer.pattern.value)) < 5.0
+
+
+def test_a_step_of_scale_is_a_step_though_the_temperature_follows_it_nearly(tmp_path):
+    record = rig_record(tmp_path, seed=46, law=CHOU)
+    time = record.inputs.time
+    moment = time[0] + 0.45 * np.ptp(time)
+    answer = diagnose(Model.build(CHOU), with_force(record, 0.01 * record.force * (time > moment)))
+    assert answer.verdict == "unknown_effect" and answer.pattern is not None and answer.pattern.kind == "step"
+    assert answer.pattern.value == pytest.approx(moment, abs=30.0)
+
+
+def test_a_rub_on_one_branch_is_one_pattern(tmp_path):
+    record = rig_record(tmp_path, seed=47, law=EXPONENTIAL)
+    x = record.inputs.displacement_mm
+    rub = 12.0 * np.exp(-0.5 * ((x - 20.0) / 2.0) ** 2) * (record.inputs.direction > 0)
+    answer = diagnose(Model.build(EXPONENTIAL), with_force(record, rub))
+    assert answer.verdict == "unknown_effect" and answer.selected == ()
+    assert answer.pattern is not None and answer.pattern.kind == "local"
+    assert answer.pattern.value == pytest.approx(20.0, abs=1.0)
 
 
 @pytest.mark.parametrize("effect", ["coulomb_friction", "viscous_damping"])
