@@ -39,6 +39,7 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     suspects = [e for e in known.values() if e.candidate and e.name not in model.effect_names]
     steady = thinned(replace(record, inputs=record.steady), MOST)
     trial, verdict = investigate(fit(model, steady, detail=False), suspects)
+    verdict = _likely(trial, verdict)
     named = [t for t in verdict.terms if t.effect.candidate]
     weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
@@ -60,6 +61,17 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     return Diagnosis(
         base, best, outcome, selected, labels, classes, ranking, floor, heldout, after, pattern, experiment, sentence
     )
+
+
+def _likely(trial: Trial, verdict: Verdict) -> Verdict:
+    """The verdict without what is likelier out than in, all fits weighed; the likeliest name stays."""
+    chance = probabilities(trial, groups(trial, verdict))
+    named = [t for t in verdict.terms if t.effect.candidate]
+    doubtful = sorted((t for t in named if chance[t.effect.name] < 0.5), key=lambda t: chance[t.effect.name])
+    if len(doubtful) == len(named):
+        doubtful = doubtful[:-1]
+    kept = [t for t in verdict.terms if t not in doubtful]
+    return trial.refit(kept, verdict.values) if doubtful else verdict
 
 
 def _confirmed(base: Fit, heldout: float, named: list[Term], verdict: Verdict) -> tuple[Fit, float, list[Term]]:

@@ -7,6 +7,8 @@ from .base import AddsForce, Array, Effect, Shape, one
 
 SOFTNESS = Param("inv_EA", "1/kN", "compliance of all threads, 1/EA", 0.0, 10.0, scale=0.01)
 
+SPREAD = Param("g", "1", "exponent of the radius over that at rest", -3.0, 3.0, start=0.5, grid=(0.5, -1.0))
+
 
 def _flat(inputs: Inputs, shape: Shape, force: Array) -> Array:
     s = inputs.specimen
@@ -19,6 +21,10 @@ def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _flat(inputs, shape, force) * cos[:, None]
 
 
+def _spreading(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _columns(inputs, shape, force) * inputs.specimen.radius_ratio(inputs.contraction)[:, None] ** shape["g"]
+
+
 EFFECT = Effect(
     name="braid_extensibility",
     title="Extensible threads",
@@ -26,6 +32,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−4π² r0⁴ p² cosθ/(sin⁴θ0 EA)", (SOFTNESS,), _columns),
         AddsForce("flat", "−4π² r0⁴ p²/(sin⁴θ0 EA)", (SOFTNESS,), _flat),
+        AddsForce("spreading", "−4π² r0⁴ p² cosθ (r/r0)^g/(sin⁴θ0 EA)", (SOFTNESS,), _spreading, (SPREAD,)),
     ),
     test="high pressures: the loss grows with the square of pressure",
     levers=("pressure",),

@@ -7,6 +7,7 @@ from .bladder_elasticity import hoop_force
 
 EXTRA = Param("s", "1", "extra force in the first cycle, as a share", -1.0, 1.0, scale=0.02)
 S_EXTRA = Param("s_e", "1", "growth of that share with contraction", -20.0, 20.0, scale=0.1)
+S_LATER = Param("s_later", "1", "the same on the isobars after the first", -1.0, 1.0, scale=0.02)
 E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", -200.0, 200.0, scale=1.0)
 F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.0, scale=10.0)
 G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)
@@ -25,6 +26,13 @@ def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _shaped(inputs: Inputs, shape: Shape, force: Array) -> Array:
     fading = _fading(inputs, shape)
     return inputs.xp.column_stack([fading, fading * inputs.contraction])
+
+
+def _recovering(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Between isobars the rubber rests, and recovers in part."""
+    assert inputs.segment is not None
+    fading, first = _fading(inputs, shape), inputs.segment == inputs.segment[0]
+    return inputs.xp.column_stack([fading * first, fading * ~first])
 
 
 def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -49,6 +57,13 @@ EFFECT = Effect(
     forms=(
         ScalesForce("textbook", "F (1 + s exp(−(n−1)/n_0))", (EXTRA,), _whole, (N0,)),
         ScalesForce("shaped", "F (1 + (s + s_e ε) exp(−(n−1)/n_0))", (EXTRA, S_EXTRA), _shaped, (N0,)),
+        ScalesForce(
+            "recovering",
+            "F (1 + s exp(−(n−1)/n_0)), s_later after the first isobar",
+            (EXTRA, S_LATER),
+            _recovering,
+            (N0,),
+        ),
         AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
         AddsForce("whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,)),

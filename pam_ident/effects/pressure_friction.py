@@ -15,6 +15,8 @@ GROWTH = Param(
     grid=(1.0, -2.0, 3.0),
 )
 
+POWER = Param("n", "1", "exponent of the pressure over 0.3 MPa", 0.3, 2.5, start=1.0, grid=(0.7, 1.4))
+
 
 def _constant(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -slip(inputs)[0][:, None] * inputs.pressure[:, None]
@@ -30,6 +32,11 @@ def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _held(inputs, shape, force) * area[:, None] ** shape["growth"]
 
 
+def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    share = inputs.xp.maximum(inputs.pressure, 1e-6) / 0.3
+    return -inputs.xp.column_stack(slip(inputs)) * (0.3 * share ** shape["n"])[:, None]
+
+
 EFFECT = Effect(
     name="pressure_friction",
     title="Friction in proportion to pressure",
@@ -37,6 +44,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−μ_f p sgn(ε̇)", (MU,), _constant),
         AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
+        AddsForce("power", "−μ_f 0.3 MPa (p/0.3 MPa)^n sgn(ε̇)", (MU, MU_HOLD), _power, (POWER,)),
         AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
     ),
     test="pressures over 4:1: the gap between the branches grows in proportion",
