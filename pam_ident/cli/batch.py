@@ -101,7 +101,7 @@ def _print(found: "Batch") -> None:
         typer.echo(f"and {len(bad) - MOST_ERRORS} more; the table has them all", err=True)
     kept = f" ({found.kept} from an earlier run)" if found.kept else ""
     text.say(
-        f"{found.records} records{kept}, {len(bad)} with an error",
+        f"{found.records} record{'' if found.records == 1 else 's'}{kept}, {len(bad)} with an error",
         f"table: {found.table}",
         f"page: {found.page}",
     )
