@@ -7,15 +7,16 @@ import tomllib
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..core import FitError, PamError, Specimen, UsageError
-from ..diagnosis import diagnose
-from ..diagnosis.nouns import Diagnosis
 from ..fitting import Fit, fit, lack_of_fit, noise_floor
 from ..records import Record
 from .batch_question import Item, Question
 from .setup import Setup, load
+
+if TYPE_CHECKING:
+    from ..diagnosis.nouns import Diagnosis
 
 Json = dict[str, Any]
 SCHEMA = "pam-ident/batch-record/1"
@@ -45,14 +46,20 @@ def answer(question: Question, item: Item) -> Json:
         if record.sha256 != item.sha256:
             raise Changed(f"{item.name}: it changed while the batch ran; run the batch again")
         found["specimen"] = _specimen(record.specimen, item.specimen)
-        diagnosis = diagnose(setup.model, record, setup.extra) if question.diagnose else None
+        diagnosis = _diagnose(setup, record) if question.diagnose else None
     except Exception as error:
         message = _message(error, item)
         return found | {"rows": [{"branch": branch, "error": message} for branch in question.branches]}
     return found | {"rows": [_row(setup, record, branch, diagnosis, item) for branch in question.branches]}
 
 
-def _row(setup: Setup, record: Record, branch: str, diagnosis: Diagnosis | None, item: Item) -> Json:
+def _diagnose(setup: Setup, record: Record) -> "Diagnosis":
+    from ..diagnosis import diagnose
+
+    return diagnose(setup.model, record, setup.extra)
+
+
+def _row(setup: Setup, record: Record, branch: str, diagnosis: "Diagnosis | None", item: Item) -> Json:
     row: Json = {"branch": branch, "error": None}
     if diagnosis is not None:
         row |= {"verdict": diagnosis.verdict, "selected": list(diagnosis.selected)}
