@@ -4,7 +4,7 @@
 
 Whole processes in one run: the batch with one worker, with two (both tables must be the same bytes), and over a
 quarter of the records, whose peak memory must be the same within a fifth. The peers do some of the same files and are
-scaled up: the ten-line lmfit script once a file, as a user would loop over it in a shell, and the same fit looped inside
+scaled up: the ten-line lmfit script once a file, as a user would loop over it in a shell, and the same fit looped in
 one process, which finds no strokes, no noise floor and no errors that allow for correlation, and keeps nothing.
 """
 
