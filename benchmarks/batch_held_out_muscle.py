@@ -3,9 +3,9 @@
     python benchmarks/batch_held_out_muscle.py
 
 All parameters shared, or each muscle with a zero of its load cell of its own (which was not removed from these data),
-the third muscle's being the mean. Errors in N over the three ways to leave one out. How far the muscles are apart at rest
-length is what no law that knows only pressure and contraction can foretell. Exits with 1 where the law that foretells
-best errs more than 1.5 times as much on the third muscle as on the two.
+the third muscle's being the mean. Errors in N over the three ways to leave one out. How far the muscles are apart at
+rest length is what no law that knows only pressure and contraction can foretell. Exits with 1 where the law that
+foretells best errs more than 1.5 times as much on the third muscle as on the two.
 """
 
 import sys

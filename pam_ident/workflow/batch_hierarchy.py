@@ -22,6 +22,9 @@ SETTLED = 1e-5
 WIDEST = 1e6
 """Prior standard deviation at the start, in typical sizes of a parameter: muscles do not know of each other yet."""
 
+NARROWEST = 1e-6
+"""Below this, in the same unit, muscles are taken to be alike."""
+
 
 @dataclass(frozen=True)
 class Muscles:
@@ -87,12 +90,12 @@ def _improve(model: Model, records: Sequence[Record], own: Sequence[str], at: _S
     problem = _problem(model, records, own, at.noise / at.tau, at.values)
     found = VariableProjection().solve(problem)
     jacobian, residual = problem.jacobian(found.values), problem.residual(found.values)
-    root = np.linalg.pinv(jacobian)
+    sizes = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    root = np.linalg.pinv(jacobian / sizes) / sizes[:, None]
     spent = float(np.sum((jacobian[:rows] @ root) ** 2))
     noise = float(np.sqrt(np.sum(residual[:rows] ** 2) / max(rows - spent, 1.0)))
-    covariance = noise**2 * root @ root.T
-    tau = _scatter(problem, own, len(records), found.values, covariance)
-    errors = map(float, np.sqrt(np.diag(covariance)))
+    tau = _scatter(problem, own, len(records), found.values, noise * root)
+    errors = map(float, noise * np.linalg.norm(root, axis=1))
     stderr = dict(zip((p.name for p in problem.params), errors, strict=True))
     return _Stage(found.values, tau, noise, stderr, found.converged)
 
@@ -159,15 +162,18 @@ def _pairs(own: Sequence[str], weight: Array) -> list[tuple[str, float]]:
     return list(zip(own, map(float, weight), strict=True))
 
 
-def _scatter(problem: Problem, own: Sequence[str], count: int, values: Mapping[str, float], covariance: Array) -> Array:
-    """Standard deviations (own,) that the muscles' deviations from the mean, and what is not known of them, expect."""
-    where = {p.name: k for k, p in enumerate(problem.params)}
+def _scatter(problem: Problem, own: Sequence[str], count: int, values: Mapping[str, float], root: Array) -> Array:
+    """Standard deviations (own,) that the muscles' deviations from the mean, and what is not known of them, expect.
+
+    `root` times its transpose is the covariance of the parameters.
+    """
+    params = {p.name: p for p in problem.params}
+    where = {name: k for k, name in enumerate(params)}
     found = []
     for name in own:
         square = 0.0
         for k in range(count):
-            pick = np.zeros(len(where))
-            pick[where[_of(name, k)]], pick[where[name]] = 1.0, -1.0
-            square += (values[_of(name, k)] - values[name]) ** 2 + float(pick @ covariance @ pick)
-        found.append(np.sqrt(square / count))
+            unknown = root[where[_of(name, k)]] - root[where[name]]
+            square += (values[_of(name, k)] - values[name]) ** 2 + float(unknown @ unknown)
+        found.append(max(float(np.sqrt(square / count)), NARROWEST * params[name].scale))
     return np.array(found)

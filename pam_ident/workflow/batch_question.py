@@ -85,7 +85,7 @@ def plan(folder: Path, question: Question, out: Path) -> Plan:
     hashes: dict[Path, str] = {}
     items, faults = [], {}
     for path in _records(folder.resolve(), out.resolve()):
-        name = path.relative_to(folder.resolve()).as_posix()
+        name = path.relative_to(folder.resolve()).as_posix().encode(errors="replace").decode()
         try:
             specimen = _specimen(path, folder.resolve())
             if specimen not in hashes:

@@ -130,13 +130,11 @@ def _dismiss(line: Connection, process: BaseProcess) -> None:
 
 
 def _serve(line: Connection, work: Work) -> None:
-    """Work until the line is closed, which it also is when the other end is killed."""
+    """Work until the line is closed, which it also is when the other end is killed, or there is no memory left."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    while True:
-        try:
+    with suppress(EOFError, OSError, MemoryError):
+        while True:
             line.send(work(line.recv()))
-        except (EOFError, OSError):
-            return
 
 
 @contextmanager

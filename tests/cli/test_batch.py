@@ -4,6 +4,7 @@ import shutil
 
 import pytest
 
+from pam_ident.cli import batch
 from pam_ident.cli.batch import duration
 
 pytest.importorskip("pyarrow")
@@ -58,3 +59,18 @@ def test_wrong_calls_are_refused_before_any_work(ask, tree, tmp_path):
 
 def test_times_are_told_in_the_unit_they_are_read_in():
     assert [duration(s) for s in (4.4, 89.0, 119.0, 3600.0, 9000.0)] == ["4 s", "89 s", "2 min", "60 min", "2.5 h"]
+
+
+def test_progress_tells_the_time_left_from_the_pace_of_this_run(monkeypatch, capsys):
+    from pam_ident.workflow.batch import Progress
+
+    now = [100.0]
+    monkeypatch.setattr(batch.time, "monotonic", lambda: now[0])
+    clock = batch._Clock()
+    clock.show(Progress(40, 100, 40))
+    now[0] = 130.0
+    clock.show(Progress(50, 100, 40))  # 3 s a record, those kept from before cost nothing
+    clock.show(Progress(100, 100, 40))
+    assert capsys.readouterr().err == (
+        "\r\x1b[K40 of 100 records\r\x1b[K50 of 100 records, 2 min left\r\x1b[K100 of 100 records\n"
+    )
