@@ -83,7 +83,7 @@ class _Clock:
         line = f"{progress.done} of {progress.of} records"
         if fresh and left:
             line += f", {duration(left * (time.monotonic() - self.begin) / fresh)} left"
-        typer.echo(f"\r\x1b[K{line}", nl=not left, err=True)
+        typer.echo(f"\r{line:<40}", nl=not left, err=True)
 
 
 def duration(seconds: float) -> str:
