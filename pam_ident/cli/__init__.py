@@ -5,7 +5,23 @@ import sys
 
 import typer
 
-from . import add, challenge, compare, demo, diagnose, effects, fit, inspect, ladder, laws, report, rig, selftest, track
+from . import (
+    add,
+    batch,
+    challenge,
+    compare,
+    demo,
+    diagnose,
+    effects,
+    fit,
+    inspect,
+    ladder,
+    laws,
+    report,
+    rig,
+    selftest,
+    track,
+)
 from .door import Door
 
 app = typer.Typer(
@@ -27,6 +43,7 @@ app.command()(diagnose.diagnose)
 app.command()(add.add)
 app.command()(ladder.ladder)
 app.command()(report.report)
+app.command()(batch.batch)
 app.command()(rig.rig)
 app.command()(challenge.challenge)
 app.command()(track.track)

@@ -20,7 +20,7 @@ def render(story: Story) -> str:
         for i, section in enumerate(story.sections, start=1)
     ]
     return (
-        _environment()
+        environment()
         .get_template("report.html.j2")
         .render(
             title=story.title,
@@ -31,7 +31,8 @@ def render(story: Story) -> str:
     )
 
 
-def _environment() -> Environment:
+def environment() -> Environment:
+    """Where the pages' templates are found; every text is escaped, and a missing value is an error."""
     return Environment(
         loader=PackageLoader("pam_ident.report", "templates"),
         autoescape=True,

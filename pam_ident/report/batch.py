@@ -1,0 +1,25 @@
+"""The page that compares the muscles of a batch."""
+
+from collections.abc import Mapping, Sequence
+
+from . import tables
+from .parts import Easel, Part, Picture
+from .render import environment
+from .tables import Table
+from .words import newtons, number
+
+__all__ = ["Easel", "Part", "Picture", "Table", "newtons", "number", "render_batch"]
+
+
+def render_batch(title: str, sections: Sequence[tuple[str, tuple[Part, ...]]], provenance: Mapping[str, object]) -> str:
+    """One HTML file as text, a section for each named group of parts; `provenance` as in a Story."""
+    return (
+        environment()
+        .get_template("report.html.j2")
+        .render(
+            title=title,
+            records=[(f"b{i}", name, parts) for i, (name, parts) in enumerate(sections, start=1)],
+            provenance=tables.provenance(provenance),
+            command=provenance.get("command"),
+        )
+    )

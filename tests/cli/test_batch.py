@@ -1,0 +1,81 @@
+"""pam-ident batch: what it prints, how it ends."""
+
+import shutil
+
+import pytest
+
+from pam_ident.cli import batch
+from pam_ident.cli.batch import duration
+
+pytest.importorskip("pyarrow")
+
+
+@pytest.fixture
+def tree(clean, tmp_path):
+    """A good record and one that is none."""
+    folder = tmp_path / "tree"
+    folder.mkdir()
+    for name in ("record.csv", "specimen.toml"):
+        shutil.copy(clean.parent / name, folder)
+    (folder / "bad.csv").write_text("time_s,pressure_MPa\n0,1\n")
+    return folder
+
+
+def test_a_bad_record_is_told_and_the_rest_is_done(ask, tree, tmp_path, truth):
+    from pam_ident.workflow.batch_table import read_results
+
+    out = tmp_path / "results"
+    result = ask("batch", tree, "--law", "exponential_law", "--out", out, "--workers", 1)
+    assert result.exit_code == 0, result.stderr
+    assert result.stderr.strip() == "bad.csv, row 1: no force column among time_s, pressure_MPa; " + (
+        "name it force_N (or with another unit)"
+    )
+    assert result.stdout.splitlines() == [
+        "2 records, 1 with an error",
+        f"table: {out / 'results.parquet'}",
+        f"page: {out / 'index.html'}",
+    ]
+    row = read_results(out).set_index("record").loc["record.csv"]
+    assert row["mu"] == pytest.approx(truth["mu"], abs=5 * row["mu_stderr"])
+    assert "--law exponential_law --branch together" in (out / "index.html").read_text(encoding="utf-8")
+
+
+def test_nothing_but_bad_records_is_bad_data(ask, tree, tmp_path):
+    (tree / "record.csv").unlink()
+    result = ask("batch", tree, "--law", "exponential_law", "--out", tmp_path / "results", "--workers", 1, "--quiet")
+    assert result.exit_code == 4 and "1 record, 1 with an error" in result.stdout
+
+
+def test_wrong_calls_are_refused_before_any_work(ask, tree, tmp_path):
+    for words, message in (
+        (("--law", "no_such_law"), "no_such_law"),
+        (("--law", "sarosi", "--workers", 1, "--scheduler", "tcp://127.0.0.1:1"), "cluster has its own workers"),
+        (("--law", "sarosi", "--branch", "up"), "--branch 'up'"),
+    ):
+        result = ask("batch", tree, *words, "--out", tmp_path / "results")
+        assert result.exit_code == 2 and message in result.stderr and len(result.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "results").exists()
+
+
+def test_times_are_told_in_the_unit_they_are_read_in():
+    assert [duration(s) for s in (4.4, 89.0, 119.0, 3600.0, 9000.0)] == ["4 s", "89 s", "2 min", "60 min", "2.5 h"]
+
+
+def test_progress_tells_the_time_left_from_the_pace_of_this_run(monkeypatch, capsys):
+    from pam_ident.workflow.batch import Progress
+
+    now = [100.0]
+    monkeypatch.setattr(batch.time, "monotonic", lambda: now[0])
+    clock = batch._Clock()
+    clock.show(Progress(40, 100, 40))
+    now[0] = 130.0
+    clock.show(Progress(50, 100, 40))  # 3 s a record, those kept from before cost nothing
+    clock.show(Progress(100, 100, 40))
+    shown = capsys.readouterr().err
+    assert shown.endswith("\n") and shown.count("\n") == 1
+    assert [line.strip() for line in shown.split("\r")] == [
+        "",
+        "40 of 100 records",
+        "50 of 100 records, 2 min left",
+        "100 of 100 records",
+    ]
