@@ -6,10 +6,11 @@ The plant is the leg at 1 Hz with two muscles of an exponential law with linear 
 `tests/leg/plain_leg.py`, the same plant in plain floats, which is the fastest that a slope gets without a compiler.
 
 First a second of the loop: ours, Runge–Kutta at 0.5 ms compiled by JAX, beside scipy's `solve_ivp(method="RK45")` with
-rtol = atol = 1e-8, stopped at every sample of the controller. What both are off is measured against DOP853 at 1e-10.
+rtol = atol = 1e-8 and 1e-7, stopped at every sample of the controller. What they are off is measured against DOP853 at
+1e-10; the ratio is to the faster of the two.
 Then sets of gains: ours as one batch, beside a Python loop over the same Runge–Kutta steps, timed on a few of the sets.
 Minima of several times, taken in turn; without compilation, which is shown apart. Exits with 1 where a ratio misses 50,
-where ours is further off than RK45, or where both Runge–Kuttas differ.
+where ours is more than 2e-6 rad off, or where both Runge–Kuttas differ.
 """
 
 import argparse
@@ -36,6 +37,9 @@ from pam_ident.leg.loop import Loop, Scale
 
 GAINS = Gains(2.0, 1.0, 0.1)
 SAMPLES, SETS_OF_PYTHON, GOAL = 200, 3, 50.0
+TOLERANCES = (1e-8, 1e-7)
+FAR_RAD = 2e-6
+"""As far as ours may be off: 0.0001°."""
 TYPICAL = np.array([1.0, 1.0, 1e5, 1e5, 1e-4, 1e-4, 1.0, 1.0])
 
 
@@ -53,12 +57,13 @@ def timed(work: Callable[[], object]) -> tuple[float, object]:
 
 
 def minima(times: int, **works: Callable[[], object]) -> tuple[dict[str, float], dict[str, object]]:
-    """Least times in s, and what came out, of works done in turn."""
-    least, found = dict.fromkeys(works, np.inf), {}
+    """Least times in s, and what came out, of works done in turn; short ones several times, or a glance aside counts."""
+    least, found = {name: timed(work)[0] for name, work in works.items()}, {}
     for _ in range(times):
         for name, work in works.items():
-            took, found[name] = timed(work)
-            least[name] = min(least[name], took)
+            for _ in range(1 if least[name] > 0.05 else 10):
+                took, found[name] = timed(work)
+                least[name] = min(least[name], took)
     return least, found
 
 
@@ -81,13 +86,17 @@ def main() -> int:
 
     exact = python(stepped("DOP853", 1e-10, 1e-10 * TYPICAL))
     first, _ = timed(one)
-    least, found = minima(asked.times, ours=one, rk45=lambda: python(stepped("RK45", 1e-8, 1e-8)))
+    peers = {f"{atol:g}": stepped("RK45", atol, atol) for atol in TOLERANCES}
+    works = {name: (lambda advance=advance: python(advance)) for name, advance in peers.items()}
+    least, found = minima(asked.times, ours=one, **works)
     off = {name: float(np.max(np.abs(path - exact))) for name, path in found.items()}
-    second = least["rk45"] / least["ours"]
+    second = min(least[name] for name in peers) / least["ours"]
     print(f"| one second of closed loop ({SAMPLES} samples) | time | off DOP853 at 1e-10 |\n|---|---:|---:|")
-    print(f"| scipy RK45, rtol = atol = 1e-8, plain floats | {1e3 * least['rk45']:.1f} ms | {off['rk45']:.0e} rad |")
-    print(f"| pam-ident, RK4 of 0.5 ms | {1e3 * least['ours']:.2f} ms | {off['ours']:.0e} rad |")
-    print(f"| ratio | {second:.0f} | |\n\nfirst call, with compilation: {first:.1f} s\n")
+    for name in peers:
+        row = f"scipy RK45, rtol = atol = {name}, plain floats"
+        print(f"| {row} | {1e3 * least[name]:.0f} ms | {off[name]:.1e} rad |")
+    print(f"| pam-ident, RK4 of 0.5 ms | {1e3 * least['ours']:.2f} ms | {off['ours']:.1e} rad |")
+    print(f"| ratio to the faster one | {second:.0f} | |\n\nfirst call, with compilation: {first:.1f} s\n")
 
     rng = np.random.default_rng(1)
     sets = Gains(*(g * np.exp(rng.uniform(-0.7, 0.7, asked.sets)) for g in GAINS))
@@ -112,7 +121,7 @@ def main() -> int:
     )
     print(f"| pam-ident, one batch | {least['ours']:.1f} s | {1e3 * each['ours']:.2f} ms |")
     print(f"| ratio | {sweep:.0f} | |\n\nfirst call: {first:.1f} s; the sets agree to {apart:.0e} rad")
-    return int(min(second, sweep) < GOAL or off["ours"] > max(off["rk45"], 1e-6) or apart > 1e-9)
+    return int(min(second, sweep) < GOAL or off["ours"] > FAR_RAD or apart > 1e-9)
 
 
 if __name__ == "__main__":

@@ -32,3 +32,17 @@ def course():
     from pam_ident.leg.gait import winter
 
     return Course(winter(1.0))
+
+
+SAMPLES = 110
+
+
+@pytest.fixture(scope="session")
+def task(example, course):
+    """The begin of the course, 0.55 s, both muscles commanded the mean pressure."""
+    import numpy as np
+
+    from pam_ident.leg.arrays import jax
+
+    whole = course.task(np.full(2, example[0].mean_MPa))
+    return jax.tree.map(lambda a: a[:SAMPLES], whole)

@@ -11,12 +11,7 @@ from pam_ident.leg.loop import CHUNK, Loop, Scale
 from pam_ident.leg.pneumatics import ATMOSPHERE
 
 GAINS = Gains(2.0, 1.0, 0.1)
-SAMPLES = 110
-
-
-def task_of(course, pair, samples):
-    whole = course.task(np.full(2, pair.mean_MPa))
-    return jax.tree.map(lambda a: a[:samples], whole)
+TYPICAL = [1.0, 1.0, 1e5, 1e5, 1e-4, 1e-4, 1.0, 1.0]
 
 
 def by_dop853(slope, begin, end, state):
@@ -24,15 +19,14 @@ def by_dop853(slope, begin, end, state):
     return found.y[:, -1].tolist()
 
 
-TYPICAL = [1.0, 1.0, 1e5, 1e5, 1e-4, 1e-4, 1.0, 1.0]
 
 
 @pytest.fixture(scope="module")
-def both(example, loop, course):
+def both(example, loop, course, task):
     """Log of the loop, states (n, 8) of the plain plant under a plain controller and DOP853 at 1e-10."""
     pair, plain = example
-    log = loop.run(pair.muscle.values(), GAINS, Scale(), task_of(course, pair, SAMPLES))
-    states = closed_loop(plain, PlainGait(course.gait), PlainPid(*GAINS), SAMPLES, by_dop853)
+    log = loop.run(pair.muscle.values(), GAINS, Scale(), task)
+    states = closed_loop(plain, PlainGait(course.gait), PlainPid(*GAINS), len(task.target), by_dop853)
     return log, np.array(states)
 
 
@@ -53,7 +47,7 @@ def test_so_are_pressures_and_openings(example, both):
     assert np.max(np.abs(np.asarray(log.opening) - states[:, 6:])) < apart
 
 
-def test_the_slopes_agree_with_the_plain_plant_at_any_state(example, loop, course):
+def test_the_slopes_agree_with_the_plain_plant_at_any_state(example, loop, course, task):
     """To rounding: no integrator between them. Seeded states, with mass and force, inertia and flow a fifth off."""
     pair, plain = example
     rng = np.random.default_rng(3)
@@ -67,7 +61,7 @@ def test_the_slopes_agree_with_the_plain_plant_at_any_state(example, loop, cours
             y = [rng.uniform(0.0, 1.2), rng.uniform(-5, 5), *p, *rng.uniform(1e-4, 5e-4, 2), *rng.uniform(-1, 1, 2)]
             reference = rng.uniform(1.5e5, 6.5e5, 2)
             expected = plain.slope(y, reference, *gait.hip_and_ankle(time))
-            state, memory = loop.begin(task_of(course, pair, 2))
+            state, memory = loop.begin(task)
             air = state.air._replace(pressure=np.array(y[2:4]), mass=np.array(y[4:6]), opening=np.array(y[6:]))
             state = state._replace(flexion=np.float64(y[0]), rate=np.float64(y[1]), air=air)
             motion = course.gait.at(time)
@@ -78,13 +72,12 @@ def test_the_slopes_agree_with_the_plain_plant_at_any_state(example, loop, cours
         plain.force_scale = plain.inertia_scale = plain.flow_scale = 1.0
 
 
-def test_a_batch_beyond_a_chunk_is_its_runs_one_by_one(example, loop, course):
+def test_a_batch_beyond_a_chunk_is_its_runs_one_by_one(example, loop, task):
     pair, _ = example
     rng = np.random.default_rng(4)
-    count, samples = CHUNK + 1, 60
+    count, samples = CHUNK + 1, len(task.target)
     gains = Gains(*(g * rng.uniform(0.5, 2.0, count) for g in GAINS))
     scales = Scale(*rng.uniform(0.8, 1.2, (3, count)))
-    task = task_of(course, pair, samples)
     ahead = np.asarray(task.ahead) + rng.uniform(-0.05, 0.05, (count, 1, 2))
     together = loop.batch(gains, scales, task._replace(ahead=ahead))
     assert together.flexion.shape == (count, samples) and together.force.shape == (count, samples, 2)
@@ -97,19 +90,17 @@ def test_a_batch_beyond_a_chunk_is_its_runs_one_by_one(example, loop, course):
     assert np.ptp(together.flexion[:, -1]) > 1e-3
 
 
-def test_one_command_is_a_batch_too(example, loop, course):
+def test_one_command_is_a_batch_too(example, loop, task):
     pair, _ = example
-    task = task_of(course, pair, 60)
     many = Gains(*(np.full(1, g) for g in GAINS))
     log = loop.batch(many, Scale(*np.ones((3, 1))), task._replace(ahead=np.asarray(task.ahead)[None]))
     alone = loop.run(pair.muscle.values(), GAINS, Scale(), task)
-    assert log.flexion.shape == (1, 60) and np.array_equal(log.flexion[0], np.asarray(alone.flexion))
+    assert log.flexion.shape == (1, len(task.target)) and np.array_equal(log.flexion[0], np.asarray(alone.flexion))
 
 
-def test_a_loop_of_another_sensor_sees_its_steps(example, course):
+def test_a_loop_of_another_sensor_sees_its_steps(example, task):
     pair, _ = example
     coarse = Loop(pair, Sensor(bits=8))
-    task = task_of(course, pair, 60)
     log = coarse.run(pair.muscle.values(), Gains(1.0, 0.0, 0.0), Scale(), task)
     step = (coarse.sensor.highest - coarse.sensor.lowest) / 2**8
     seen = (np.asarray(task.target) - np.asarray(log.split) - coarse.sensor.lowest) / step
