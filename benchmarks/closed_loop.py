@@ -57,7 +57,7 @@ def timed(work: Callable[[], object]) -> tuple[float, object]:
 
 
 def minima(times: int, **works: Callable[[], object]) -> tuple[dict[str, float], dict[str, object]]:
-    """Least times in s, and what came out, of works done in turn; short ones several times, or a glance aside counts."""
+    """Least times in s, and what came out, of works done in turn, short ones ten times a turn."""
     least, found = {name: timed(work)[0] for name, work in works.items()}, {}
     for _ in range(times):
         for name, work in works.items():

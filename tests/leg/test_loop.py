@@ -19,8 +19,6 @@ def by_dop853(slope, begin, end, state):
     return found.y[:, -1].tolist()
 
 
-
-
 @pytest.fixture(scope="module")
 def both(example, loop, course, task):
     """Log of the loop, states (n, 8) of the plain plant under a plain controller and DOP853 at 1e-10."""
