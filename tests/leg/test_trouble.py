@@ -106,11 +106,11 @@ def kinds_of_plan(pair, cadence=1.0):
 def test_a_heavy_load_asks_torque_that_is_missing(pair):
     told, course = kinds_of_plan(replace(pair, leg=replace(LEG, load_mass_kg=50.0)))
     assert "torque" in told and course.time[course.judged][0] <= told["torque"].time_s < 2.0
-    assert "torque" not in kinds_of_plan(pair)[0]
 
 
 def test_a_fast_gait_asks_air_that_the_valve_does_not_let_through(pair):
-    assert "flow" in kinds_of_plan(pair, cadence=1.5)[0] and "flow" not in kinds_of_plan(pair, cadence=0.5)[0]
+    assert "flow" in kinds_of_plan(pair, cadence=1.5)[0]
+    assert not kinds_of_plan(pair, cadence=0.5)[0]
 
 
 def test_a_large_sprocket_asks_stroke_that_the_muscle_does_not_have(pair):
