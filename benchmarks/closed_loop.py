@@ -6,11 +6,11 @@ The plant is the leg at 1 Hz with two muscles of an exponential law with linear 
 `tests/leg/plain_leg.py`, the same plant in plain floats, which is the fastest that a slope gets without a compiler.
 
 First a second of the loop: ours, Runge–Kutta at 0.5 ms compiled by JAX, beside scipy's `solve_ivp(method="RK45")` with
-rtol = atol = 1e-8 and 1e-7, stopped at every sample of the controller. What they are off is measured against DOP853 at
-1e-10; the ratio is to the faster of the two.
-Then sets of gains: ours as one batch, beside a Python loop over the same Runge–Kutta steps, timed on a few of the sets.
-Minima of several times, taken in turn; without compilation, which is shown apart. Exits with 1 where a ratio misses 50,
-where ours is more than 2e-6 rad off, or where both Runge–Kuttas differ.
+rtol = atol = 1e-8, 1e-7 and 1e-6, stopped at every sample of the controller. What they are off is measured against
+DOP853 at 1e-10; the ratio is to the fastest. Then sets of gains: ours as one batch, beside a Python loop over the same
+steps of Runge and Kutta, timed on a few of the sets. Minima of several processor times, taken in turn, without
+compilation, which is shown apart. Exits with 1 where a ratio misses 50, ours is more than 2e-6 rad off, or both sweeps
+differ.
 """
 
 import argparse
@@ -37,7 +37,7 @@ from pam_ident.leg.loop import Loop, Scale
 
 GAINS = Gains(2.0, 1.0, 0.1)
 SAMPLES, SETS_OF_PYTHON, GOAL = 200, 3, 50.0
-TOLERANCES = (1e-8, 1e-7)
+TOLERANCES = (1e-8, 1e-7, 1e-6)
 FAR_RAD = 2e-6
 """As far as ours may be off: 0.0001°."""
 TYPICAL = np.array([1.0, 1.0, 1e5, 1e5, 1e-4, 1e-4, 1.0, 1.0])
@@ -51,9 +51,10 @@ def stepped(method: str, rtol: float, atol: object) -> Callable[..., list[float]
 
 
 def timed(work: Callable[[], object]) -> tuple[float, object]:
-    begin = time.perf_counter()
+    """Processor time of all threads in s, so that what else runs on the machine counts little, and what came out."""
+    begin = time.process_time()
     found = work()
-    return time.perf_counter() - begin, found
+    return time.process_time() - begin, found
 
 
 def minima(times: int, **works: Callable[[], object]) -> tuple[dict[str, float], dict[str, object]]:
@@ -96,7 +97,7 @@ def main() -> int:
         row = f"scipy RK45, rtol = atol = {name}, plain floats"
         print(f"| {row} | {1e3 * least[name]:.0f} ms | {off[name]:.1e} rad |")
     print(f"| pam-ident, RK4 of 0.5 ms | {1e3 * least['ours']:.2f} ms | {off['ours']:.1e} rad |")
-    print(f"| ratio to the faster one | {second:.0f} | |\n\nfirst call, with compilation: {first:.1f} s\n")
+    print(f"| ratio to the fastest | {second:.0f} | |\n\nfirst call, with compilation: {first:.1f} s\n")
 
     rng = np.random.default_rng(1)
     sets = Gains(*(g * np.exp(rng.uniform(-0.7, 0.7, asked.sets)) for g in GAINS))
