@@ -104,7 +104,7 @@ def track(
     mean = np.broadcast_to(np.full(2, plant.pair.mean_MPa), (len(course.time), 2))
     task, judged = course.task(mean), course.judged
     by_hand = tune_by_hand(plant, task, judged)
-    chosen = tune(plant, task, judged, seed) if gains is None else judge(plant, task, judged, gains)
+    chosen = tune(plant, task, judged, by_hand.gains, seed) if gains is None else judge(plant, task, judged, gains)
     slow, pid = (bench.run(course.task(mean[None]), tuned.gains) for tuned in (by_hand, chosen))
     ideal = bench.rung(plant.pair.muscle, chosen.gains, seed).tracking
     rungs = tuple(bench.rung(muscle, chosen.gains, seed) for muscle in controllers)
@@ -154,7 +154,8 @@ class _Reduced:
         logs = self.log(task, gains)
         first = self.first(logs, task, gains)
         missed = plan_troubles(jax.tree.map(lambda a: a[0], plans), self.course.judged)
-        first = replace(first, troubles=(*first.troubles, *missed))
+        known = {trouble.kind for trouble in first.troubles}
+        first = replace(first, troubles=(*first.troubles, *(one for one in missed if one.kind not in known)))
         if sets is None:
             return Rung(muscle, first)
         low, high = np.quantile(rms_deg(logs, task, self.course.judged)[1:], (0.025, 0.975))

@@ -8,6 +8,7 @@ from .control import SAMPLE_S
 from .feed_forward import Plan
 from .loop import Log, Task
 from .pair import Pair
+from .pneumatics import ATMOSPHERE
 
 LOST_DEG = 30.0
 STROKE = (-0.03, 0.25)
@@ -17,7 +18,7 @@ HELD = 3
 WORDS = {
     "unstable": "the loop is unstable: the error passes 30 degrees",
     "slack": "a muscle is slack and pulls no more",
-    "supply": "the pressure asked for is higher than the supply can give",
+    "supply": "the pressure asked for is more than the supply gives or the muscles stand",
     "flow": "the valve cannot let through the air that the motion needs",
     "torque": "the pair cannot give the torque that the motion needs",
     "stroke": "the trajectory asks more stroke than the muscle has",
@@ -61,7 +62,8 @@ def troubles(pair: Pair, log: Log, task: Task, judged: slice) -> list[Trouble]:
     found += _event(
         "slack", np.min(force, axis=1) <= 0.0, "raise the mean pressure or the muscles' rest stretch", begin
     )
-    full = np.max(reference, axis=1) >= pair.highest_MPa - 1e-9
+    most = min(pair.highest_MPa, 1e-6 * (pair.supply.pressure_Pa - ATMOSPHERE))
+    full = np.max(reference, axis=1) >= most - 1e-9
     found += _event("supply", full, "raise the supply pressure, or lower cadence or load", begin)
     found += _event("flow", np.max(np.abs(opening), axis=1) > 0.99, "use a larger valve, or a lower cadence", begin)
     return found
