@@ -1,5 +1,5 @@
-"""The plain leg under control: gait, PID and sampled loop in plain floats, and an example muscle. For tests and benchmarks
-alone."""
+"""The plain leg under control: gait, PID, sampled loop, and an example muscle, in plain floats. For tests and
+benchmarks alone."""
 
 import cmath
 import math
