@@ -3,7 +3,7 @@
     python benchmarks/closed_loop.py [--times 5] [--sets 10000]
 
 The plant is the leg at 1 Hz with two muscles of an exponential law with linear damping, under a plain PID. The peer is
-`tests/leg/plain_leg.py`, the same plant in plain floats, which is the fastest that a slope gets without a compiler.
+`tests/leg/plain_loop.py`, the same plant in plain floats, which is the fastest that a slope gets without a compiler.
 
 First a second of the loop: ours, Runge–Kutta at 0.5 ms compiled by JAX, beside scipy's `solve_ivp(method="RK45")` with
 rtol = atol = 1e-8, 1e-7 and 1e-6, stopped at every sample of the controller. What they are off is measured against
@@ -27,7 +27,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "leg"))
-from plain_leg import PlainGait, PlainPid, closed_loop, runge_kutta, smooth_example
+from plain_loop import PlainGait, PlainPid, closed_loop, runge_kutta, smooth_example
 
 from pam_ident.leg.arrays import jax
 from pam_ident.leg.control import Gains, Sensor

@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 @pytest.fixture(scope="session")
 def example():
     """The same smooth plant twice: a Pair, and in plain floats."""
-    from plain_leg import smooth_example
+    from plain_loop import smooth_example
 
     return smooth_example()
 

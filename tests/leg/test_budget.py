@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plain_leg import smooth_example
+from plain_loop import smooth_example
 
 from pam_ident.leg.anatomy import KNEE, LEG
 from pam_ident.leg.budget import budget

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plain_leg import PlainGait
+from plain_loop import PlainGait
 
 from pam_ident.leg.anatomy import LEG
 from pam_ident.leg.arrays import jax

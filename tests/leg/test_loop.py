@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from plain_leg import PlainGait, PlainPid, closed_loop
+from plain_loop import PlainGait, PlainPid, closed_loop
 from scipy.integrate import solve_ivp
 
 from pam_ident.leg.arrays import jax
