@@ -1,7 +1,8 @@
 """Test-rig records: what was measured, cut into branches, cycles and holds."""
 
 from ..core import Specimen
-from .load import file_sha256, read_record, read_specimen
+from .load import file_sha256, read_record
 from .record import Record, build_record
+from .specimen_file import read_specimen
 
 __all__ = ["Record", "Specimen", "build_record", "file_sha256", "read_record", "read_specimen"]
