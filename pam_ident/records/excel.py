@@ -1,7 +1,7 @@
 """Excel workbooks (.xlsx): each sheet is a table, or a run of the test."""
 
-import zipfile
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -24,22 +24,25 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)
         sheets = {sheet.title: [list(row) for row in sheet.iter_rows(values_only=True)] for sheet in book.worksheets}
         book.close()
-    except (OSError, KeyError, ValueError, TypeError, IndexError, SyntaxError, EOFError, zipfile.BadZipFile) as error:
+    except Exception as error:  # a broken file ends in any of a dozen errors of the package
         raise DataError(f"{path}: not a readable Excel workbook ({error}); save it again as .xlsx") from None
     wanted = mapping.layout.get("part") if mapping else None
     if wanted is not None and wanted not in sheets:
         raise DataError(f"{path}: no sheet {wanted!r} ({mapping.path if mapping else ''}) among {', '.join(sheets)}")
     tables = [
-        _table(f"{path}, sheet {name!r}", rows, mapping)
+        table
         for name, rows in sheets.items()
-        if wanted in (None, name) and any(cell is not None for row in rows for cell in row)
+        if wanted in (None, name) and (table := _table(f"{path}, sheet {name!r}", rows, mapping))
     ]
     if not tables:
-        raise DataError(f"{path}: the file is empty; expected a header row and one row a sample")
+        raise DataError(
+            f"{path}: the file is empty, no sheet holds a table; expected a header row and one row a sample"
+        )
     return tables
 
 
-def _table(place: str, rows: list[list[object]], mapping: Mapping | None) -> Table:
+def _table(place: str, rows: list[list[Any]], mapping: Mapping | None) -> Table | None:
+    """The table of a sheet, None where the sheet holds none."""
     while rows and all(cell is None for cell in rows[-1]):
         rows.pop()
     head = [["" if cell is None else str(cell) for cell in row] for row in rows[:HEAD_ROWS]]
@@ -47,11 +50,13 @@ def _table(place: str, rows: list[list[object]], mapping: Mapping | None) -> Tab
     known, enough = (mapping.known, mapping.enough) if mapping else (quantity_of, 2)
     heading = find_heading(head[max(line - 1, 0) :], known, enough)
     shift = max(line - 1, 0)
-    first, width = heading.first + shift, max(map(len, rows))
+    first, width = heading.first + shift, max(map(len, rows), default=0)
+    if first >= len(rows) and heading.score < enough:
+        return None
     if first >= len(rows):
         raise DataError(f"{place}: a header but no rows; expected one row a sample")
     if heading.header is None:
-        names, headers, row = tuple(str(k + 1) for k in range(width)), (), first + 1
+        names, headers, row = tuple(f"column {k + 1}" for k in range(width)), (), first + 1
     else:
         row = heading.header + shift + 1
         names, headers = heading.names, heading.headers(f"{place}, row {row}")

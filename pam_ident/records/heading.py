@@ -40,21 +40,22 @@ class Heading:
 
 
 def find_heading(rows: Sequence[Sequence[str]], known: Known, enough: int = 2) -> Heading:
-    """The first row that names the most quantities (`enough` at least), else the row above the first of numbers.
+    """The row that names the most quantities, or one before it that names `enough` and is followed by as many cells;
+    where there is none, the row above the first of numbers.
 
     `rows` are the first rows of a table, cut into cells.
     """
     scores = [len({known(plain(cell)) for cell in row} - {None}) for row in rows]
     best = max(scores, default=0)
     if best >= enough:
-        header = scores.index(best)
+        header = next(k for k, score in enumerate(scores) if score >= enough and (score == best or _begins(rows, k)))
         first = _next(rows, header + 1)
     else:
         first = next((k for k, row in enumerate(rows) if _of_numbers(row)), len(rows))
         above = [k for k in range(first) if any(cell.strip() for cell in rows[k])]
         if above and _is_units(rows[above[-1]]):
             above.pop()
-        if not above:
+        if not above or (first < len(rows) and len(rows[above[-1]]) < len(rows[first]) - 1):
             return Heading(None, first, best, ())
         header = above[-1]
         first = _next(rows, header + 1)
@@ -72,6 +73,12 @@ def plain(cell: str) -> str:
 def _next(rows: Sequence[Sequence[str]], start: int) -> int:
     """Index of the next row that is not blank."""
     return next((k for k in range(start, len(rows)) if any(cell.strip() for cell in rows[k])), len(rows))
+
+
+def _begins(rows: Sequence[Sequence[str]], k: int) -> bool:
+    """Whether a table begins with row k: a row of as many cells follows, with a delimiter more or less at its end."""
+    following = _next(rows, k + 1)
+    return following < len(rows) and abs(len(rows[following]) - len(rows[k])) <= 1
 
 
 def _of_numbers(row: Sequence[str]) -> bool:

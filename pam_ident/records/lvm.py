@@ -12,7 +12,7 @@ from ..core import DataError
 from ..core.units import split_header
 from .mapping import Mapping
 from .quantities import quantity_of
-from .table import Table, table_in_memory
+from .table import Table, number_of, table_in_memory
 from .text_table import read_text
 
 END = "***End_of_Header***"
@@ -72,7 +72,7 @@ def _segment(place: str, head: Entries, lines: list[str], row: int, separator: s
         if header in columns:
             raise DataError(f"{place}, row {row}: two columns are called {header!r}; keep one")
         columns[header] = [cut[k].strip() for cut in cells]
-    if head.get("X_Dimension", ["Time"])[0] == "Time" and "time" not in map(quantity_of, columns):
+    if (head.get("X_Dimension") or ["Time"])[0] == "Time" and "time" not in map(quantity_of, columns):
         columns = {"time [s]" if name == "X_Value" else name: column for name, column in columns.items()}
     frame = pd.DataFrame(columns, dtype=object)
     decimal = (head.get("Decimal_Separator") or ["."])[0] or "."
@@ -83,5 +83,5 @@ def _x_values(head: Entries, cells: list[str]) -> object:
     """The cells of X, or its values from start and step where the cells are empty."""
     if any(cell.strip() for cell in cells):
         return [cell.strip() for cell in cells]
-    start, step = (float((head.get(key) or ["nan"])[0].replace(",", ".") or "nan") for key in ("X0", "Delta_X"))
+    start, step = (number_of("".join(head.get(key, [])[:1]).replace(",", ".")) for key in ("X0", "Delta_X"))
     return start + step * np.arange(len(cells))

@@ -71,7 +71,7 @@ def _groups(content: dict[str, object]) -> Iterator[tuple[str, dict[str, np.ndar
     yield "", {name: value for name, value in content.items() if isinstance(value, np.ndarray) and value.ndim == 1}
     for name, value in content.items():
         if isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "fiu":
-            yield name, {str(k + 1): column for k, column in enumerate(value.T)}
+            yield name, {f"column {k + 1}": column for k, column in enumerate(value.T)}
         several = value if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype == object else [value]
         for number, one in enumerate(several, 1):
             fields = one if isinstance(one, dict) else getattr(one, "__dict__", {})

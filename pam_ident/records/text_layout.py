@@ -57,7 +57,7 @@ def find_layout(place: str, head: bytes, mapping: Mapping | None = None) -> Layo
     width = len(data[0])
     line = heading.first + 1
     if heading.header is None:
-        names = tuple(str(k + 1) for k in range(width))
+        names = tuple(f"column {k + 1}" for k in range(width))
         if mapping is None:
             raise DataError(
                 f"{place}, row {line}: no header row above the numbers; say in a columns.toml beside the file which "
