@@ -3,8 +3,8 @@
     python benchmarks/load_rate.py [ROWS] [FOLDER]     rows (default 10 million, about 1 GB), folder for the file
 
 Each way of reading runs in a process of its own, so that its peak of memory is its own: pandas.read_csv of the whole
-file; the columns of a record, whole; the same run after run of rows, handing each block on; and a whole record, with
-hash, strokes and holds. The file is deleted afterwards.
+file; the columns of a record in internal units, whole; and the same columns block by block, none of them kept. The
+file is deleted afterwards.
 """
 
 import os
@@ -31,7 +31,8 @@ path = Path(sys.argv[1])
 start = time.perf_counter()
 {what}
 seconds = time.perf_counter() - start
-print(len(found), seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+print(len(found), seconds, peak / 2**20)
 """
 WAYS = {
     "pandas.read_csv": "found = pd.read_csv(path)",
@@ -47,7 +48,7 @@ found = range(sum(len(block) for block in table.read(wanted)))""",
 
 
 def write(path: Path, rows: int) -> None:
-    """A sine of 0.2 Hz at one pressure, logged at 1 kHz, with noise; the same PIECE of other columns again and again."""
+    """A sine of 0.2 Hz at one pressure, logged at 1 kHz, with noise; a PIECE of other columns again and again."""
     import numpy as np
 
     rng = np.random.default_rng(0)

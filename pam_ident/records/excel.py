@@ -35,9 +35,7 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
         if wanted in (None, name) and (table := _table(f"{path}, sheet {name!r}", rows, mapping))
     ]
     if not tables:
-        raise DataError(
-            f"{path}: the file is empty, no sheet holds a table; expected a header row and one row a sample"
-        )
+        raise DataError(f"{path}: the file is empty: no sheet with a header row and one row a sample; save it again")
     return tables
 
 

@@ -51,7 +51,7 @@ def find_heading(rows: Sequence[Sequence[str]], known: Known, enough: int = 2) -
         header = next(k for k, score in enumerate(scores) if score >= enough and (score == best or _begins(rows, k)))
         first = _next(rows, header + 1)
     else:
-        first = next((k for k, row in enumerate(rows) if _of_numbers(row)), len(rows))
+        first = next((k for k, row in enumerate(rows) if of_numbers(row)), len(rows))
         above = [k for k in range(first) if any(cell.strip() for cell in rows[k])]
         if above and _is_units(rows[above[-1]]):
             above.pop()
@@ -81,7 +81,8 @@ def _begins(rows: Sequence[Sequence[str]], k: int) -> bool:
     return following < len(rows) and abs(len(rows[following]) - len(rows[k])) <= 1
 
 
-def _of_numbers(row: Sequence[str]) -> bool:
+def of_numbers(row: Sequence[str]) -> bool:
+    """Whether two cells or more are numbers."""
     return max(count_numbers(row, "."), count_numbers(row, ",")) >= 2
 
 

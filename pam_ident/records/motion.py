@@ -144,9 +144,10 @@ def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: floa
     tolerance = 3.0 * noise + 0.02 * abs(x[last] - x[first]) / len(inside)
 
     def off(at: int, near: Array) -> float:
-        t0, scale = time[near[0]], max(float(np.ptp(time[near])), 1e-12)
-        curve = np.polyfit((time[near] - t0) / scale, x[near], 1)
-        return abs(float(x[at] - np.polyval(curve, (time[at] - t0) / scale)))
+        t, y = time[near] - time[near].mean(), x[near]
+        spread = float(t @ t)  # 0 where a clock is coarser than the rows
+        slope = float(t @ y) / spread if spread > 0.0 else 0.0
+        return abs(float(x[at] - y.mean()) - slope * float(time[at] - time[near].mean()))
 
     for _ in range(2):
         if last - first > 6 and off(last, np.arange(last - 3, last)) > 2.0 * tolerance + _bend(x, last - 3, last - 1):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..core import DataError
-from .heading import Heading, find_heading
+from .heading import Heading, find_heading, of_numbers
 from .mapping import Mapping
 from .quantities import quantity_of
 from .table import count_numbers
@@ -65,6 +65,12 @@ def find_layout(place: str, head: bytes, mapping: Mapping | None = None) -> Layo
             )
     else:
         names = _fit_width(place, names, data[0], line)
+        above = [k for k, row in enumerate(rows[: heading.header], 1) if len(row) == width and of_numbers(row)]
+        if above and "header_row" not in told:
+            raise DataError(
+                f"{place}, row {above[0]}: numbers above the header, which is row {heading.header + 1}; expected them "
+                "below it. Mend the header, or say header_row under [file] in a columns.toml beside the file"
+            )
     units = [*heading.units, *[""] * width][:width]
     heading = Heading(heading.header, heading.first, heading.score, names, tuple(units))
     where = heading.header + 1 if heading.header is not None else 0

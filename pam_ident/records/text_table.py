@@ -3,6 +3,7 @@
 import codecs
 import gzip
 import io
+import warnings
 import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -68,12 +69,15 @@ def _pieces(place: str, file: BinaryIO, layout: Layout) -> Iterator[bytes]:
         text = rest + (decoder.decode(chunk).encode() if decoder else chunk)
         cut = text.rfind(b"\n") + 1 or text.rfind(b"\r", 0, len(text) - 1) + 1
         text, rest = text[:cut], text[cut:]
-        yield _with_newlines(text)
+        yield _clean(text)
     if rest:
-        yield _with_newlines(rest.rstrip(b"\r") + b"\n")
+        yield _clean(rest.rstrip(b"\r") + b"\n")
 
 
-def _with_newlines(text: bytes) -> bytes:
+def _clean(text: bytes) -> bytes:
+    """Lines that end in \\n, in valid UTF-8."""
+    if not text.isascii():
+        text = text.decode("utf-8", "replace").encode()
     return text.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in text else text
 
 
@@ -88,19 +92,19 @@ def _parse(place: str, text: bytes, first: int, layout: Layout, wanted: Sequence
         text, rows, starts = _checked(place, text, first, layout)
     if not rows:
         return Block({k: pd.Series(dtype=float) for k in wanted}, rows, starts)
-    frame = pd.read_csv(
-        io.BytesIO(text),
-        sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
-        decimal=layout.decimal,
-        header=None,
-        names=list(range(layout.width)),
-        usecols=sorted({*wanted}) or [0],
-        index_col=False,
-        skipinitialspace=True,
-        skip_blank_lines=False,
-        encoding_errors="replace",
-        low_memory=False,
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pd.errors.DtypeWarning)  # of a bad cell, which is named later
+        frame = pd.read_csv(
+            io.BytesIO(text),
+            sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
+            decimal=layout.decimal,
+            header=None,
+            names=list(range(layout.width)),
+            usecols=sorted({*wanted}) or [0],
+            index_col=False,
+            skipinitialspace=b" " in text,
+            skip_blank_lines=False,
+        )
     if len(frame) != len(rows):
         raise DataError(f"{place}: not a readable CSV file (quotation marks around line ends?); write it without them")
     return Block({k: pd.Series(frame[k]) for k in wanted}, rows, starts)

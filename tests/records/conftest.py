@@ -7,7 +7,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from corpus import SPECIMEN  # noqa: E402
+from corpus import SPECIMEN
 
 
 @pytest.fixture

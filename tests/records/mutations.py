@@ -15,10 +15,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from corpus import HEADERS, ROWS, SPECIMEN, as_text, values  # noqa: E402
+from corpus import HEADERS, ROWS, SPECIMEN, as_text, values
 
-from pam_ident.core import PamError  # noqa: E402
-from pam_ident.records import Specimen, read_record  # noqa: E402
+from pam_ident.core import PamError
+from pam_ident.records import Specimen, read_record
 
 NAMES = ("time", "pressure", "displacement", "force")
 WIDE = np.column_stack([values(), np.arange(ROWS)])
@@ -61,7 +61,7 @@ SAID = {
 }
 
 
-def damage(text, sep, rng):
+def damage(text, sep, before, rng):
     """The text with one thing wrong, the number of lines that were touched, and that of cells in any of them."""
     at = int(rng.integers(len(text)))
     lines = text.splitlines(keepends=True)
@@ -84,7 +84,7 @@ def damage(text, sep, rng):
     cells = lines[k].rstrip("\r\n").split(sep)
     j = int(rng.integers(len(cells)))
     rest = lines[k][len(lines[k].rstrip("\r\n")) :]
-    if kind == 7:
+    if kind == 7 and k >= before:
         i = int(rng.integers(len(cells)))
         cells[i], cells[j] = cells[j], cells[i]
     elif kind in (8, 9):
@@ -123,7 +123,7 @@ def one(folder, rng):
     sep = {"decimal commas": ";", "tabs": "\t", "UTF-16": "\t", "blanks": "  "}.get(kind, ",")
     lines = cells = 0
     for _ in range(int(rng.integers(1, 3))):
-        text, more_lines, more_cells = damage(text, sep, rng)
+        text, more_lines, more_cells = damage(text, sep, before, rng)
         lines, cells = lines + more_lines, cells + more_cells
     path = folder / "record.csv"
     path.write_bytes(text.encode(encoding, errors="replace"))

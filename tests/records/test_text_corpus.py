@@ -76,13 +76,16 @@ READ = {
     "units in brackets in a row": under_header(as_text(BARE), "[s],[MPa],[mm],[N]\n"),
     "units in a row, other units": under_header(as_text(BARE, BAR), "ms,bar,cm,kN\n"),
     "units in a row and in the header, the same": under_header(GOOD, UNITS),
-    "units in a row, preamble, decimal comma": PREAMBLE + under_header(as_text(BARE, sep=";", decimal=","), "s;MPa;mm;N\n"),
+    "units in a row, preamble, decimal comma": PREAMBLE
+    + under_header(as_text(BARE, sep=";", decimal=","), "s;MPa;mm;N\n"),
     "row of units after a blank line": under_header(as_text(BARE), "\n" + UNITS),
     "other units in brackets": as_text(BAR_HEADERS, BAR),
     "other units, decimal comma": as_text(BAR_HEADERS, BAR, sep=";", decimal=","),
     "columns in another order": as_text(HEADERS[::-1], values()[:, ::-1]),
     "further columns": as_text((*HEADERS, "valve_V"), WIDE),
-    "further columns twice": as_text((*HEADERS[:3], "raw", "raw", HEADERS[3]), np.insert(values(), [3, 3], 5.0, axis=1)),
+    "further columns twice": as_text(
+        (*HEADERS[:3], "raw", "raw", HEADERS[3]), np.insert(values(), [3, 3], 5.0, axis=1)
+    ),
     "columns without a name": as_text((*HEADERS, "", ""), np.column_stack([WIDE, TIME])),
     "a last delimiter on each line": as_text(last=","),
     "a last delimiter on the rows alone": as_text().replace("\n", ";\n").replace(",", ";").replace("N;", "N"),
@@ -93,13 +96,17 @@ READ = {
     "header repeated, clock goes on": repeated(GOOD),
     "header repeated after blank lines": repeated(GOOD, "\n\n"),
     "powers of ten": as_text(rows=[[f"{x:.9e}" for x in row] for row in values()]),
-    "powers of ten, decimal comma": as_text(sep=";", rows=[[f"{x:.9E}".replace(".", ",") for x in row] for row in values()]),
+    "powers of ten, decimal comma": as_text(
+        sep=";", rows=[[f"{x:.9E}".replace(".", ",") for x in row] for row in values()]
+    ),
     "plus signs": as_text(rows=[[f"{x:+.6g}" for x in row] for row in values()]),
     "whole numbers": as_text(("time_ms", "pressure_kPa", "displacement_um", "force_mN"), BAR * [1, 100, 1e4, 1e6]),
     "capitals": as_text(("TIME [S]", "PRESSURE [MPA]", "DISPLACEMENT [MM]", "FORCE [N]")),
-    "length in place of displacement": as_text((*HEADERS[:2], "length_mm", "force_N"), values() * [1, 1, -1, 1] + [0, 0, 200, 0]),
+    "length in place of displacement": as_text(
+        (*HEADERS[:2], "length_mm", "force_N"), values() * [1, 1, -1, 1] + [0, 0, 200, 0]
+    ),
     "contraction in per cent": as_text((*HEADERS[:2], "contraction_pct", "force_N"), values() * [1, 1, 0.5, 1]),
-}  # fmt: skip
+}
 
 MAPPED = {
     "no header": (as_text(()), "time_s = 1\npressure_MPa = 2\ndisplacement_mm = 3\nforce_N = 4"),
@@ -108,12 +115,14 @@ MAPPED = {
         'time_s = "t"\npressure_MPa = "p"\ndisplacement_mm = "way"\nforce_N = "pull"',
     ),
     "names with blanks under a preamble": (
-        PREAMBLE + as_text(("Zeit", "p abs", "Weg s", "Kraft F"), values() * [1, 1000, -1, -1] + [0, 101.325, 80, 0], ";", ","),
+        PREAMBLE
+        + as_text(("Zeit", "p abs", "Weg s", "Kraft F"), values() * [1, 1000, -1, -1] + [0, 101.325, 80, 0], ";", ","),
         'time_s = "Zeit"\npressure_kPa = { column = "p abs", offset = -101.325 }\n'
         'displacement_mm = { column = "Weg s", factor = -1, offset = 80 }\nforce_N = { column = "Kraft F", factor = -1 }',
     ),
     "one name twice, by number": (
-        as_text(("t", "x", "x", "f")), "time_s = 1\npressure_MPa = 2\ndisplacement_mm = 3\nforce_N = 4"
+        as_text(("t", "x", "x", "f")),
+        "time_s = 1\npressure_MPa = 2\ndisplacement_mm = 3\nforce_N = 4",
     ),
     "two that would be taken": (
         as_text((*HEADERS, "force_kN"), np.column_stack([values(), np.zeros(ROWS)])),
@@ -123,19 +132,24 @@ MAPPED = {
         "1;2;3;4\nt;p;x;f\n" + as_text((), sep=";", decimal=","),
         'time_s = "t"\npressure_MPa = "p"\ndisplacement_mm = "x"\nforce_N = "f"\n[file]\nheader_row = 2\ndecimal = ","',
     ),
-}  # fmt: skip
+}
 
 REFUSED = {
     "a cell with a decimal comma": (GOOD.replace("\n0.5,", '\n"0,5",'), ["row 7", "'time_s'", "'0,5'"]),
-    "a point in a file of decimal commas": (GERMAN.replace("1350,25", "1350.25"), ["row 6", "'force_N'", "1350.25", "comma"]),
+    "a point in a file of decimal commas": (
+        GERMAN.replace("1350,25", "1350.25"),
+        ["row 6", "'force_N'", "1350.25", "comma"],
+    ),
     "thousands or decimals": (
-        as_text(sep=";", rows=[[str(k), "1", "2", "1,250"] for k in range(9)]), ["'force_N'", "'1,250'", "thousands"]
+        as_text(sep=";", rows=[[str(k), "1", "2", "1,250"] for k in range(9)]),
+        ["'force_N'", "'1,250'", "thousands"],
     ),
     "thousands": (GOOD.replace("1350.25", '"1,350.25"'), ["row 6", "'force_N'"]),
     "a comma too many": (GOOD.replace("1350.25", "1,350.25"), ["row 6", "5 cells", "4"]),
     "a cell too few in the middle": (with_line(GOOD, 9, "0.7,0.3,17.5"), ["row 9", "3 cells", "4"]),
     "a cell too few before a column that is not read": (
-        with_line(as_text((*HEADERS, "x"), WIDE), 9, "0.7,17.5,1312.75,7"), ["row 9", "4 cells", "5"]
+        with_line(as_text((*HEADERS, "x"), WIDE), 9, "0.7,17.5,1312.75,7"),
+        ["row 9", "4 cells", "5"],
     ),
     "the last row cut off": (GOOD[:-12], ["row 25", "3 cells"]),
     "a row too long under a preamble": (PREAMBLE + with_line(GOOD, 9, "0,1,2,3,4,5"), ["row 13", "6 cells"]),
@@ -150,7 +164,10 @@ REFUSED = {
     "no header": (as_text(()), ["row 1", "no header", "columns.toml"]),
     "no header under a preamble": (PREAMBLE + as_text(()), ["row 5", "no header", "columns.toml"]),
     "unknown names": (as_text(("t", "p", "x", "f")), ["row 1", "pressure", "'p'", "columns.toml"]),
-    "unknown unit in the row of units": (under_header(as_text(BARE), "s,torr,mm,N\n"), ["'pressure [torr]'", "'torr'", "kPa"]),
+    "unknown unit in the row of units": (
+        under_header(as_text(BARE), "s,torr,mm,N\n"),
+        ["'pressure [torr]'", "'torr'", "kPa"],
+    ),
     "row of units against the header": (under_header(GOOD, "s,MPa,mm,kN\n"), ["'force_N'", "'kN'"]),
     "no unit anywhere": (as_text(BARE), ["no unit given"]),
     "the same name twice": (as_text((*HEADERS, "force_N"), WIDE), ["row 1", "two columns", "'force_N'"]),
@@ -167,24 +184,43 @@ REFUSED = {
     "underscores": (GOOD.replace("1350.25", "1_350"), ["row 6", "1_350"]),
     "too large a number": (GOOD.replace("1350.25", "1e999"), ["row 6", "'force_N'"]),
     "time backwards after a repeated header is a new run, but within it is not": (
-        repeated(GOOD).replace("\n1.5,", "\n1.3,"), ["row 18", "backwards"]
+        repeated(GOOD).replace("\n1.5,", "\n1.3,"),
+        ["row 18", "backwards"],
     ),
-}  # fmt: skip
+}
 
 BAD_MAPPINGS = {
     "no table": ("[rows]\na = 1", ["[columns]"]),
     "not TOML": ("[columns", ["TOML"]),
     "a quantity of no known name": ("[columns]\nweight_N = 1", ["weight_N", "force"]),
-    "a unit of no known name": ("[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\ntime_h = 1", ["time_h"]),
+    "a unit of no known name": (
+        "[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\ntime_h = 1",
+        ["time_h"],
+    ),
     "no force": ("[columns]\npressure_MPa = 2\ndisplacement_mm = 3", ["force"]),
     "two shapes": ("[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\nlength_mm = 1", ["more than one"]),
-    "a column that is not there": ("[columns]\nforce_N = 9\npressure_MPa = 2\ndisplacement_mm = 3", ["column 9", "4 columns"]),
-    "a name that is not there": ('[columns]\nforce_N = "g"\npressure_MPa = 2\ndisplacement_mm = 3', ["'g'", "'force_N'"]),
-    "an entry of no meaning": ("[columns]\nforce_N = { col = 4 }\npressure_MPa = 2\ndisplacement_mm = 3", ["force_N", "value"]),
+    "a column that is not there": (
+        "[columns]\nforce_N = 9\npressure_MPa = 2\ndisplacement_mm = 3",
+        ["column 9", "4 columns"],
+    ),
+    "a name that is not there": (
+        '[columns]\nforce_N = "g"\npressure_MPa = 2\ndisplacement_mm = 3',
+        ["'g'", "'force_N'"],
+    ),
+    "an entry of no meaning": (
+        "[columns]\nforce_N = { col = 4 }\npressure_MPa = 2\ndisplacement_mm = 3",
+        ["force_N", "value"],
+    ),
     "a truth value": ("[columns]\nforce_N = true\npressure_MPa = 2\ndisplacement_mm = 3", ["force_N"]),
-    "an unknown setting": ("[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\n[file]\nsep = 1", ["sep", "delimiter"]),
-    "an unknown encoding": ('[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\n[file]\nencoding = "x"', ["'x'"]),
-}  # fmt: skip
+    "an unknown setting": (
+        "[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\n[file]\nsep = 1",
+        ["sep", "delimiter"],
+    ),
+    "an unknown encoding": (
+        '[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\n[file]\nencoding = "x"',
+        ["'x'"],
+    ),
+}
 
 
 @pytest.mark.parametrize("kind", READ)
