@@ -23,30 +23,35 @@ def read_columns(table: Table, sources: dict[str, Source], length_mm: float) -> 
     holds several. `length_mm` is the muscle's initial length. Raises DataError for what is no number, for time that
     runs backwards, and for values beyond reason.
     """
-    pieces: list[Values] = []
+    run: Values = {}
     last: dict[str, float] = {}
     for block in table.read([s.position for s in sources.values() if s.position is not None]):
         values = {key: _column(table, block, source, key) for key, source in sources.items()}
         _check_ranges(table, block, sources, values, length_mm)
         cuts = _cuts(table, block, sources, values, last)
-        edges = [0, *cuts, len(block)]
-        for begin, end in pairwise(edges):
-            if begin in cuts and pieces:
-                yield _joined(pieces)
-                pieces = []
+        for begin, end in pairwise([0, *cuts, len(block)]):
+            if begin in cuts and run:
+                yield run
+                run = {}
             if end > begin:
-                pieces.append({key: column[begin:end] for key, column in values.items()})
+                _append(run, {key: column[begin:end] for key, column in values.items()})
         if len(block):
             last = {key: float(values[key][-1]) for key in ("time", "pressure_set") if key in values}
-    if pieces:
-        yield _joined(pieces)
+    if run:
+        yield run
     elif not last:
         raise DataError(f"{table.place}: a header but no rows; expected one row a sample")
 
 
-def _joined(pieces: list[Values]) -> Values:
-    """One array a quantity; a quantity's pieces are let go as soon as they are joined."""
-    return {key: np.concatenate([piece.pop(key) for piece in pieces]) for key in list(pieces[0])}
+def _append(run: Values, more: Values) -> None:
+    """Lengthen a run in place: to join the blocks at the end would take the memory twice."""
+    for key, column in more.items():
+        if key in run:
+            n = len(run[key])
+            run[key].resize(n + len(column), refcheck=False)
+            run[key][n:] = column
+        else:
+            run[key] = np.array(column)
 
 
 def _column(table: Table, block: Block, source: Source, key: str) -> Array:
@@ -140,6 +145,8 @@ def join_runs(runs: Iterable[Values], place: str) -> Values:
     The pause is long enough to be told from a step of the clock. Raises DataError where runs hold other quantities.
     """
     found = list(runs)
+    if len(found) == 1:
+        return found[0]
     for values in found[1:]:
         if odd := set(values) ^ set(found[0]):
             raise DataError(

@@ -7,9 +7,9 @@ from importlib import import_module
 from pathlib import Path
 
 from ..core import DataError
-from .mapping import Mapping
+from .mapping import Mapping, read_mapping
 from .table import Table
-from .text_table import read_text
+from .text_table import read_layout, read_text
 
 TEXT = (".csv", ".tsv", ".txt", ".dat", ".asc")
 LOADERS = {".xlsx": "excel", ".xlsm": "excel", ".mat": "mat", ".tdms": "tdms", ".lvm": "lvm", ".parquet": "parquet"}
@@ -24,6 +24,24 @@ class Files:
     paths: tuple[Path, ...]
     folder: Path
     name: str
+
+    @property
+    def mapping(self) -> Mapping | None:
+        """What the columns.toml beside the files says, None where there is none."""
+        beside = self.folder / "columns.toml"
+        return read_mapping(beside) if beside.is_file() else None
+
+    def written(self) -> str:
+        """How the first file is written, in words."""
+        ending = _ending(self.paths[0])
+        if ending in LOADERS:
+            return f"as {ending}"
+        layout = read_layout(self.paths[0], self.mapping)
+        names = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
+        header = f"header in row {layout.header_line}" if layout.header_line else "no header"
+        mark = "comma" if layout.decimal == "," else "point"
+        between = names.get(layout.delimiter, repr(layout.delimiter))
+        return f"as text ({layout.encoding}), {between} between cells, decimal {mark}, {header}"
 
 
 def find_files(path: str | Path) -> Files:

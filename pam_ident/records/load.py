@@ -27,8 +27,7 @@ def read_record(
     files = find_files(path)
     if not isinstance(specimen, Specimen):
         specimen = read_specimen(specimen if specimen is not None else files.folder / "specimen.toml", Path(path))
-    beside = files.folder / "columns.toml"
-    mapping = read_mapping(columns or beside) if columns is not None or beside.is_file() else None
+    mapping = read_mapping(columns) if columns is not None else files.mapping
     where: dict[str, str] = {}
     runs: list[Values] = []
     for file in files.paths:

@@ -15,6 +15,7 @@ from .table import count_numbers
 DELIMITERS = ("\t", ";", ",", "|", " ")
 """In the order in which they are tried; a space stands for any run of blanks."""
 HEAD_BYTES = 1 << 16
+HEAD_LINES = 300
 MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
 
@@ -49,6 +50,7 @@ def find_layout(place: str, head: bytes, mapping: Mapping | None = None) -> Layo
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if len(head) >= HEAD_BYTES:
         lines.pop()  # cut in two
+    lines = lines[:HEAD_LINES]
     delimiter, rows, heading = _heading(lines, mapping)
     names = heading.names
     data = [row for row in rows[heading.first :] if any(cell.strip() for cell in row)]
@@ -76,7 +78,7 @@ def find_layout(place: str, head: bytes, mapping: Mapping | None = None) -> Layo
     where = heading.header + 1 if heading.header is not None else 0
     repeated = tuple(lines[k].strip() for k in range(where - 1, heading.first) if lines[k].strip()) if where else ()
     headers = heading.headers(f"{place}, row {where}")
-    decimal = told.get("decimal") or _decimal(place, data[:400], delimiter, names)
+    decimal = told.get("decimal") or _decimal(place, data, delimiter, names)
     return Layout(encoding, skip, delimiter, decimal, where, line, width, names, headers, repeated)
 
 

@@ -21,8 +21,7 @@ BLOCK_BYTES = 1 << 24
 
 def read_text(path: Path, mapping: Mapping | None = None) -> list[Table]:
     """The table of a text file, plain or gzipped. Raises DataError where it is none."""
-    with _open(path) as file:
-        layout = find_layout(str(path), _take(str(path), file, HEAD_BYTES), mapping)
+    layout = read_layout(path, mapping)
 
     def read(wanted: Sequence[int]) -> Iterator[Block]:
         with _open(path) as file:
@@ -30,6 +29,12 @@ def read_text(path: Path, mapping: Mapping | None = None) -> list[Table]:
 
     row = layout.header_line or layout.first_line
     return [Table(str(path), f"{path}, row {row}", layout.names, layout.headers, read, layout.decimal)]
+
+
+def read_layout(path: Path, mapping: Mapping | None = None) -> Layout:
+    """How a text file is written. Raises DataError where it holds no table."""
+    with _open(path) as file:
+        return find_layout(str(path), _take(str(path), file, HEAD_BYTES), mapping)
 
 
 def _open(path: Path) -> BinaryIO:

@@ -62,25 +62,26 @@ SAID = {
 
 
 def damage(text, sep, before, rng):
-    """The text with one thing wrong, the number of lines that were touched, and that of cells in any of them."""
+    """The text with one thing wrong, the number of lines touched, that of cells in any of them, and the first line."""
     at = int(rng.integers(len(text)))
+    row = text.count("\n", 0, at)
     lines = text.splitlines(keepends=True)
     k = int(rng.integers(len(lines) - 1))
     kind = int(rng.integers(12))
     if kind == 0:
-        return text[:at] + rng.choice(list(BYTES)) + text[at + 1 :], 2, 1
+        return text[:at] + rng.choice(list(BYTES)) + text[at + 1 :], 2, 1, row
     if kind == 1:
-        return text[:at] + text[at + 1 :], 2, 1
+        return text[:at] + text[at + 1 :], 2, 1, row
     if kind == 2:
-        return text[:at] + rng.choice(list(BYTES)) + text[at:], 2, 1
+        return text[:at] + rng.choice(list(BYTES)) + text[at:], 2, 1, row
     if kind == 3:
-        return "".join(lines[:k] + lines[k + 1 :]), 1, 0
+        return "".join(lines[:k] + lines[k + 1 :]), 1, 0, k
     if kind == 4:
-        return "".join([*lines[: k + 1], *lines[k:]]), 1, 0
+        return "".join([*lines[: k + 1], *lines[k:]]), 1, 0, k
     if kind == 5:
-        return "".join([*lines[:k], lines[k + 1], lines[k], *lines[k + 2 :]]), 2, 0
+        return "".join([*lines[:k], lines[k + 1], lines[k], *lines[k + 2 :]]), 2, 0, k
     if kind == 6:
-        return text[: max(at, len(text) // 4)], len(lines), 1
+        return text[: max(at, len(text) // 4)], len(lines), 1, row
     cells = lines[k].rstrip("\r\n").split(sep)
     j = int(rng.integers(len(cells)))
     rest = lines[k][len(lines[k].rstrip("\r\n")) :]
@@ -93,7 +94,7 @@ def damage(text, sep, before, rng):
         del cells[j]
     else:
         cells.insert(j, cells[j])
-    return "".join([*lines[:k], sep.join(cells) + rest, *lines[k + 1 :]]), 1, 2 if kind == 7 else 1
+    return "".join([*lines[:k], sep.join(cells) + rest, *lines[k + 1 :]]), 1, 2 if kind == 7 else 1, k
 
 
 def verdict(record, head, lines, cells):
@@ -122,9 +123,12 @@ def one(folder, rng):
     text, encoding, before = TEXTS[kind]
     sep = {"decimal commas": ";", "tabs": "\t", "UTF-16": "\t", "blanks": "  "}.get(kind, ",")
     lines = cells = 0
+    rows = []
     for _ in range(int(rng.integers(1, 3))):
-        text, more_lines, more_cells = damage(text, sep, before, rng)
-        lines, cells = lines + more_lines, cells + more_cells
+        text, more_lines, more_cells, row = damage(text, sep, before, rng)
+        lines, cells, rows = lines + more_lines, cells + more_cells, [*rows, row]
+    if len(rows) == 2 and abs(rows[0] - rows[1]) <= 1:
+        cells = len(NAMES)  # a cell cut out of a row and another put in: no format can tell
     path = folder / "record.csv"
     path.write_bytes(text.encode(encoding, errors="replace"))
     try:

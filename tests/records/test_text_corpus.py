@@ -118,7 +118,8 @@ MAPPED = {
         PREAMBLE
         + as_text(("Zeit", "p abs", "Weg s", "Kraft F"), values() * [1, 1000, -1, -1] + [0, 101.325, 80, 0], ";", ","),
         'time_s = "Zeit"\npressure_kPa = { column = "p abs", offset = -101.325 }\n'
-        'displacement_mm = { column = "Weg s", factor = -1, offset = 80 }\nforce_N = { column = "Kraft F", factor = -1 }',
+        'displacement_mm = { column = "Weg s", factor = -1, offset = 80 }\n'
+        'force_N = { column = "Kraft F", factor = -1 }',
     ),
     "one name twice, by number": (
         as_text(("t", "x", "x", "f")),
