@@ -1,8 +1,7 @@
 """Test-rig records: what was measured, cut into branches, cycles and holds."""
 
 from ..core import Specimen
-from .load import file_sha256, read_record
+from .load import file_sha256, read_record, read_specimen
 from .record import Record, build_record
-from .specimen_file import read_specimen
 
 __all__ = ["Record", "Specimen", "build_record", "file_sha256", "read_record", "read_specimen"]

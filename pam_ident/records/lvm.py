@@ -60,6 +60,9 @@ def _segment(place: str, head: Entries, lines: list[str], row: int, separator: s
             raise DataError(
                 f"{place}, row {number}: {len(cut)} cells; expected {len(names)} and perhaps a comment. Mend the row"
             )
+    told = number_of("".join(head.get("Samples", [])[:1]))
+    if np.isfinite(told) and told != len(cells):
+        raise DataError(f"{place}, row {row}: {len(cells)} rows, but the head says {told:g} samples; copy it again")
     columns: dict[str, object] = {}
     units = iter(head.get("Y_Unit_Label", []))
     for k, name in enumerate(names):

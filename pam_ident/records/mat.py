@@ -60,7 +60,7 @@ def _of_hdf(path: Path) -> dict[str, object]:
     try:
         with h5py.File(path) as file:
             found = take(file)
-    except (OSError, RuntimeError, KeyError) as error:
+    except Exception as error:  # as above
         raise DataError(f"{path}: not a readable MATLAB file ({error}); save it again") from None
     assert isinstance(found, dict)
     return found

@@ -14,11 +14,11 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
     except ImportError:
         raise need_extra("pyarrow", path) from None
     try:
-        content = pyarrow.parquet.ParquetFile(path).read()
+        content = pyarrow.parquet.ParquetFile(path).read().replace_schema_metadata()
+        frame = content.to_pandas()
     except Exception as error:  # a broken file ends in any of a dozen errors of the package
         first = str(error).partition("\n")[0]
         raise DataError(f"{path}: not a readable Parquet file ({first}); write it again") from None
-    if not content.num_rows:
+    if frame.empty:
         raise DataError(f"{path}: columns but no rows; expected one row a sample")
-    frame = content.to_pandas(ignore_metadata=True)
     return [table_in_memory(str(path), str(path), frame, 1)]

@@ -1,5 +1,6 @@
 """NI TDMS files: each group of channels is a table, or a run of the test."""
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -18,12 +19,17 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
     """
     try:
         import nptdms
+        from nptdms.log import log_manager
     except ImportError:
         raise need_extra("npTDMS", path) from None
+    log_manager.set_level(logging.CRITICAL)  # what it would print of a broken file is an error here
     try:
-        groups = {group.name: group.channels() for group in nptdms.TdmsFile.read(path).groups()}
+        file = nptdms.TdmsFile.read(path)
+        groups = {group.name: group.channels() for group in file.groups()}
     except Exception as error:  # a broken file ends in any of a dozen errors of the package
         raise DataError(f"{path}: not a readable TDMS file ({error}); copy it again from the rig") from None
+    if file.file_status.incomplete_final_segment:
+        raise DataError(f"{path}: the file breaks off within its last segment; copy it again from the rig")
     wanted = mapping.layout.get("part") if mapping else None
     tables = [
         _table(f"{path}, group {name!r}", channels)
