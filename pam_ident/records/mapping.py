@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core import DataError
-from ..core.units import split_header
+from ..core.units import TO_INTERNAL, split_header
 from .quantities import BRANCHES, QUANTITIES, SHAPES, Source, check_complete, quantity_of, scale_of
 from .table import Table
 
@@ -46,10 +46,20 @@ class Mapping:
                 found[name] = Source(f"{entry['value']:g} by {self.path}", None, value=entry["value"] * factor + offset)
                 continue
             position = self._position(table, key, entry["column"])
+            self._check_unit(table.headers[position], key, name, factor, "factor" in entry)
             words = tuple((str(entry.get(word, word)).strip().lower(), sign) for word, sign in BRANCHES.items())
             header = table.headers[position] if table.headers[position] else f"column {position + 1}"
             found[name] = Source(header, position, *scale, words=words)
         return found
+
+    def _check_unit(self, header: str, key: str, name: str, factor: float, told: bool) -> None:
+        """Refuse a unit against the one that the file states, unless a factor says that it is meant."""
+        unit = split_header(header)[1]
+        known = TO_INTERNAL.get(QUANTITIES[name], {})
+        if not told and unit in known and known[unit][0] != factor:
+            raise DataError(
+                f"{self.path}: {key}, but the column's header is {header!r}, in {unit}; mend the unit, or give a factor"
+            )
 
     def _position(self, table: Table, key: str, column: str | int) -> int:
         if isinstance(column, int):

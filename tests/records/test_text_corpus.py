@@ -198,6 +198,10 @@ BAD_MAPPINGS = {
         "[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\ntime_h = 1",
         ["time_h"],
     ),
+    "a unit against the file's": (
+        "[columns]\nforce_kN = 4\npressure_MPa = 2\ndisplacement_mm = 3",
+        ["force_kN", "'force_N'"],
+    ),
     "no force": ("[columns]\npressure_MPa = 2\ndisplacement_mm = 3", ["force"]),
     "two shapes": ("[columns]\nforce_N = 4\npressure_MPa = 2\ndisplacement_mm = 3\nlength_mm = 1", ["more than one"]),
     "a column that is not there": (
