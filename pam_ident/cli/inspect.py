@@ -34,6 +34,7 @@ def _columns(found: "Inspection") -> list[str]:
     record, s = found.record, found.record.specimen
     wall = f"wall {s.wall_thickness_mm:g} mm" if s.wall_thickness_mm is not None else "wall not given"
     lines = [
+        *_files(found),
         f"specimen    {s.name}: length {s.initial_length_mm:g} mm, radius {s.initial_radius_mm:g} mm, "
         f"braid angle {s.braid_angle_deg:g}°, {wall}",
         f"columns     {', '.join(f'{key} from {column!r}' for key, column in record.columns.items())}",
@@ -41,6 +42,14 @@ def _columns(found: "Inspection") -> list[str]:
     if record.masked:
         lines.append(f"masked      {record.masked} rows marked as slack")
     return lines
+
+
+def _files(found: "Inspection") -> list[str]:
+    if found.files is None:
+        return []
+    names = [path.name for path in found.files.paths]
+    several = f"{len(names)} files, {names[0]} to {names[-1]}, " if len(names) > 1 else ""
+    return [f"written     {several}{found.files.written()}"]
 
 
 def _motion(found: "Inspection") -> list[str]:

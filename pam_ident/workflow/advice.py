@@ -5,11 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..records import Record
+from .plausible import doubt_clock, doubt_units
 
 
 def advise(record: Record, speeds: tuple[float, ...]) -> tuple[str, ...]:
     """What the record cannot show and what looks wrong in it, in plain words; empty when nothing is amiss."""
-    return (*_doubts(record), *_gaps(record, speeds))
+    return (*_doubts(record), *doubt_units(record), *doubt_clock(record), *_gaps(record, speeds))
 
 
 def _doubts(record: Record) -> Iterator[str]:
@@ -66,13 +67,36 @@ def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
             )
         if inputs.moving is not None and inputs.moving.all():
             yield "no holds: creep and what friction keeps at rest cannot be seen. Hold some seconds at both ends."
-        if inputs.cycle is not None and len(np.unique(inputs.cycle)) < 2:
+        cycles = 0 if inputs.cycle is None else len(np.unique(inputs.cycle))
+        if cycles == 1:
             yield (
                 "no repeated cycle: drift and softening over cycles cannot be told from noise, and nothing can be held "
                 "out whole. Run three cycles or more on each isobar."
             )
+        elif cycles == 2:
+            yield (
+                "two cycles: the noise is known from one repeat alone, and a trend over cycles cannot be told from it. "
+                "Run three cycles or more on each isobar."
+            )
+    yield from _lone_branches(record)
     if inputs.temperature is None:
         yield "no temperature (temperature_C): softening by warming cannot be told from drift. Log it at the bladder."
+
+
+def _lone_branches(record: Record) -> Iterator[str]:
+    """Isobars with one branch alone, where branches are known."""
+    names = {1.0: "contraction", -1.0: "extension"}
+    lone: dict[float, list[str]] = {}
+    for level in record.levels:
+        signs = set(np.unique(record.inputs.direction[record.level == level])) & set(names)
+        if len(signs) == 1:
+            lone.setdefault(signs.pop(), []).append(f"{level:g}")
+    for sign, levels in lone.items():
+        many = f"{len(levels)} isobars" if len(levels) > 5 else f"{' and '.join(levels)} MPa"
+        yield (
+            f"the {names[-sign]} branch is missing at {many}: friction cannot be seen there. Measure both ways on each "
+            "isobar."
+        )
 
 
 def _clipped(force: np.ndarray) -> tuple[float, int]:

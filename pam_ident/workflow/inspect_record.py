@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..records import Record
+from ..records.files import Files, find_files
 from .advice import advise
 
 
@@ -27,6 +28,7 @@ class Inspection:
     """
 
     record: Record
+    files: Files | None
     isobars: tuple[Isobar, ...]
     branches: dict[str, int]
     strokes: int
@@ -47,6 +49,7 @@ def inspect_record(record: Record) -> Inspection:
     held = None if inputs.moving is None else ~inputs.moving
     return Inspection(
         record,
+        find_files(record.source) if record.source else None,
         tuple(_isobar(record, level) for level in record.levels),
         {name: count for name, count in counts.items() if count},
         len(np.unique(record.stroke[record.stroke > 0])),

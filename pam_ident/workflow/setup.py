@@ -5,17 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from ..core import DataError, Specimen
+from ..core import Specimen
 from ..effects import Effect, load_effect_file
 from ..model import Model
 from ..records import Record, read_record, read_specimen
 
 
 def load(record: str | Path, specimen: str | Path | Specimen | None = None) -> Record:
-    """Read a record; that it exists is asked before its specimen. Raises DataError."""
-    if not Path(record).is_file():
-        what = "is a folder, not a file" if Path(record).is_dir() else "no such file"
-        raise DataError(f"{record}: {what}; give the path of a CSV record")
+    """Read a record: a file, a folder or a pattern. Raises DataError."""
     return read_record(record, specimen)
 
 

@@ -22,7 +22,7 @@ def test_a_good_record_gets_little_advice(ask, clean):
 
 def change(path, write_record, edit):
     lines = path.read_text().splitlines()
-    rows = [edit(k, *map(float, line.split(","))) for k, line in enumerate(lines[1:])]
+    rows = [row for k, line in enumerate(lines[1:]) if (row := edit(k, *map(float, line.split(","))))]
     return write_record(lines[0] + "\n" + "".join(",".join(f"{v:.6f}" for v in row) + "\n" for row in rows))
 
 
@@ -35,8 +35,39 @@ def change(path, write_record, edit):
         (lambda k, t, p, x, f: (t, p + 0.015 * math.sin(k / 17), x, f), "not isobaric"),
         (lambda k, t, p, x, f: (t, p, x, f - 600.0), "cannot push"),
         (lambda k, t, p, x, f: (t, 0.3 + 0.0 * p, x, f), "1 pressure level:"),
+        (lambda k, t, p, x, f: (t, p + 0.101325, x, f), "may be absolute"),
+        (lambda k, t, p, x, f: (t, p - 0.3, x, f), "below the air's"),
+        (lambda k, t, p, x, f: (t, 10 * p, x, f), "bar and MPa (10)"),
+        (lambda k, t, p, x, f: (t, p / 10, x, f), "bar and MPa (10)"),
+        (lambda k, t, p, x, f: (t, 14.5 * p, x, f), "psi and bar (14.5)"),
+        (lambda k, t, p, x, f: (t, p, x, 100 * f), "(100)"),
+        (lambda k, t, p, x, f: (t, p, x, f / 1000), "kN and N (1000)"),
+        (lambda k, t, p, x, f: (t, p, 24.0 - x, f), "rises with the contraction"),
+        (lambda k, t, p, x, f: (t, p, x, -f), "cannot push"),
+        (lambda k, t, p, x, f: (t, p, x / 10, f), "Check the unit of the displacement"),
+        (lambda k, t, p, x, f: (t + 50.0 * (k > 130), p, x, f), "the time jumps 1 times"),
+        (lambda k, t, p, x, f: None if (k // 50) % 2 else (t, p, x, f), "extension branch is missing"),
     ],
-    ids=["long", "stretched", "clipped", "wandering", "pushing", "one pressure"],
+    ids=[
+        "long",
+        "stretched",
+        "clipped",
+        "wandering",
+        "pushing",
+        "one pressure",
+        "absolute",
+        "below the air",
+        "pressure times 10",
+        "pressure over 10",
+        "psi",
+        "force times 100",
+        "kilonewtons",
+        "displacement turned",
+        "force turned",
+        "centimetres",
+        "time jumps",
+        "one branch",
+    ],
 )
 def test_advice_on_what_looks_wrong(ask, clean, write_record, edit, words):
     assert words not in ask("inspect", clean).stdout
@@ -46,11 +77,41 @@ def test_advice_on_what_looks_wrong(ask, clean, write_record, edit, words):
 
 @pytest.mark.parametrize(
     ("options", "words"),
-    [({"speeds": (10.0,)}, "one stroke speed"), ({"cycles": 1, "speeds": (10.0,)}, "no repeated cycle")],
+    [
+        ({"speeds": (10.0,)}, "one stroke speed"),
+        ({"cycles": 1, "speeds": (10.0,)}, "no repeated cycle"),
+        ({"cycles": 2, "speeds": (10.0,)}, "two cycles"),
+    ],
 )
 def test_advice_on_what_is_lacking(ask, clean, write_record, options, words):
     assert words not in ask("inspect", clean).stdout
     assert words in ask("inspect", write_record(**options)).stdout
+
+
+@pytest.mark.parametrize(("drift", "told"), [(0.0, False), (4.0, False), (30.0, True)])
+def test_a_load_cell_that_drifts_between_tares(ask, clean, write_record, drift, told):
+    lines = clean.read_text().splitlines()
+    rows = [list(map(float, line.split(","))) for line in lines[1:]]
+    end = rows[-1][0]
+    tares = [
+        [[t + 0.1 * k, 0.0, 0.0, zero + 0.1 * (-1) ** k] for k in range(20)] for t, zero in ((-5, 0), (end + 5, drift))
+    ]
+    text = "\n".join([lines[0], *(",".join(f"{v:.6f}" for v in row) for row in [*tares[0], *rows, *tares[1]])])
+    advice = ask("inspect", write_record(text + "\n")).stdout
+    assert ("the force drifts by 30" in advice) is told and ("drifts" in advice) is told
+
+
+def test_what_was_read_of_a_pattern_and_a_folder(ask, clean, tmp_path):
+    lines = clean.read_text().splitlines(keepends=True)
+    (tmp_path / "specimen.toml").write_text(clean.with_name("specimen.toml").read_text())
+    for k in range(3):
+        (tmp_path / f"p{k}.csv").write_text("".join([lines[0], *lines[1 + 400 * k : 401 + 400 * k]]))
+    whole = [line for line in ask("inspect", clean).stdout.splitlines()[1:] if not line.startswith("written")]
+    for given in (tmp_path, f"{tmp_path}/p*.csv"):
+        told = ask("inspect", given).stdout.splitlines()
+        assert told[0].startswith(str(given))
+        assert any(line.startswith("written     3 files, p0.csv to p2.csv, as text (utf-8), commas") for line in told)
+        assert [line for line in told if not line.startswith(("written", str(tmp_path)))] == whole
 
 
 def test_advice_on_a_static_table(ask, root):

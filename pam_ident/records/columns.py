@@ -1,0 +1,162 @@
+"""The columns of a table in internal units, checked block by block: every refusal names file, row and column."""
+
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from ..core import DataError
+from .quantities import SHAPES, Source
+from .table import Block, Table, number_of
+
+Array = np.ndarray
+MOST_MPA = 10.0
+MOST_CONTRACTION = 0.95
+
+
+Values = dict[str, Array]
+"""Quantity → array of shape (n,) in internal units."""
+
+
+def read_columns(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[Values]:
+    """Each run of a table: a file whose header comes again, or whose clock begins anew with another pressure_set,
+    holds several. `length_mm` is the muscle's initial length. Raises DataError for what is no number, for time that
+    runs backwards, and for values beyond reason.
+    """
+    run: Values = {}
+    last: dict[str, float] = {}
+    for block in table.read([s.position for s in sources.values() if s.position is not None]):
+        values = {key: _column(table, block, source, key) for key, source in sources.items()}
+        _check_ranges(table, block, sources, values, length_mm)
+        cuts = _cuts(table, block, sources, values, last)
+        for begin, end in pairwise([0, *cuts, len(block)]):
+            if begin in cuts and run:
+                yield run
+                run = {}
+            if end > begin:
+                _append(run, {key: column[begin:end] for key, column in values.items()})
+        if len(block):
+            last = {key: float(values[key][-1]) for key in ("time", "pressure_set") if key in values}
+    if run:
+        yield run
+    elif not last:
+        raise DataError(f"{table.place}: a header but no rows; expected one row a sample")
+
+
+def _append(run: Values, more: Values) -> None:
+    """Lengthen a run in place: to join the blocks at the end would take the memory twice."""
+    for key, column in more.items():
+        if key in run:
+            n = len(run[key])
+            run[key].resize(n + len(column), refcheck=False)
+            run[key][n:] = column
+        else:
+            run[key] = np.array(column)
+
+
+def _column(table: Table, block: Block, source: Source, key: str) -> Array:
+    if source.position is None:
+        return np.full(len(block), source.value)
+    if key == "branch":
+        return _directions(table, block, source)
+    cells = block.cells[source.position]
+    if cells.dtype.kind in "fiu":
+        numbers = np.asarray(cells, dtype=float)
+    else:
+        numbers = np.array([number_of(cell, table.decimal) for cell in cells])
+    bad = np.flatnonzero(~np.isfinite(numbers))
+    if len(bad):
+        cell = cells.iloc[int(bad[0])]
+        what = "is empty or NaN" if cell is None or cell != cell else f"holds {str(cell)[:40]!r}"
+        more = f" (and {len(bad) - 1} more rows)" if len(bad) > 1 else ""
+        mark = " with a decimal comma, as elsewhere" if table.decimal == "," else ""
+        raise DataError(
+            f"{_where(table, block, bad[0], source)}: {what}{more}; expected a number{mark}. Mend or delete the row"
+        )
+    return numbers * source.factor + source.offset
+
+
+def _directions(table: Table, block: Block, source: Source) -> Array:
+    assert source.position is not None
+    signs = dict(source.words)
+    words = [f"{c:g}" if isinstance(c, float) else str(c).strip().lower() for c in block.cells[source.position]]
+    numbers = np.array([signs.get(word, np.nan) for word in words])
+    bad = np.flatnonzero(np.isnan(numbers))
+    if len(bad):
+        raise DataError(
+            f"{_where(table, block, bad[0], source)}: holds {words[int(bad[0])][:40]!r}; expected {' or '.join(signs)}"
+        )
+    return numbers
+
+
+def _where(table: Table, block: Block, index: int, source: Source) -> str:
+    return f"{table.place}, row {block.rows[int(index)]}, column {source.header!r}"
+
+
+def _cuts(table: Table, block: Block, sources: dict[str, Source], values: Values, last: dict[str, float]) -> list[int]:
+    """Rows of a block that begin a run. Raises DataError for time that runs backwards within one."""
+    cuts = set(block.starts)
+    if "time" in values and len(block):
+        kept = [key for key in ("time", "pressure_set") if key in values]
+        before = {key: np.r_[last.get(key, values[key][0]), values[key][:-1]] for key in kept}
+        back = values["time"] < before["time"]
+        if "pressure_set" in values:
+            cuts |= {int(k) for k in np.flatnonzero(back & (values["pressure_set"] != before["pressure_set"]))}
+        wrong = [int(k) for k in np.flatnonzero(back) if int(k) not in cuts]
+        if wrong:
+            then, now = before["time"][wrong[0]], values["time"][wrong[0]]
+            raise DataError(
+                f"{_where(table, block, wrong[0], sources['time'])}: time runs backwards "
+                f"({then:g} s, then {now:g} s); sort the rows or mend the clock"
+            )
+    return sorted(cuts)
+
+
+def contraction_of(values: Values, length_mm: float) -> Array:
+    """Contraction ratio, shape (n,), from whichever of the three the values hold."""
+    if "contraction" in values:
+        return values["contraction"]
+    if "displacement" in values:
+        return values["displacement"] / length_mm
+    return 1.0 - values["length"] / length_mm
+
+
+def _check_ranges(table: Table, block: Block, sources: dict[str, Source], values: Values, length_mm: float) -> None:
+    contraction = contraction_of(values, length_mm)
+    wild = np.flatnonzero(np.abs(contraction) >= MOST_CONTRACTION)
+    if len(wild):
+        key = next(k for k in SHAPES if k in values)
+        raise DataError(
+            f"{_where(table, block, wild[0], sources[key])}: contraction ratio {contraction[wild[0]]:.3g}; "
+            f"expected within -{MOST_CONTRACTION} to {MOST_CONTRACTION}. Check the unit of the column and "
+            "initial_length_mm of the specimen"
+        )
+    high = np.flatnonzero(np.abs(values["pressure"]) > MOST_MPA)
+    if len(high):
+        raise DataError(
+            f"{_where(table, block, high[0], sources['pressure'])}: {values['pressure'][high[0]]:g} MPa; "
+            f"expected a gauge pressure below {MOST_MPA:g} MPa. Check the unit of the column"
+        )
+
+
+def join_runs(runs: Iterable[Values], place: str) -> Values:
+    """One set of arrays from the runs of a test; a run whose clock began anew is put a pause after the one before.
+
+    The pause is long enough to be told from a step of the clock. Raises DataError where runs hold other quantities.
+    """
+    found = list(runs)
+    if len(found) == 1:
+        return found[0]
+    for values in found[1:]:
+        if odd := set(values) ^ set(found[0]):
+            raise DataError(
+                f"{place}: {', '.join(sorted(odd))} is in some files of this record and not in others; expected the "
+                "same columns in all"
+            )
+    if "time" in found[0]:
+        steps = [np.quantile(np.diff(v["time"]), 0.95) for v in found if len(v["time"]) > 1]
+        pause = max(60.0, 10.0 * max(steps, default=0.0))
+        for before, values in pairwise(found):
+            if values["time"][0] <= before["time"][-1]:
+                values["time"] = values["time"] - values["time"][0] + before["time"][-1] + pause
+    return {key: np.concatenate([values.pop(key) for values in found]) for key in list(found[0])}

@@ -1,0 +1,88 @@
+"""Which files are a record, and which loader reads each."""
+
+import re
+from dataclasses import dataclass
+from glob import glob, has_magic
+from importlib import import_module
+from pathlib import Path
+
+from ..core import DataError
+from .mapping import Mapping, read_mapping
+from .table import Table
+from .text_table import read_layout, read_text
+
+TEXT = (".csv", ".tsv", ".txt", ".dat", ".asc")
+LOADERS = {".xlsx": "excel", ".xlsm": "excel", ".mat": "mat", ".tdms": "tdms", ".lvm": "lvm", ".parquet": "parquet"}
+"""Ending → the module beside this one whose `read_tables(path, mapping)` reads it."""
+
+
+@dataclass(frozen=True)
+class Files:
+    """The files of a record, as `given`: one, or several that are runs of one test. `name` is empty for several."""
+
+    given: str
+    paths: tuple[Path, ...]
+    folder: Path
+    name: str
+
+    @property
+    def mapping(self) -> Mapping | None:
+        """What the columns.toml beside the files says, None where there is none."""
+        beside = self.folder / "columns.toml"
+        return read_mapping(beside) if beside.is_file() else None
+
+    def written(self) -> str:
+        """How the first file is written, in words."""
+        ending = _ending(self.paths[0])
+        if ending in LOADERS:
+            return f"as {ending}"
+        layout = read_layout(self.paths[0], self.mapping)
+        names = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
+        header = f"header in row {layout.header_line}" if layout.header_line else "no header"
+        mark = "comma" if layout.decimal == "," else "point"
+        between = names.get(layout.delimiter, repr(layout.delimiter))
+        return f"as text ({layout.encoding}), {between} between cells, decimal {mark}, {header}"
+
+
+def find_files(path: str | Path) -> Files:
+    """The files of a record: one, those of a folder, or those of a pattern (`runs/*.csv`), in the order of the numbers
+    in their names. Raises DataError where there are none."""
+    given, path = str(path), Path(path)
+    if path.is_file():
+        return Files(given, (path,), path.parent, path.name.removesuffix(".gz").rpartition(".")[0] or path.name)
+    if path.is_dir():
+        found = [file for file in path.iterdir() if file.is_file() and _ending(file) in (*TEXT, *LOADERS)]
+        if not found:
+            endings = ", ".join((*TEXT, *LOADERS))
+            raise DataError(f"{given}: a folder without a record; expected files ending in {endings}. Name a file")
+    elif has_magic(given):
+        found = [Path(name) for name in glob(given, recursive=True) if Path(name).is_file()]
+        found = [file for file in found if file.suffix != ".toml"]
+        if not found:
+            raise DataError(f"{given}: no file fits this pattern; check it, and the folder it begins in")
+    else:
+        raise DataError(f"{given}: no such file; give the path of a CSV record")
+    found.sort(key=_natural)
+    return Files(given, tuple(found), found[0].parent, "")
+
+
+def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
+    """The tables of a file, by its ending; what ends in no known way is read as text."""
+    ending = _ending(path)
+    if ending == ".xls":
+        raise DataError(f"{path}: an old Excel file; save it as .xlsx or as CSV")
+    if path.stat().st_size == 0:
+        raise DataError(f"{path}: the file is empty; expected a header row and one row a sample")
+    if ending in LOADERS:
+        return import_module(f".{LOADERS[ending]}", __package__).read_tables(path, mapping)
+    return read_text(path, mapping)
+
+
+def _ending(path: Path) -> str:
+    return Path(path.name.lower().removesuffix(".gz")).suffix
+
+
+def _natural(path: Path) -> list[tuple[int, float, str]]:
+    """Sort key under which run2 is before run10."""
+    words = re.split(r"(\d+(?:\.\d+)?)", str(path))
+    return [(1, 0.0, word) if k % 2 == 0 else (0, float(word), "") for k, word in enumerate(words)]

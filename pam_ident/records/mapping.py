@@ -1,0 +1,124 @@
+"""columns.toml: which column of a foreign file is what, for anything that names and units do not tell."""
+
+import tomllib
+from collections.abc import Mapping as Dict
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..core import DataError
+from ..core.units import TO_INTERNAL, split_header
+from .quantities import BRANCHES, QUANTITIES, SHAPES, Source, check_complete, quantity_of, scale_of
+from .table import Table
+
+LAYOUT = {"delimiter": str, "decimal": str, "encoding": str, "header_row": int, "part": str}
+ENTRY = {"column", "value", "factor", "offset"}
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """What a columns.toml says: `columns` maps a quantity with its unit (`force_N`) to an entry, `layout` is the
+    optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part (a sheet or group)."""
+
+    path: str
+    columns: Dict[str, Dict[str, Any]]
+    layout: Dict[str, Any]
+
+    def known(self, header: str) -> str | None:
+        """The header itself where a column is given by it; all quantities are known where columns are numbered."""
+        names = [entry["column"] for entry in self.columns.values() if isinstance(entry.get("column"), str)]
+        return header if header in names else quantity_of(header) if not names else None
+
+    @property
+    def enough(self) -> int:
+        """How many names the header must hold to be taken for it."""
+        names = {entry["column"] for entry in self.columns.values() if isinstance(entry.get("column"), str)}
+        return len(names) or 2
+
+    def sources(self, table: Table) -> dict[str, Source]:
+        """The columns that are named here; no others are read. Raises DataError where one is not in the table."""
+        found = {}
+        for key, entry in self.columns.items():
+            name, unit = split_header(key)
+            factor, offset = scale_of(name, unit, f"{self.path}, {key}")
+            scale = (factor * entry.get("factor", 1.0), factor * entry.get("offset", 0.0) + offset)
+            if "value" in entry:
+                found[name] = Source(f"{entry['value']:g} by {self.path}", None, value=entry["value"] * factor + offset)
+                continue
+            position = self._position(table, key, entry["column"])
+            self._check_unit(table.headers[position], key, name, factor, "factor" in entry)
+            words = tuple((str(entry.get(word, word)).strip().lower(), sign) for word, sign in BRANCHES.items())
+            header = table.headers[position] if table.headers[position] else f"column {position + 1}"
+            found[name] = Source(header, position, *scale, words=words)
+        return found
+
+    def _check_unit(self, header: str, key: str, name: str, factor: float, told: bool) -> None:
+        """Refuse a unit against the one that the file states, unless a factor says that it is meant."""
+        unit = split_header(header)[1]
+        known = TO_INTERNAL.get(QUANTITIES[name], {})
+        if not told and unit in known and known[unit][0] != factor:
+            raise DataError(
+                f"{self.path}: {key}, but the column's header is {header!r}, in {unit}; mend the unit, or give a factor"
+            )
+
+    def _position(self, table: Table, key: str, column: str | int) -> int:
+        if isinstance(column, int):
+            if 1 <= column <= len(table.headers):
+                return column - 1
+            raise DataError(
+                f"{self.path}: {key} is column {column}, but {table.place} has {len(table.headers)} columns; mend one"
+            )
+        places = [k for k, pair in enumerate(zip(table.names, table.headers, strict=True)) if column in pair]
+        if len(places) == 1:
+            return places[0]
+        what = f"{len(places)} columns {column!r}; give its number instead" if places else f"no column {column!r}"
+        raise DataError(f"{table.head}: {what} ({self.path}: {key}) among {', '.join(map(repr, table.names))[:300]}")
+
+
+def read_mapping(path: str | Path) -> Mapping:
+    """Read a columns.toml. Raises DataError for what it cannot mean."""
+    try:
+        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    strange = set(content) - {"columns", "file"}
+    table, layout = content.get("columns"), content.get("file", {})
+    if strange or not isinstance(table, dict) or not table or not isinstance(layout, dict):
+        raise DataError(f"{path}: expected a table [columns], such as force_N = 'Load', and perhaps [file]")
+    for key, value in layout.items():
+        if not isinstance(value, LAYOUT.get(key, ())) or isinstance(value, bool):
+            raise DataError(f"{path}: [file] {key} = {value!r}; expected of {', '.join(LAYOUT)}, text or a row number")
+    if layout.get("decimal", ".") not in (".", ",") or len(layout.get("delimiter", ";")) != 1:
+        raise DataError(f"{path}: [file] expected a decimal mark of '.' or ',' and a delimiter of one character")
+    columns = {key: _entry(path, key, value) for key, value in table.items()}
+    quantities = [split_header(key)[0] for key in columns]
+    if len(set(quantities)) < len(quantities):
+        raise DataError(f"{path}: [columns] gives a quantity twice; keep one")
+    if len(set(quantities) & set(SHAPES)) > 1:
+        raise DataError(f"{path}: [columns] gives more than one of {', '.join(SHAPES)}; keep one")
+    check_complete(quantities, f"{path}: [columns]", list(columns))
+    return Mapping(str(path), columns, layout)
+
+
+def _entry(path: str | Path, key: str, value: object) -> dict[str, Any]:
+    if quantity_of(key) is None:
+        raise DataError(
+            f"{path}: [columns] {key}: expected a quantity with its unit, such as force_N; known are "
+            f"{', '.join(QUANTITIES)}"
+        )
+    entry = value if isinstance(value, dict) else {"column": value}
+    numbers = [entry[k] for k in ("value", "factor", "offset") if k in entry]
+    allowed = ENTRY | (set(BRANCHES) if split_header(key)[0] == "branch" else set())
+    good = (
+        set(entry) <= allowed
+        and ("column" in entry) != ("value" in entry)
+        and isinstance(entry.get("column", 1), str | int)
+        and not isinstance(entry.get("column", 1), bool)
+        and all(isinstance(x, int | float) and not isinstance(x, bool) for x in numbers)
+    )
+    if not good:
+        raise DataError(
+            f"{path}: [columns] {key} = {value!r}; expected a header, a column's number from 1, or a table of column "
+            "(with factor and offset, if need be) or value"
+        )
+    return entry

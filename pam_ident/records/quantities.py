@@ -1,0 +1,103 @@
+"""What a record is made of, and which column holds it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..core import DataError
+from ..core.units import TO_INTERNAL, conversion, split_header
+from .table import Table
+
+QUANTITIES = {
+    "time": "time",
+    "pressure": "pressure",
+    "pressure_set": "pressure",
+    "displacement": "length",
+    "contraction": "ratio",
+    "length": "length",
+    "force": "force",
+    "temperature": "temperature",
+    "cycle": "ratio",
+    "branch": "text",
+    "slack": "ratio",
+}
+"""Quantity → dimension of its unit."""
+SHAPES = ("displacement", "contraction", "length")
+BRANCHES = {"contraction": 1.0, "extension": -1.0}
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a quantity is from: the column at `position`, or `value` for all rows where that is None.
+
+    internal = factor · cell + offset; `words` are the branches' names in lower case with their signs.
+    """
+
+    header: str
+    position: int | None
+    factor: float = 1.0
+    offset: float = 0.0
+    value: float = 0.0
+    words: tuple[tuple[str, float], ...] = tuple(BRANCHES.items())
+
+
+def quantity_of(header: str) -> str | None:
+    """The quantity that a header names, None for any other header."""
+    name, _ = split_header(header)
+    return name if name in QUANTITIES else None
+
+
+def scale_of(quantity: str, unit: str | None, where: str) -> tuple[float, float]:
+    """Factor and offset to the internal unit; `where` names the column. Raises DataError for an unknown unit."""
+    dimension = QUANTITIES[quantity]
+    return (1.0, 0.0) if dimension == "text" else conversion(dimension, unit, where)
+
+
+def find_sources(table: Table) -> dict[str, Source]:
+    """The columns of a table by name and unit. Raises DataError where one is missing, doubled, or of unknown unit."""
+    found: dict[str, int] = {}
+    for position, header in enumerate(table.headers):
+        name = quantity_of(header)
+        if name is None:
+            continue
+        if name in found:
+            first = table.headers[found[name]]
+            if first == header:
+                raise DataError(f"{table.head}: two columns are called {header!r}; keep one")
+            raise DataError(f"{table.place}: columns {first!r} and {header!r} are both {name}; keep one")
+        found[name] = position
+    _refuse_unknown_units(table, found)
+    check_complete(found, table.head, table.headers)
+    shapes = [table.headers[found[key]] for key in SHAPES if key in found]
+    if len(shapes) > 1:
+        raise DataError(f"{table.head}: columns {' and '.join(shapes)} say the same thing; keep one")
+    sources = {}
+    for name, position in found.items():
+        header = table.headers[position]
+        unit = split_header(header)[1]
+        sources[name] = Source(header, position, *scale_of(name, unit, f"{table.place}, column {header!r}"))
+    return sources
+
+
+def _refuse_unknown_units(table: Table, found: dict[str, int]) -> None:
+    """A name with a suffix that is no unit is a slip where nothing else gives the quantity."""
+    for header in table.headers:
+        name, _, unit = split_header(header)[0].rpartition("_")
+        if name in QUANTITIES and name not in found and quantity_of(header) is None:
+            raise DataError(
+                f"{table.head}, column {header!r}: unknown unit {unit!r} for {name}; expected one of "
+                f"{', '.join(TO_INTERNAL.get(QUANTITIES[name], ()))}, or another name if it is something else"
+            )
+
+
+def check_complete(found: Sequence[str] | dict[str, int], head: str, headers: Sequence[str]) -> None:
+    """Raise DataError where pressure, force or the muscle's shape is missing."""
+    there = f"among {', '.join(map(repr, headers))[:300]}"
+    cure = "or say in a columns.toml beside the file which it is"
+    for need, name in (("pressure", "pressure_MPa"), ("force", "force_N")):
+        if need not in found:
+            raise DataError(f"{head}: no {need} column {there}; name it {name} (or with another unit), {cure}")
+    if not any(key in found for key in SHAPES):
+        raise DataError(
+            f"{head}: no displacement_mm, contraction, contraction_pct or length_mm column {there}; "
+            f"name one of them so, {cure}"
+        )

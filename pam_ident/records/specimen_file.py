@@ -1,0 +1,56 @@
+"""specimen.toml: the muscle's geometry at rest, and the errors of the sensors where they are known."""
+
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from ..core import DataError, Sensors, Specimen
+
+
+def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
+    """Read the table [specimen] of a TOML file. Raises DataError for missing keys or values out of range."""
+    path = Path(path)
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        beside = f" beside {record}" if record else ""
+        raise DataError(
+            f"{path}: no specimen file{beside}; write one with a table [specimen] (name, initial_length_mm, "
+            "initial_radius_mm, braid_angle_deg) or pass --specimen FILE"
+        ) from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    table = content.get("specimen")
+    if not isinstance(table, dict):
+        raise DataError(
+            f"{path}: no table [specimen]; expected name, initial_length_mm, initial_radius_mm, braid_angle_deg"
+        )
+    given: dict[str, Any] = {}
+    for item in fields(Specimen):
+        if item.name == "name" and item.name in table:
+            given["name"] = str(table["name"])
+        elif item.name in table and item.name != "sensors":
+            given[item.name] = _toml_number(path, "specimen", item.name, table[item.name])
+        elif item.name not in ("wall_thickness_mm", "sensors"):
+            raise DataError(f"{path}: [specimen] lacks {item.name}; add it")
+    try:
+        return Specimen(**given, sensors=_read_sensors(path, content.get("sensors")))
+    except DataError as error:
+        raise DataError(f"{path}: {error}") from None
+
+
+def _read_sensors(path: Path, table: object) -> Sensors | None:
+    """The optional table [sensors]."""
+    if table is None:
+        return None
+    names = [item.name for item in fields(Sensors)]
+    if not isinstance(table, dict) or "force_N" not in table or not set(table) <= set(names):
+        raise DataError(f"{path}: [sensors] needs force_N and may hold {', '.join(names[1:])}, standard deviations")
+    return Sensors(**{name: _toml_number(path, "sensors", name, value) for name, value in table.items()})
+
+
+def _toml_number(path: Path, table: str, name: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise DataError(f"{path}: [{table}] {name} = {value!r}; expected a number")
+    return float(value)

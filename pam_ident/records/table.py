@@ -1,0 +1,93 @@
+"""A table as a file holds it, before its columns are known: what every loader hands on."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from ..core import UsageError
+
+
+@dataclass(frozen=True)
+class Block:
+    """Some rows of a table. `cells` maps a column's position to its cells, `rows` numbers the rows as the file does,
+    `starts` are the rows (from 0 in this block) at which the file begins anew, with its header repeated.
+    """
+
+    cells: dict[int, pd.Series]
+    rows: Sequence[int]
+    starts: tuple[int, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of a file. `place` names it in errors (the file, and the sheet or group in it), `head` its header there.
+
+    `names` are the headers as written, `headers` those with the units of a row of units. `read` takes the positions of
+    the columns that are wanted and gives the rows block by block. `decimal` is the decimal mark of cells that are text.
+    """
+
+    place: str
+    head: str
+    names: tuple[str, ...]
+    headers: tuple[str, ...]
+    read: Callable[[Sequence[int]], Iterable[Block]]
+    decimal: str = "."
+
+
+def table_in_memory(
+    place: str, head: str, frame: pd.DataFrame, first_row: int, names: Sequence[str] = (), decimal: str = "."
+) -> Table:
+    """A table whose columns are read already; `frame`'s columns are the headers, its first row is `first_row`.
+
+    Clock times become seconds since the first.
+    """
+    columns, headers = [], []
+    for position, header in enumerate(map(str, frame.columns)):
+        column = frame.iloc[:, position]
+        if len(column) and (seconds := _clock(column)) is not None:
+            column, header = seconds, f"{header} [s]"
+        columns.append(column)
+        headers.append(header)
+
+    def read(wanted: Sequence[int]) -> Iterator[Block]:
+        yield Block({k: columns[k] for k in wanted}, range(first_row, first_row + len(frame)))
+
+    return Table(place, head, tuple(names) or tuple(map(str, frame.columns)), tuple(headers), read, decimal)
+
+
+def _clock(column: pd.Series) -> pd.Series | None:
+    """Seconds since the first of a column of clock times or of time spans; None for any other."""
+    if column.dtype == object and hasattr(column.iloc[0], "isoformat"):
+        column = pd.to_datetime(column, errors="coerce")
+    if column.dtype.kind == "M":
+        column = column - column.iloc[0]
+    return column.dt.total_seconds() if column.dtype.kind == "m" else None
+
+
+def need_extra(package: str, path: object) -> UsageError:
+    """The error of a format whose package is not installed."""
+    return UsageError(f"{path}: reading it needs {package}; install it with: pip install 'pam-ident[formats]'")
+
+
+def number_of(cell: object, decimal: str = ".") -> float:
+    """A cell as a number, NaN where it is none; a point is no decimal mark where the mark is a comma."""
+    if isinstance(cell, str):
+        if "_" in cell or (decimal != "." and "." in cell):
+            return np.nan
+        cell = cell.replace(decimal, ".")
+    elif isinstance(cell, bool | np.bool_) or not isinstance(cell, int | float | np.number):
+        return np.nan
+    try:
+        return float(cell)
+    except (ValueError, OverflowError):
+        return np.nan
+
+
+def count_numbers(cells: Iterable[object], decimal: str = ".") -> int:
+    """How many cells are finite numbers."""
+    return sum(bool(np.isfinite(number_of(cell, decimal))) for cell in cells)

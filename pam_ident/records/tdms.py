@@ -1,0 +1,66 @@
+"""NI TDMS files: each group of channels is a table, or a run of the test."""
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from ..core import DataError
+from ..core.units import split_header
+from .mapping import Mapping
+from .quantities import quantity_of
+from .table import Table, need_extra, table_in_memory
+
+
+def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
+    """The groups that hold channels; a unit is the channel's property `unit_string`, the time that of the waveform
+    where no channel is called so. Samples count from 1. Raises DataError, UsageError without npTDMS.
+    """
+    try:
+        import nptdms
+        from nptdms.log import log_manager
+    except ImportError:
+        raise need_extra("npTDMS", path) from None
+    log_manager.set_level(logging.CRITICAL)  # what it would print of a broken file is an error here
+    try:
+        file = nptdms.TdmsFile.read(path)
+        groups = {group.name: group.channels() for group in file.groups()}
+    except Exception as error:  # a broken file ends in any of a dozen errors of the package
+        raise DataError(f"{path}: not a readable TDMS file ({error}); copy it again from the rig") from None
+    if file.file_status.incomplete_final_segment:
+        raise DataError(f"{path}: the file breaks off within its last segment; copy it again from the rig")
+    wanted = mapping.layout.get("part") if mapping else None
+    tables = [
+        _table(f"{path}, group {name!r}", channels)
+        for name, channels in groups.items()
+        if channels and wanted in (None, name)
+    ]
+    if not tables:
+        what = "no channels" if wanted is None else f"no group {wanted!r} among {', '.join(groups)}"
+        raise DataError(f"{path}: {what}; expected channels such as force and pressure in a group")
+    return tables
+
+
+def _table(place: str, channels: list) -> Table:
+    lengths = {channel.name: len(channel) for channel in channels}
+    n = max(lengths.values())
+    if not n:
+        raise DataError(f"{place}: channels but no samples")
+    columns = {}
+    for channel in channels:
+        unit = str(channel.properties.get("unit_string", "")).strip()
+        bare = unit and split_header(channel.name)[1] is None
+        header = f"{channel.name} [{unit}]" if bare else channel.name
+        if len(channel) != n and quantity_of(header) is not None:
+            raise DataError(f"{place}, channel {channel.name!r}: {len(channel)} samples, others {n}; expected as many")
+        if len(channel) == n:
+            columns[header] = channel[:]
+    names = [channel.name for channel in channels if len(channel) == n]
+    if not any(quantity_of(header) == "time" for header in columns):
+        steps = {float(channel.properties.get("wf_increment", 0.0)) for channel in channels if len(channel) == n}
+        if len(steps) == 1 and (step := steps.pop()) > 0.0:
+            start = float(channels[0].properties.get("wf_start_offset", 0.0))
+            columns["time [s]"] = start + step * np.arange(n)
+            names.append("time")
+    return table_in_memory(place, place, pd.DataFrame(columns), 1, names)

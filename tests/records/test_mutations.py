@@ -1,0 +1,35 @@
+"""Files damaged by chance: never a traceback, never a silently wrong unit. The full count is run by mutations.py."""
+
+import os
+
+import numpy as np
+import pytest
+from corpus import SPECIMEN, as_text
+from mutations import one, verdict
+
+from pam_ident.records import read_record
+
+COUNT = int(os.environ.get("PAM_IDENT_MUTATIONS", "400"))
+
+
+def test_damaged_files_are_read_right_or_refused(tmp_path):
+    (tmp_path / "specimen.toml").write_text(SPECIMEN)
+    found = [one(tmp_path, np.random.default_rng([7, k])) for k in range(COUNT)]
+    assert [x for x in found if x[2]] == []
+    assert {x[1] for x in found} == {"read", "refused"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ("pressure_MPa", "pressure_bar", "row 0"),
+        ("force_N", "force_kN", "row 0"),
+        ("1375.25,1", "1", ""),
+        ("1350.25", "1350.26", ""),
+        ("50.25", "50.26", "rows differ"),
+    ],
+)
+def test_the_judge_sees_what_is_wrong(put, old, new, fault):
+    text = as_text()
+    record = read_record(put(text.replace(old, new)))
+    assert fault in verdict(record, text.splitlines()[0], 1, 1 if fault != "row 0" else 0)
