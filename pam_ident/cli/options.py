@@ -7,7 +7,14 @@ import typer
 if TYPE_CHECKING:
     from ..workflow.setup import Setup
 
-Record = Annotated[str, typer.Argument(metavar="RECORD", help="CSV record of a test rig.", show_default=False)]
+Record = Annotated[
+    str,
+    typer.Argument(
+        metavar="RECORD",
+        help="Record of a test rig: a file (docs/records.md), a folder, or a quoted glob.",
+        show_default=False,
+    ),
+]
 Law = Annotated[
     str,
     typer.Option(

@@ -23,10 +23,10 @@ LIKELY = (0.4, 2.5)
 """Slope of the force over the pressure beside the ideal braid's. Measured muscles (Festo DMSP-20 of two laboratories, a
 hand-made one of a third) and the data sets that come along lie between 0.76 and 1.31."""
 LATEST_MPA = 0.12
-"""Gauge pressure at which a muscle near its full length begins to pull, at the latest; the same ones lie between 0.04 and
-0.09 MPa."""
+"""Gauge pressure at which a muscle near its full length begins to pull, at the latest; the same ones lie between 0.04
+and 0.09 MPa."""
 BEND = (0.06, 1.0)
-"""Contraction at which a straight line through an isobar meets zero force; an ideal braid's free contraction is 0.36."""
+"""Contraction at which a straight line through an isobar meets zero force; an ideal braid's free one is 0.36."""
 
 
 class Pull(NamedTuple):
@@ -78,8 +78,9 @@ def _doubt_pull(pull: Pull, lowest_MPa: float) -> Iterator[str]:
         )
     elif pull.begins_MPa > LATEST_MPA and lowest_MPa > 0.9 * ATMOSPHERE_MPA:
         yield (
-            f"near its full length the muscle begins to pull at {pull.begins_MPa:.3f} MPa, and no pressure is below the "
-            f"air's: the pressure may be absolute. If so, take {ATMOSPHERE_MPA:.4f} MPa off (offset in a columns.toml)."
+            f"near its full length the muscle begins to pull at {pull.begins_MPa:.3f} MPa, and no pressure is below "
+            f"the air's: the pressure may be absolute. If so, take {ATMOSPHERE_MPA:.4f} MPa off "
+            "(offset in a columns.toml)."
         )
 
 
@@ -101,8 +102,8 @@ def _doubt_contraction(record: Record) -> Iterator[str]:
         end = float(-offset / slope)
         if not BEND[0] < end < BEND[1] and force.mean() > 0.0:
             yield (
-                f"at {level:g} MPa the force falls as if it ended at a contraction of {end:.3g}, where a braided muscle "
-                "ends at 0.15 to 0.4. Check the unit of the displacement and initial_length_mm of the specimen."
+                f"at {level:g} MPa the force falls as if it ended at a contraction of {end:.3g}, where a braided "
+                "muscle ends at 0.15 to 0.4. Check the unit of the displacement and initial_length_mm of the specimen."
             )
 
 
@@ -114,8 +115,8 @@ def doubt_clock(record: Record) -> Iterator[str]:
     steps = np.diff(time)[(np.diff(segment) != 0) & (np.diff(record.level) == 0.0)]
     if len(steps):
         yield (
-            f"the time jumps {len(steps)} times within an isobar, by up to {steps.max():.4g} s: samples are lost or the "
-            "run was stopped. Log without a break, or give each run a file of its own."
+            f"the time jumps {len(steps)} times within an isobar, by up to {steps.max():.4g} s: samples are lost or "
+            "the run was stopped. Log without a break, or give each run a file of its own."
         )
     drift = _tare_drift(record)
     if drift is not None:

@@ -279,7 +279,8 @@ def track_json(found: "Track") -> Json:
             "structure": budget.structure,
             "tuning": budget.tuning,
             "muscle": budget.muscle,
-            "all_rms_deg": budget.everything,
+            "all_rms_deg": budget.by_hand,
+            "automatic_rms_deg": budget.automatic,
         },
     }
 

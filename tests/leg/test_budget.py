@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from plain_loop import smooth_example
 
+from pam_ident.leg import tuning
 from pam_ident.leg.anatomy import KNEE, LEG
 from pam_ident.leg.budget import budget
-from pam_ident.leg.control import Gains, Sensor
+from pam_ident.leg.control import Sensor
 from pam_ident.leg.hinge import Hinge
 from pam_ident.leg.linear import SPEED_MM_S, linearised
 from pam_ident.leg.loop import Loop
 from pam_ident.leg.muscle import Muscle
-from pam_ident.leg.tuning import Tuned, tune_by_hand
+from pam_ident.leg.tuning import tune, tune_by_hand
 from pam_ident.model import Model
 
 RANGES = ((0.0, 0.6), (0.0, 0.25))
@@ -63,15 +64,26 @@ def test_a_hinge_turns_the_sprocket_by_the_mean_of_the_four_bar():
     assert posture.centre == pytest.approx([0.0, 0.0]) and posture.ratio == pytest.approx(2 * [turned / 1.1])
 
 
-def test_causes_that_are_absent_have_no_share(example, task):
-    """A linear muscle on a hinge: both other legs are the leg itself, so hand tuning ends at the same gains."""
+def test_causes_that_are_absent_have_no_share(example, task, monkeypatch):
+    """A linear muscle on a hinge: both other legs are the leg itself, so tuning ends at the same gains."""
+    monkeypatch.setattr(tuning, "GENERATIONS", 2)
     pair, _ = example
     leg = replace(LEG, knee=Hinge.like(KNEE, (0.0, 1.1)))
     loop = Loop(replace(pair, leg=leg, muscle=linearised(pair.muscle, *RANGES)), Sensor(bits=40))
     by_hand = tune_by_hand(loop, task, JUDGED)
-    automatic = Tuned(Gains(1.0, 1.0, 0.1), 1, 0.25 * by_hand.rms_deg, 0.0)
+    automatic = tune(loop, task, JUDGED, by_hand.gains)
     found = budget(loop, task, JUDGED, by_hand, automatic)
-    assert found.everything == by_hand.rms_deg > 0.1
-    assert found.structure == pytest.approx(0.0, abs=1e-6)
-    assert found.muscle == pytest.approx(0.0, abs=1e-6)
-    assert found.tuning == pytest.approx(0.75 * by_hand.rms_deg)
+    assert found.by_hand == by_hand.rms_deg > 0.1
+    assert found.tuning == pytest.approx(by_hand.rms_deg - automatic.rms_deg)
+    assert found.structure == pytest.approx(0.0, abs=0.02 * automatic.rms_deg)
+    assert found.muscle == pytest.approx(0.0, abs=0.02 * automatic.rms_deg)
+
+
+def test_a_muscle_that_bends_and_sticks_has_a_share(example, task, monkeypatch):
+    monkeypatch.setattr(tuning, "GENERATIONS", 2)
+    pair, _ = example
+    loop = Loop(pair, Sensor(bits=40))
+    by_hand = tune_by_hand(loop, task, JUDGED)
+    automatic = tune(loop, task, JUDGED, by_hand.gains)
+    found = budget(loop, task, JUDGED, by_hand, automatic)
+    assert abs(found.muscle) > 0.02 * automatic.rms_deg
