@@ -64,8 +64,8 @@ def gains(given: tuple[float, ...]) -> str:
 
 def cadences(found: dict[tuple[str, str], Track]) -> str:
     rows = [
-        "| strides a second | leg | PID by hand | PID | rung 0 | rung 2 | last rung: rms | peak | own model | troubles of "
-        "the last rung |",
+        "| strides a second | leg | PID by hand | PID | rung 0 | rung 2 | last rung: rms | peak | own model | troubles "
+        "of the last rung |",
         "|---|---|---:|---:|---:|---:|---:|---:|---:|---|",
     ]
     for (task, leg), track in found.items():
