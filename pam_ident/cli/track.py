@@ -72,7 +72,7 @@ def track(
     found = track_leg(wishes)
     if json is not None:
         from ..workflow.files import write_json
-        from ..workflow.to_json import track_json
+        from ..workflow.track_json import track_json
 
         write_json(json, track_json(found))
     text.say(*_head(found), "", *_table(found), *_troubles(found), "", *_budget(found))
