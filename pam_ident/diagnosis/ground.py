@@ -111,7 +111,7 @@ def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> lis
 
 def _grams(matrix: Array, width: int) -> Array:
     """Gram matrices (m, width, width) of the columns i, m + i, 2 m + i, … of a matrix (n, width · m)."""
-    parts = matrix.reshape(len(matrix), width, -1)
+    parts = matrix.reshape(len(matrix), width, matrix.shape[1] // width)
     found = np.empty((parts.shape[2], width, width))
     for i in range(width):
         for j in range(i + 1):

@@ -57,7 +57,8 @@ class Noise:
         """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same shape."""
         flat = columns.ndim == 1
         table = columns[:, None] if flat else columns
-        out = self._blocks.filter(table) if self.coloured else table * self._weight[:, None]
+        filtered = self.coloured and table.size > 0  # a law without parameters has no columns
+        out = self._blocks.filter(table) if filtered else table * self._weight[:, None]
         return out[:, 0] if flat else out
 
     @cached_property

@@ -6,8 +6,6 @@ from .base import Array, Effect, Shape, TransformsContraction, one
 K1 = Param("k1", "1", "effective contraction per contraction", 0.2, 20.0, start=1.0, neutral=1.0)
 SPAN = Param("e_s", "1", "contraction at which the taper is fully formed", 0.02, 1.0, start=0.1, grid=(0.03, 0.1))
 
-E_2 = Param("e_2", "1", "effective contraction per contraction squared", -20.0, 20.0, scale=0.1)
-E_3 = Param("e_3", "1", "effective contraction per contraction cubed", -100.0, 100.0, scale=0.5)
 E_ON = Param("e_on", "1", "contraction at which the taper begins", 0.01, 0.3, start=0.1, grid=(0.06, 0.12, 0.18))
 
 
@@ -17,10 +15,6 @@ def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _saturating(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(shape["e_s"] * -inputs.xp.expm1(-inputs.contraction / shape["e_s"]))
-
-
-def _polynomial(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return inputs.xp.column_stack([inputs.contraction**2, inputs.contraction**3])
 
 
 def _late(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -35,7 +29,6 @@ EFFECT = Effect(
         TransformsContraction("textbook", "ε → k1 ε", (K1,), _linear),
         TransformsContraction("saturating", "ε → ε + (k1−1) e_s (1 − exp(−ε/e_s))", (K1,), _saturating, (SPAN,)),
         TransformsContraction("late", "ε → ε + (k1−1) max(ε − e_on, 0)", (K1,), _late, (E_ON,)),
-        TransformsContraction("polynomial", "ε → ε + e_2 ε² + e_3 ε³", (E_2, E_3), _polynomial),
     ),
     test="measure the shape or the length of the cylindrical part apart",
     levers=("pressure",),

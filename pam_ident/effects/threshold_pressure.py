@@ -4,7 +4,6 @@ from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsPressure, one
 
 P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01)
-P_E = Param("p_e", "MPa", "growth of the threshold over contraction", -3.0, 3.0, scale=0.05)
 WIDTH = Param("w", "MPa", "pressure over which the threshold is reached", 0.005, 0.15, start=0.08, grid=(0.03, 0.08))
 
 
@@ -16,10 +15,6 @@ def _soft(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(inputs.xp.expm1(-inputs.xp.maximum(inputs.pressure, 0.0) / shape["w"]))
 
 
-def _growing(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -inputs.xp.column_stack([inputs.xp.ones(len(inputs)), inputs.contraction])
-
-
 EFFECT = Effect(
     name="threshold_pressure",
     title="Threshold pressure",
@@ -27,7 +22,6 @@ EFFECT = Effect(
     forms=(
         TransformsPressure("textbook", "p → max(p − p_th, 0)", (P_TH,), _hard),
         TransformsPressure("soft", "p → p − p_th (1 − exp(−p/w))", (P_TH,), _soft, (WIDTH,)),
-        TransformsPressure("growing", "p → max(p − p_th − p_e ε, 0)", (P_TH, P_E), _growing),
     ),
     test="low pressures in small steps, and the pressure gauge against a second one",
     levers=("pressure",),

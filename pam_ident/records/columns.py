@@ -40,7 +40,7 @@ def read_columns(table: Table, sources: dict[str, Source], length_mm: float) -> 
     if run:
         yield run
     elif not last:
-        raise DataError(f"{table.place}: a header but no rows; expected one row a sample")
+        raise DataError(f"{table.place}: a header but no rows of numbers; expected one row a sample")
 
 
 def _append(run: Values, more: Values) -> None:

@@ -52,7 +52,7 @@ def _table(place: str, rows: list[list[Any]], mapping: Mapping | None) -> Table 
     if first >= len(rows) and heading.score < enough:
         return None
     if first >= len(rows):
-        raise DataError(f"{place}: a header but no rows; expected one row a sample")
+        raise DataError(f"{place}: a header but no rows of numbers; expected one row a sample")
     if heading.header is None:
         names, headers, row = tuple(f"column {k + 1}" for k in range(width)), (), first + 1
     else:

@@ -55,7 +55,7 @@ def find_layout(place: str, head: bytes, mapping: Mapping | None = None) -> Layo
     names = heading.names
     data = [row for row in rows[heading.first :] if any(cell.strip() for cell in row)]
     if not data:
-        raise DataError(f"{place}: a header but no rows; expected one row a sample")
+        raise DataError(f"{place}: a header but no rows of numbers; expected one row a sample")
     width = len(data[0])
     line = heading.first + 1
     if heading.header is None:

@@ -131,7 +131,7 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     assert found["schema"] == "pam-ident/ladder/1" and found["verdict"] == "adequate"
     assert found["rungs"][0]["effects"] == [] and len(found["rungs"]) == 2
     for one in found["rungs"]:
-        assert set(one) == {"effects", "rmse_N", "heldout_rmse_N", "parameters"}
+        assert set(one) == {"effects", "rmse_N", "heldout_rmse_N", "parameters", "covariance"}
     assert found["rungs"][-1]["effects"][0].startswith("coulomb_friction")
     assert found["rungs"][-1]["rmse_N"] < 1.1 * found["noise_floor_N"] < 0.3 * found["rungs"][0]["rmse_N"]
     assert "rung" in result.stdout and "noise floor" in result.stdout

@@ -1,5 +1,6 @@
 """`fit` finds what is there, says in words what is not determined, and answers by the contract."""
 
+import numpy as np
 import pytest
 
 PAPER = {
@@ -41,7 +42,11 @@ def test_json_of_a_fit_is_the_contracts(answer, clean):
     }
     branch = found["branches"]["together"]
     contract = {"parameters", "rmse_N", "max_error_N", "r2", "n"}
-    assert set(branch) == contract | {"noise_floor_N", "noise_memory_samples", "lack_of_fit", "stand_ins"}
+    more = {"noise_floor_N", "noise_memory_samples", "lack_of_fit", "stand_ins", "covariance"}
+    assert set(branch) == contract | more
+    names, matrix = branch["covariance"]["names"], np.array(branch["covariance"]["matrix"])
+    errors = [branch["parameters"][name]["stderr"] for name in names]
+    assert np.sqrt(np.diag(matrix)) == pytest.approx(errors, rel=1e-6)
     for one in branch["parameters"].values():
         contract = {"value", "stderr", "unit", "at_bound", "identified"}
         assert set(one) == contract | {"interval", "freedom", "verdict", "partners"}

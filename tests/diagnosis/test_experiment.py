@@ -13,7 +13,7 @@ from pam_ident.diagnosis.experiment import Question, _expected, next_experiment
 from pam_ident.diagnosis.strokes import Strokes, listed
 from pam_ident.effects import catalogue, get_effect
 from pam_ident.fitting import fit
-from pam_ident.model import Model
+from pam_ident.model import Model, Term
 from pam_ident.records import Record, read_record
 from pam_ident.rig import Plan, Protocol, Secret, make_record, write_case
 from pam_ident.rig.protocol_file import read_protocol
@@ -42,8 +42,8 @@ def rubbing(tmp_path_factory):
     plan = Plan(61, CHOU, (Secret("coulomb_friction", "tanh", 2.0),), protocol=ONE_SPEED)
     record = rig_record(tmp_path_factory.mktemp("rubbing"), plan)
     base = fit(Model.build(CHOU), replace(record, inputs=record.steady), detail=False)
-    trial, verdict = investigate(base, [e for e in catalogue().values() if e.candidate])
-    return plan, record, trial, verdict
+    trial, _ = investigate(base, [e for e in catalogue().values() if e.candidate])
+    return plan, record, trial, trial.refit([Term(*get_effect("coulomb_friction"))])
 
 
 @pytest.mark.parametrize(

@@ -33,10 +33,6 @@ def test_a_late_taper_begins_at_its_contraction():
     np.testing.assert_allclose(found, [0.0, 0.0, 0.06], atol=1e-12)
 
 
-def test_a_polynomial_taper_is_square_and_cube():
-    np.testing.assert_allclose(columns("end_taper:polynomial", 0.2)[0], [0.04, 0.008], rtol=1e-12)
-
-
 def test_flat_threads_lose_the_same_force_at_every_contraction():
     found = columns("braid_extensibility:flat", [0.0, 0.1, 0.25], p=[0.2, 0.2, 0.4])[:, 0]
     sine = np.sin(np.radians(25.0))
