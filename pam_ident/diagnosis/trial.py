@@ -123,6 +123,9 @@ class Trial:
         if price is None:
             price = self.price.total(terms)
         verdict = Verdict(tuple(terms), solution.values, squares, squares + price)
+        known = self.cache.get(key)
+        if known is not None and known.squares < squares:  # another start led further
+            verdict = replace(known, cost=known.squares + price)
         self.cache[key] = verdict
         return verdict
 
