@@ -6,8 +6,6 @@ from .base import Array, Effect, Shape, TransformsContraction, one
 K1 = Param("k1", "1", "effective contraction per contraction", 0.2, 20.0, start=1.0, neutral=1.0)
 SPAN = Param("e_s", "1", "contraction at which the taper is fully formed", 0.02, 1.0, start=0.1, grid=(0.03, 0.1))
 
-E_ON = Param("e_on", "1", "contraction at which the taper begins", 0.01, 0.3, start=0.1, grid=(0.06, 0.12, 0.18))
-
 
 def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(inputs.contraction)
@@ -17,10 +15,6 @@ def _saturating(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(shape["e_s"] * -inputs.xp.expm1(-inputs.contraction / shape["e_s"]))
 
 
-def _late(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(inputs.xp.maximum(inputs.contraction - shape["e_on"], 0.0))
-
-
 EFFECT = Effect(
     name="end_taper",
     title="Tapered ends",
@@ -28,7 +22,6 @@ EFFECT = Effect(
     forms=(
         TransformsContraction("textbook", "ε → k1 ε", (K1,), _linear),
         TransformsContraction("saturating", "ε → ε + (k1−1) e_s (1 − exp(−ε/e_s))", (K1,), _saturating, (SPAN,)),
-        TransformsContraction("late", "ε → ε + (k1−1) max(ε − e_on, 0)", (K1,), _late, (E_ON,)),
     ),
     test="measure the shape or the length of the cylindrical part apart",
     levers=("pressure",),

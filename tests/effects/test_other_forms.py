@@ -28,11 +28,6 @@ def test_damping_that_differs_by_branch_is_newtons_per_metre_a_second_on_its_own
     np.testing.assert_allclose(found @ [400.0, 100.0], [-20.0, 0.0, 2.0], atol=1e-12)
 
 
-def test_a_late_taper_begins_at_its_contraction():
-    found = columns("end_taper:late", [0.05, 0.1, 0.16], e_on=0.1)[:, 0]
-    np.testing.assert_allclose(found, [0.0, 0.0, 0.06], atol=1e-12)
-
-
 def test_flat_threads_lose_the_same_force_at_every_contraction():
     found = columns("braid_extensibility:flat", [0.0, 0.1, 0.25], p=[0.2, 0.2, 0.4])[:, 0]
     sine = np.sin(np.radians(25.0))
