@@ -65,8 +65,10 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
 
 def _likely(trial: Trial, verdict: Verdict) -> Verdict:
     """The verdict without what is likelier out than in, all fits weighed; the likeliest name stays."""
-    chance = probabilities(trial, groups(trial, verdict))
     named = [t for t in verdict.terms if t.effect.candidate]
+    if len(named) < 2:
+        return verdict
+    chance = probabilities(trial, groups(trial, verdict))
     doubtful = sorted((t for t in named if chance[t.effect.name] < 0.5), key=lambda t: chance[t.effect.name])
     if len(doubtful) == len(named):
         doubtful = doubtful[:-1]

@@ -45,16 +45,14 @@ class FeedForward:
         posture = pair.leg.knee.at(knee.angle)
         contraction, speed = jax.vmap(pair.stroke)(posture.sprocket, posture.ratio * knee.rate)
         need = inverse(pair.leg, *knee, motion)
-        arm = pair.leg.sprocket_radius_m
 
         def solve(memory: Memory, now: tuple[Array, ...]) -> tuple[Memory, tuple[Array, Array]]:
             time, contraction, speed, need = now
 
             def pulled(split: Array) -> tuple[Array, Memory]:
                 gauge = pair.mean_MPa + split * SIGN
-                force, after = pair.muscle.force(values, memory, time, gauge, contraction, speed)
-                force = jnp.maximum(force, 0.0)
-                return (force[0] - force[1]) * arm, after
+                force, after = pair.pull(values, memory, time, gauge, contraction, speed)
+                return pair.torque(force), after
 
             def halve(_: int, ends: tuple[Array, Array]) -> tuple[Array, Array]:
                 low, high = ends

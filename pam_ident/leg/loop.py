@@ -112,9 +112,9 @@ class Loop:
         pair = self.pair
         posture = pair.leg.knee.at(state.flexion)
         contraction, speed = pair.stroke(posture.sprocket, posture.ratio * state.rate)
-        force, memory = pair.pull(values, memory, time, state.air, contraction, speed)
+        force, memory = pair.pull(values, memory, time, state.air.gauge_MPa, contraction, speed)
         force = force * scale.force
-        torque = (force[0] - force[1]) * pair.leg.sprocket_radius_m / scale.inertia
+        torque = pair.torque(force) / scale.inertia
         faster = acceleration(pair.leg, state.flexion, state.rate, torque, motion)
         return (
             State(state.rate, faster, pair.rates(state.air, reference_Pa, contraction, speed, scale.flow)),
@@ -123,35 +123,42 @@ class Loop:
         )
 
     def _run(self, values: ByBranch, gains: Gains, scale: Scale, task: Task) -> Log:
-        state, memory = self.begin(task)
-        error = task.target[0] - self.sensor.read(state.flexion)
+        state, memory, control = self.begin(task)
 
         def sample(carry: tuple[State, Memory, Control], given: tuple[Array, Task]) -> tuple[Any, Log]:
             state, memory, control = carry
             time, now = given
-            error = now.target - self.sensor.read(state.flexion)
-            split, control = pid(gains, control, error, 0.5 * (now.ahead[0] - now.ahead[1]), self.pair.reach_MPa)
-            reference = jnp.clip(now.ahead + split * SIGN, self.pair.lowest_MPa, self.pair.highest_MPa)
+            split, reference, control = self.command(gains, control, state.flexion, now.target, now.ahead)
 
             def step(carry: tuple[State, Memory], given: tuple[Array, Motion]) -> tuple[tuple[State, Memory], Array]:
                 return self._step(values, scale, carry, reference * 1e6 + ATMOSPHERE, *given)
 
             times = time + STEP_S * jnp.arange(STEPS)
             (after, memory), force = jax.lax.scan(step, (state, memory), (times, now.motion))
-            gauge = (state.air.pressure - ATMOSPHERE) * 1e-6
-            log = Log(state.flexion, state.rate, gauge, reference, force[0], state.air.opening, split)
+            air = state.air
+            log = Log(state.flexion, state.rate, air.gauge_MPa, reference, force[0], air.opening, split)
             return (after, memory, control), log
 
         times = SAMPLE_S * jnp.arange(len(task.target))
-        return jax.lax.scan(sample, (state, memory, start(error)), (times, task))[1]
+        return jax.lax.scan(sample, (state, memory, control), (times, task))[1]
 
-    def begin(self, task: Task) -> tuple[State, Memory]:
-        """The leg on the target, air at rest at the first pressures commanded."""
+    def command(
+        self, gains: Gains, control: Control, flexion: Array, target: Array, ahead: Array
+    ) -> tuple[Array, Array, Control]:
+        """What the controller does at a sample: its split and the references (2,) in MPa, and what it remembers."""
+        pair = self.pair
+        error = target - self.sensor.read(flexion)
+        split, control = pid(gains, control, error, 0.5 * (ahead[0] - ahead[1]), pair.reach_MPa)
+        return split, jnp.clip(ahead + split * SIGN, pair.lowest_MPa, pair.highest_MPa), control
+
+    def begin(self, task: Task) -> tuple[State, Memory, Control]:
+        """The leg on the target, air at rest at the first pressures commanded, a controller that remembers nothing."""
         gauge = jnp.clip(task.ahead[0], self.pair.lowest_MPa, self.pair.highest_MPa)
         contraction, _ = self.pair.stroke(self.pair.leg.knee.at(task.target[0]).sprocket, jnp.zeros(()))
         rate = (task.target[1] - task.target[0]) / SAMPLE_S
         state = State(task.target[0], rate, self.pair.at_rest(gauge, contraction))
-        return state, self.pair.muscle.start(gauge, contraction)
+        control = start(task.target[0] - self.sensor.read(state.flexion))
+        return state, self.pair.muscle.start(gauge, contraction), control
 
     def _step(
         self, values: ByBranch, scale: Scale, carry: tuple[State, Memory], reference: Array, time: Array, motion: Motion
@@ -162,16 +169,21 @@ class Loop:
         first, middle, last = (jax.tree.map(lambda a, k=k: a[k], motion) for k in range(3))
         k1, force, memory = self.rates(values, scale, memory, time, state, reference, first)
 
-        def slope(share: float, k: State, motion: Motion) -> State:
-            point = jax.tree.map(lambda y, d: y + share * STEP_S * d, state, k)
-            return self.rates(values, scale, memory, time + share * STEP_S, point, reference, motion)[0]
+        def slope(share: float, point: State) -> State:
+            at = middle if share < 1.0 else last
+            return self.rates(values, scale, memory, time + share * STEP_S, point, reference, at)[0]
 
-        k2 = slope(0.5, k1, middle)
-        k3 = slope(0.5, k2, middle)
-        k4 = slope(1.0, k3, last)
-        return (runge_kutta(state, k1, k2, k3, k4), memory), force
+        return (runge_kutta(state, k1, slope), memory), force
 
 
-def runge_kutta(state: T, k1: T, k2: T, k3: T, k4: T) -> T:
-    """The state one step on, from the four slopes of the classical method."""
+def runge_kutta(state: T, k1: T, slope: Callable[[float, T], T]) -> T:
+    """The state one step on by the classical method: `k1` is its slope now, `slope` that at a share of the step and a
+    state there."""
+
+    def ahead(share: float, k: T) -> T:
+        return slope(share, jax.tree.map(lambda y, d: y + share * STEP_S * d, state, k))
+
+    k2 = ahead(0.5, k1)
+    k3 = ahead(0.5, k2)
+    k4 = ahead(1.0, k3)
     return jax.tree.map(lambda y, a, b, c, d: y + STEP_S / 6.0 * (a + 2.0 * (b + c) + d), state, k1, k2, k3, k4)

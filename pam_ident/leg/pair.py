@@ -31,6 +31,11 @@ class Air(NamedTuple):
     mass: Array
     opening: Array
 
+    @property
+    def gauge_MPa(self) -> Array:
+        """Gauge pressure in MPa, shape (2,)."""
+        return (self.pressure - ATMOSPHERE) * 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class Pair:
@@ -83,9 +88,12 @@ class Pair:
         return Air(rise, gain, (wanted - air.opening) / self.valve.lag_s)
 
     def pull(
-        self, values: ByBranch, memory: Memory, time: Array, air: Air, contraction: Array, speed: Array
+        self, values: ByBranch, memory: Memory, time: Array, gauge_MPa: Array, contraction: Array, speed: Array
     ) -> tuple[Array, Memory]:
         """Forces in N (2,), never below zero because a chain cannot push, and the memory after it."""
-        gauge = jnp.maximum((air.pressure - ATMOSPHERE) * 1e-6, 0.0)
-        force, memory = self.muscle.force(values, memory, time, gauge, contraction, speed)
+        force, memory = self.muscle.force(values, memory, time, jnp.maximum(gauge_MPa, 0.0), contraction, speed)
         return jnp.maximum(force, 0.0), memory
+
+    def torque(self, force: Array) -> Array:
+        """Torque of the forces (2,) in N on the sprocket in N·m, positive flexes."""
+        return (force[0] - force[1]) * self.leg.sprocket_radius_m

@@ -59,7 +59,7 @@ def test_the_slopes_agree_with_the_plain_plant_at_any_state(example, loop, cours
             y = [rng.uniform(0.0, 1.2), rng.uniform(-5, 5), *p, *rng.uniform(1e-4, 5e-4, 2), *rng.uniform(-1, 1, 2)]
             reference = rng.uniform(1.5e5, 6.5e5, 2)
             expected = plain.slope(y, reference, *gait.hip_and_ankle(time))
-            state, memory = loop.begin(task)
+            state, memory, _ = loop.begin(task)
             air = state.air._replace(pressure=np.array(y[2:4]), mass=np.array(y[4:6]), opening=np.array(y[6:]))
             state = state._replace(flexion=np.float64(y[0]), rate=np.float64(y[1]), air=air)
             motion = course.gait.at(time)
