@@ -23,6 +23,7 @@ from . import (
     track,
 )
 from .door import Door
+from .verbs import verb
 
 app = typer.Typer(
     name="pam-ident",
@@ -31,24 +32,26 @@ app = typer.Typer(
     "which physical effect is missing, add it.",
     epilog="Exit codes: 0 done, 2 usage, 3 the fit is not valid, 4 bad data.",
     rich_markup_mode=None,
-    add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
-app.command()(demo.demo)
-app.command()(inspect.inspect)
-app.command()(fit.fit)
-app.command()(compare.compare)
-app.command()(diagnose.diagnose)
-app.command()(add.add)
-app.command()(ladder.ladder)
-app.command()(report.report)
-app.command()(batch.batch)
-app.command()(rig.rig)
-app.command()(challenge.challenge)
-app.command()(track.track)
-app.command()(laws.laws)
-app.command()(selftest.selftest)
+for command in (
+    demo.demo,
+    inspect.inspect,
+    fit.fit,
+    compare.compare,
+    diagnose.diagnose,
+    add.add,
+    ladder.ladder,
+    report.report,
+    batch.batch,
+    rig.rig,
+    challenge.challenge,
+    track.track,
+    laws.laws,
+    selftest.selftest,
+):
+    app.command()(verb(command))
 app.add_typer(effects.app, name="effects")
 
 

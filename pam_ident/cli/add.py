@@ -28,14 +28,11 @@ def add(
     options.check_json(json)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..workflow.add_effects import add_effects
+    from ..workflow.to_json import addition_json
 
     measured = setup.read(record)
     found = add_effects(measured, setup)
-    if json is not None:
-        from ..workflow.files import write_json
-        from ..workflow.to_json import addition_json
-
-        write_json(json, addition_json(record, found))
+    options.give_json(json, lambda: addition_json(record, found))
     before, after = found.before, found.after
     names = " + ".join(after.model.labels)
     text.say(text.title(record, measured), *text.equation(after.model), "")

@@ -1,7 +1,5 @@
 """pam-ident batch."""
 
-import sys
-import time
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -9,7 +7,7 @@ import typer
 from . import options, text
 
 if TYPE_CHECKING:
-    from ..workflow.batch import Batch, Progress
+    from ..workflow.batch import Batch
 
 MOST_ERRORS = 20
 """Bad records that are told on the screen; the table has all."""
@@ -37,12 +35,13 @@ def batch(
             "--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://HOST:PORT, instead.", show_default=False
         ),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress.")] = False,
+    json: options.JsonFile = None,
 ) -> None:
     """Fit many muscles: a table and a page that compares them.
 
     Killed at any moment, the same command goes on where it stopped. Needs the extra `cluster`.
     """
+    options.check_json(json)
     from ..core import UsageError
 
     if scheduler is not None and workers is not None:
@@ -50,7 +49,6 @@ def batch(
     setup = options.setup(law, effect, effect_file, free_geometry, None)
     from ..workflow.batch import run_batch
 
-    shown = not quiet and sys.stderr.isatty()
     found = run_batch(
         folder,
         setup,
@@ -59,38 +57,22 @@ def batch(
         diagnose=diagnose,
         workers=workers,
         scheduler=scheduler,
-        tell=_Clock().show if shown else _hide,
         note=lambda line: typer.echo(line, err=True),
+    )
+    options.give_json(
+        json,
+        lambda: {
+            "schema": "pam-ident/batch/1",
+            "records": found.records,
+            "kept": found.kept,
+            "errors": found.errors,
+            "table": str(found.table),
+            "page": str(found.page),
+        },
     )
     _print(found)
     if len(found.errors) == found.records:
         raise typer.Exit(4)
-
-
-def _hide(progress: "Progress") -> None:
-    pass
-
-
-class _Clock:
-    """Progress with the time left, on one line that is written over."""
-
-    def __init__(self) -> None:
-        self.begin = time.monotonic()
-
-    def show(self, progress: "Progress") -> None:
-        """One line on stderr, its end only when all is done."""
-        fresh, left = progress.done - progress.kept, progress.of - progress.done
-        line = f"{progress.done} of {progress.of} records"
-        if fresh and left:
-            line += f", {duration(left * (time.monotonic() - self.begin) / fresh)} left"
-        typer.echo(f"\r{line:<40}", nl=not left, err=True)
-
-
-def duration(seconds: float) -> str:
-    """A time in the unit in which it is read: s, min or h."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
 def _print(found: "Batch") -> None:

@@ -1,6 +1,5 @@
 """pam-ident challenge."""
 
-import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -32,7 +31,6 @@ def challenge(
         int | None, typer.Option("--workers", metavar="N", help="Cases at a time; default: the cores.")
     ] = None,
     json: options.JsonFile = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress.")] = False,
 ) -> None:
     """Hide effects in simulated records, diagnose them, and score the answers.
 
@@ -45,31 +43,20 @@ def challenge(
 
     from ..core import UsageError
     from ..workflow.challenge import score_answers, sit_challenge
-    from ..workflow.files import write_json
     from ..workflow.to_json import challenge_json
 
     if answers is not None and out is None:
         raise UsageError("--answers: name the folder of the set that they answer, too, by --out DIR")
-    tell = _no_progress if quiet or not sys.stderr.isatty() else _progress
     with TemporaryDirectory() as temporary:
         if answers is not None:
             found = score_answers(str(out), answers)
         else:
-            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers, tell)
+            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers)
         pictures = _draw(found) if out is not None else []
-    if json is not None:
-        write_json(json, challenge_json(found))
+    options.give_json(json, lambda: challenge_json(found))
     text.say(*describe(found))
     if out is not None:
         text.say(f"in {out}: {', '.join(pictures + ([] if answers else ['answers.jsonl', 'the set']))}")
-
-
-def _progress(done: int, of: int) -> None:
-    typer.echo(f"\r{done} of {of} answered", nl=done == of, err=True)
-
-
-def _no_progress(done: int, of: int) -> None:
-    pass
 
 
 def _draw(found: "Challenge") -> list[str]:

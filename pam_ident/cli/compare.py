@@ -40,14 +40,12 @@ def compare(
         check_target(out, (".svg", ".png"))
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..workflow.compare_record import compare_record, failure_picture
-    from ..workflow.files import write_json, write_whole
+    from ..workflow.files import write_whole
+    from ..workflow.to_json import comparison_json
 
     measured = setup.read(record)
     comparison = compare_record(measured, setup)
-    if json is not None:
-        from ..workflow.to_json import comparison_json
-
-        write_json(json, comparison_json(record, comparison))
+    options.give_json(json, lambda: comparison_json(record, comparison))
     if out is not None:
         write_whole(out, failure_picture(comparison, "." + out.rpartition(".")[2]))
     text.say(text.title(record, measured), *text.equation(setup.model), "", comparison.sentence)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from . import text
+from . import options, text
 from .ladder import rungs
 
 if TYPE_CHECKING:
@@ -15,11 +15,15 @@ def demo(
     out: Annotated[str, typer.Option("--out", metavar="DIR", help="Folder for the report; it is made.")] = (
         "pam-ident-demo"
     ),
+    json: options.JsonFile = None,
 ) -> None:
     """The whole job on the data that come along, to an HTML report."""
+    options.check_json(json)
     from ..workflow.demo import demo as run
+    from ..workflow.to_json import demo_json
 
     found = run(out, _tell)
+    options.give_json(json, lambda: demo_json(found))
     text.say(f"report: {found.path}")
 
 

@@ -5,34 +5,45 @@ from typing import Annotated
 import typer
 
 from . import options, text
+from .verbs import verb
 
 app = typer.Typer(rich_markup_mode=None, help="List the known effects, show one, write one of your own, check it.")
 EffectFile = Annotated[str, typer.Argument(metavar="FILE.py", help="Python file of an effect.", show_default=False)]
 
 
 @app.callback(invoke_without_command=True)
-def list_all(context: typer.Context, effect_file: options.EffectFiles = None) -> None:
+@verb
+def list_all(context: typer.Context, effect_file: options.EffectFiles = None, json: options.JsonFile = None) -> None:
     """List the effects that are known; `effects show NAME` tells all about one."""
     context.obj = tuple(effect_file or ())
     if context.invoked_subcommand is not None:
         return
+    options.check_json(json)
+    from ..workflow.known_json import effects_json
     from ..workflow.list_effects import list_effects
 
-    rows = [
-        (effect.name, effect.title, ", ".join(effect.needs) or "-", effect.forms[0].formula)
-        for effect in list_effects(context.obj)
-    ]
+    found = list_effects(context.obj)
+    options.give_json(json, lambda: effects_json(found))
+    rows = [(effect.name, effect.title, ", ".join(effect.needs) or "-", effect.forms[0].formula) for effect in found]
     text.say(*text.table(("effect", "what it is", "needs", "simplest form"), rows, left=(0, 1, 2, 3)))
 
 
 @app.command()
+@verb
 def show(
-    context: typer.Context, name: Annotated[str, typer.Argument(metavar="NAME", help="Name of an effect.")]
+    context: typer.Context,
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of an effect.", autocompletion=options.effect_names)
+    ],
+    json: options.JsonFile = None,
 ) -> None:
     """Tell all about one effect: its forms, parameters, source, and the test that shows it."""
+    options.check_json(json)
+    from ..workflow.known_json import effects_json
     from ..workflow.list_effects import find_effect
 
     effect = find_effect(name, context.obj or ())
+    options.give_json(json, lambda: effects_json([effect]))
     text.say(f"{effect.name}: {effect.title}", f"source: {effect.source}", f"test: {effect.test}")
     text.say(f"needs in the record: {', '.join(effect.needs) or 'nothing beyond pressure, contraction and force'}")
     if effect.levers:
@@ -46,6 +57,7 @@ def show(
 
 
 @app.command()
+@verb
 def new(
     file: EffectFile,
     name: Annotated[
@@ -59,9 +71,13 @@ def new(
     transforms_contraction: Annotated[
         bool, typer.Option("--transforms-contraction", help="It changes the contraction that the law is given.")
     ] = False,
+    json: options.JsonFile = None,
 ) -> None:
     """Write a commented scaffold of an effect of your own, which works as it is."""
+    options.check_json(json)
     from ..core import UsageError
+    from ..effects import load_effect_file
+    from ..workflow.known_json import effects_json
     from ..workflow.new_effect import new_effect
 
     asked = {
@@ -75,16 +91,21 @@ def new(
         flags = " and ".join("--" + role.replace("_", "-") for role in roles)
         raise UsageError(f"{flags}: a scaffold has one form; name one of them, and add the other form in the file")
     made = new_effect(file, name, *roles)
+    options.give_json(json, lambda: effects_json(load_effect_file(file)))
     text.say(f"{file}: effect {made}; put your formula in, then ask `pam-ident effects check {file}`")
 
 
 @app.command()
-def check(file: EffectFile) -> None:
+@verb
+def check(file: EffectFile, json: options.JsonFile = None) -> None:
     """Hold an effect of your own to what every known effect promises."""
+    options.check_json(json)
     from ..core import UsageError
     from ..workflow.check_effects import check_effects
+    from ..workflow.known_json import effects_json
 
     found, problems = check_effects(file)
+    options.give_json(json, lambda: effects_json(found, problems))
     for one in problems:
         text.say(f"{one.effect}{':' if one.form else ''}{one.form}: {one.text}")
     if problems:

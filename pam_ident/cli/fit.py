@@ -65,15 +65,12 @@ def fit(
         make_folder(figures)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..workflow.fit_record import Wishes, fit_record
+    from ..workflow.to_json import fit_json
 
     wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals)
     measured = setup.read(record)
     answer = fit_record(measured, setup, wishes)
-    if json is not None:
-        from ..workflow.files import write_json
-        from ..workflow.to_json import fit_json
-
-        write_json(json, fit_json(record, law, answer))
+    options.give_json(json, lambda: fit_json(record, law, answer))
     text.say(text.title(record, measured), *text.equation(setup.model))
     _print(answer)
     if figures is not None:

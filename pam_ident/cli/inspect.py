@@ -8,12 +8,15 @@ if TYPE_CHECKING:
     from ..workflow.inspect_record import Inspection
 
 
-def inspect(record: options.Record, specimen: options.SpecimenFile = None) -> None:
+def inspect(record: options.Record, specimen: options.SpecimenFile = None, json: options.JsonFile = None) -> None:
     """What was read of a record, and advice on the rig."""
+    options.check_json(json)
     from ..workflow.inspect_record import inspect_record
+    from ..workflow.known_json import inspection_json
     from ..workflow.setup import load
 
     found = inspect_record(load(record, specimen))
+    options.give_json(json, lambda: inspection_json(record, found))
     text.say(text.title(record, found.record), "", *_columns(found), *_motion(found))
     rows = [
         (

@@ -21,14 +21,11 @@ def ladder(
     options.check_json(json)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..workflow.climb_ladder import climb_ladder
+    from ..workflow.to_json import ladder_json
 
     measured = setup.read(record)
     found = climb_ladder(measured, setup)
-    if json is not None:
-        from ..workflow.files import write_json
-        from ..workflow.to_json import ladder_json
-
-        write_json(json, ladder_json(record, found))
+    options.give_json(json, lambda: ladder_json(record, found))
     text.say(text.title(record, measured), *text.equation(setup.model), "", found.last.sentence, "", *rungs(found))
     text.say("", "the last rung's parameters:", *text.parameters(found.rungs[-1].fit))
 

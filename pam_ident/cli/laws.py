@@ -1,13 +1,17 @@
 """pam-ident laws."""
 
-from . import text
+from . import options, text
 
 
-def laws() -> None:
+def laws(json: options.JsonFile = None) -> None:
     """List the force laws that are known, those with the fewest parameters first."""
+    options.check_json(json)
+    from ..workflow.known_json import laws_json
     from ..workflow.list_laws import list_laws
 
-    for law in list_laws():
+    found = list_laws()
+    options.give_json(json, lambda: laws_json(found))
+    for law in found:
         names = ", ".join(p.name for p in law.params)
         text.say(
             f"{law.name}: {law.title}",

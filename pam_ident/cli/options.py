@@ -1,11 +1,30 @@
 """Options that several commands share, and what they become."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from ..workflow.setup import Setup
+
+
+def law_names(incomplete: str) -> list[str]:
+    """For the shell: names of laws that begin so."""
+    from ..workflow.list_laws import list_laws
+
+    return [law.name for law in list_laws() if law.name.startswith(incomplete)]
+
+
+def effect_names(incomplete: str) -> list[str]:
+    """For the shell: names of effects that begin so, and of their forms after a colon."""
+    from ..workflow.list_effects import list_effects
+
+    names = [effect.name for effect in list_effects()]
+    forms = [f"{effect.name}:{form.name}" for effect in list_effects() for form in effect.forms]
+    return [name for name in (forms if ":" in incomplete else names) if name.startswith(incomplete)]
+
 
 Record = Annotated[
     str,
@@ -22,12 +41,17 @@ Law = Annotated[
         metavar="LAW",
         help="Force law by name; `pam-ident laws` lists them.",
         show_default=False,
+        autocompletion=law_names,
     ),
 ]
 Effects = Annotated[
     list[str] | None,
     typer.Option(
-        "--effect", metavar="NAME", help="Effect in the model, NAME or NAME:FORM; repeatable.", show_default=False
+        "--effect",
+        metavar="NAME",
+        help="Effect in the model, NAME or NAME:FORM; repeatable.",
+        show_default=False,
+        autocompletion=effect_names,
     ),
 ]
 EffectFiles = Annotated[
@@ -50,7 +74,12 @@ SpecimenFile = Annotated[
 ]
 JsonFile = Annotated[
     str | None,
-    typer.Option("--json", metavar="FILE", help="Write the answer as JSON, too.", show_default=False),
+    typer.Option(
+        "--json",
+        metavar="FILE",
+        help="Write the answer as JSON; - for stdout, alone there.",
+        show_default=False,
+    ),
 ]
 
 
@@ -71,10 +100,18 @@ def setup(
 
 def check_json(path: str | None) -> None:
     """Refuse a file that cannot be written before anything is computed."""
-    if path is not None:
+    if path is not None and path != "-":
         from ..workflow.files import check_target
 
         check_target(path)
+
+
+def give_json(path: str | None, answer: "Callable[[], Mapping[str, Any]]") -> None:
+    """Write an answer where one was asked for."""
+    if path is not None:
+        from ..workflow.files import write_json
+
+        write_json(path, answer())
 
 
 def held(pairs: list[str] | None) -> dict[str, float]:

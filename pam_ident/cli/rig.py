@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from . import text
+from . import options, text
 
 
 def rig(
@@ -45,12 +45,14 @@ def rig(
             show_default=False,
         ),
     ] = None,
+    json: options.JsonFile = None,
 ) -> None:
     """Write simulated records with hidden physics.
 
     Their answers are sealed in truth.json, to examine a diagnosis with. With --protocol one record is written, with the
     effects that --effect names; the same seed is the same muscle whatever the protocol.
     """
+    options.check_json(json)
     from ..core import UsageError
 
     if protocol is None:
@@ -59,7 +61,8 @@ def rig(
             raise UsageError(f"{', '.join(given)} without --protocol FILE.toml; add it, or leave {given[0]} out")
         from ..workflow.write_challenge import write_challenge
 
-        count = write_challenge(folder, n, seed, only, lambda line: typer.echo(line, err=True))
+        count = write_challenge(folder, n, seed, only)
+        options.give_json(json, lambda: {"schema": "pam-ident/rig/1", "folder": folder, "cases": count})
         text.say(f"{count} cases in {folder}, answers in truth.json")
         return
     if only is not None or law is None:
@@ -67,4 +70,5 @@ def rig(
     from ..workflow.run_protocol import run_protocol
 
     truth = run_protocol(folder, protocol, law, effect or (), seed, 3.0 if size is None else size)
+    options.give_json(json, lambda: {"schema": "pam-ident/rig/1", "folder": folder, "cases": 1})
     text.say(f"{folder}/record.csv: {truth['n']} samples, answers in truth.json")

@@ -1,42 +1,34 @@
 """pam-ident selftest."""
 
-from typing import Annotated
-
 import typer
 
 from . import options, text
 
 
-def selftest(
-    json: options.JsonFile = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print the verdict alone.")] = False,
-) -> None:
+def selftest(json: options.JsonFile = None) -> None:
     """Check this installation on certified problems.
 
     It then recovers known parameters and a hidden effect from simulated records. Takes some seconds.
     """
     options.check_json(json)
-    from ..workflow.files import write_json
     from ..workflow.selftest import DIGITS, DIGITS_STDERR, FURTHEST
     from ..workflow.selftest import selftest as run
     from ..workflow.to_json import selftest_json
 
     found = run()
-    if json is not None:
-        write_json(json, selftest_json(found))
+    options.give_json(json, lambda: selftest_json(found))
     recovery = found.recovery
-    if not quiet:
-        rows = [
-            (s.name, str(s.start), f"{s.digits:.1f}", f"{s.digits_stderr:.1f}", "" if s.passed else "short")
-            for s in found.problems
-        ]
-        text.say(f"certified problems of NIST, expected {DIGITS:g} digits, of standard errors {DIGITS_STDERR:g}:")
-        text.say(*text.table(("problem", "start", "digits", "of std. errors", ""), rows, left=(0, 4)))
-        text.say(
-            f"simulated record: true parameters within {recovery.furthest:.1f} standard errors (at most {FURTHEST:g}), "
-            f"verdict {recovery.clean_verdict}",
-            f"the same with {recovery.hidden} hidden: named {', '.join(recovery.named) or 'nothing'}",
-        )
+    rows = [
+        (s.name, str(s.start), f"{s.digits:.1f}", f"{s.digits_stderr:.1f}", "" if s.passed else "short")
+        for s in found.problems
+    ]
+    text.say(f"certified problems of NIST, expected {DIGITS:g} digits, of standard errors {DIGITS_STDERR:g}:")
+    text.say(*text.table(("problem", "start", "digits", "of std. errors", ""), rows, left=(0, 4)))
+    text.say(
+        f"simulated record: true parameters within {recovery.furthest:.1f} standard errors (at most {FURTHEST:g}), "
+        f"verdict {recovery.clean_verdict}",
+        f"the same with {recovery.hidden} hidden: named {', '.join(recovery.named) or 'nothing'}",
+    )
     if not found.passed:
         short = [f"{s.name} from start {s.start}" for s in found.problems if not s.passed]
         short += [] if recovery.passed else ["the simulated records"]

@@ -1,7 +1,8 @@
 """Numbers and tables as they are printed."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
 import typer
@@ -14,11 +15,17 @@ if TYPE_CHECKING:
     from ..workflow.fit_record import Checks
 
 INDENT = "  "
+silent: ContextVar[bool] = ContextVar("silent", default=False)
+"""Whether nothing is to be printed but errors."""
+unfinished: Callable[[], None] | None = None
+"""Takes a line of progress away that stands on the terminal."""
 
 
 def say(*lines: str) -> None:
-    """Print lines."""
-    for line in lines:
+    """Print lines, unless silent."""
+    if unfinished is not None:
+        unfinished()
+    for line in () if silent.get() else lines:
         typer.echo(line)
 
 

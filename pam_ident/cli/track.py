@@ -59,6 +59,7 @@ def track(
     Without --plant and --controller the muscle and the ladder that come along are taken.
     """
     options.check_json(json)
+    from ..workflow.track_json import track_json
     from ..workflow.track_leg import Wishes, track_leg
 
     if out is not None:
@@ -70,11 +71,7 @@ def track(
         plant, controller, gait, cadence, paper, prototype, gains, supply, load, tuple(effect_file or ()), specimen
     )
     found = track_leg(wishes)
-    if json is not None:
-        from ..workflow.files import write_json
-        from ..workflow.track_json import track_json
-
-        write_json(json, track_json(found))
+    options.give_json(json, lambda: track_json(found))
     text.say(*_head(found), "", *_table(found), *_troubles(found), "", *_budget(found))
     if out is not None:
         from ..workflow.track_figures import write_track

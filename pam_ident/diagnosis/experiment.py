@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core import Inputs
+from ..core.progress import tell
 from ..effects import Effect
 from ..model import Term
 from ..records import Record
@@ -51,6 +52,7 @@ def next_experiment(trial: Trial, verdict: Verdict, classes: Sequence[Sequence[s
     law = replace(trial.base.model, terms=())
     runs: list[tuple[Candidate, tuple[Separation, ...]]] = []
     for candidate in sorted(candidates(record, law, verdict.values), key=lambda c: c.minutes):
+        tell("trying the next experiment", len(runs))
         inputs = candidate.strokes.inputs(record.specimen)
         runs.append((candidate, tuple(s for q in questions for s in q.separations(inputs))))
         if min(s.standard_errors for s in runs[-1][1]) >= ENOUGH:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.progress import tell
 from ..effects import AddsForce, Effect, Form
 from .dictionary import Atom, atoms_at, closer, grid, signature
 from .search import orthonormal
@@ -90,6 +91,7 @@ def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> lis
     found: list[_Best | None] = [None] * len(grounds)
     many = max(1, TOGETHER // (len(view.record) * width))
     for begin in range(0, len(points), many):
+        tell("looking for patterns")
         some = points[begin : begin + many]
         shapes: dict[str, Any] = {p.name: np.array([point[p.name] for point in some]) for p in form.shapes}
         matrix = noise.whiten(signature(form, view.record.inputs, shapes, view.around))

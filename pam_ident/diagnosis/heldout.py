@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 
 from ..core import FitError
+from ..core.progress import steps
 from ..fitting import Fit, fit
 from ..fitting.solve import solve
 from ..model import Model, Term
@@ -34,7 +35,7 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None) -> floa
         return math.nan
     whole = whole or fit(model, record, detail=False)
     square = 0.0
-    for mask in masks:
+    for mask in steps(masks, "holding data out"):
         rows = ~mask
         if rows.sum() <= len(model.params):
             raise FitError(

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from ..core.progress import part
 from ..effects import Effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
@@ -26,7 +27,8 @@ def climb(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Ladde
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]
     while True:
-        found = diagnose(rungs[-1].fit.model, record, extra)
+        with part(f"rung {len(rungs)}"):
+            found = diagnose(rungs[-1].fit.model, record, extra)
         terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
         new = _rungs(rungs[-1], terms, record, found) if terms and len(rungs) <= MOST_RUNGS else []
         if not new:

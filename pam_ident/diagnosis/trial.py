@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..core.progress import steps, tell
 from ..effects import Effect
 from ..fitting import Fit
 from ..fitting.solve import jacobian, solve
@@ -75,7 +76,7 @@ class Trial:
                 self.suspects.append(effect)
         if before is None:
             view = View(self.record, base.model, base.values)
-            atoms = [a for effect in self.suspects for a in view.atoms(effect)]
+            atoms = [a for effect in steps(self.suspects, "taking signatures") for a in view.atoms(effect)]
         else:
             view, atoms = before.law, before.atoms
         self.law, self.atoms = view, atoms
@@ -94,6 +95,7 @@ class Trial:
             min(FORM_TOLERANCE * self.excess, MOST_TOLERANCE * len(self.record)),
         )
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
+        self.refits = 0
 
     def _excess(self) -> float:
         """Whitened squares beyond the noise that the law alone leaves, without the effects already in the model."""
@@ -116,6 +118,8 @@ class Trial:
         key = tuple(sorted(f"{t.effect.name}:{t.form.name}" for t in terms))
         if price is None and key in self.cache:
             return self.cache[key]
+        self.refits += 1
+        tell("weighing sets of effects", self.refits)
         model = self.base.model.adding(*terms)
         begin = self.base.values | dict(start or {})
         solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin, quick=True)

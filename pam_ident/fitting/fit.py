@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..core import DataError, FitError, Inputs, Param, UsageError
+from ..core.progress import tell
 from ..model import Model
 from ..records import Record
 from .covariance import Covariance, Sums, clusters, covariance_of, student, sums
@@ -162,6 +163,7 @@ def fit(
     rows = np.ones(len(record), bool) if rows is None else rows
     held = dict(held or {})
     _check(model, record, rows, held)
+    tell("fitting")
     if is_large(model, record, rows) and weighing == PLAIN and not held and solver is None:
         found = solve_large(model, record, start or {}, detail and not white)
         if found is not None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from ..core import Param
+from ..core.progress import steps
 from . import batch
 from .batch import Nodes, Refits
 from .fit import Fit, picker
@@ -105,7 +106,7 @@ def _complete(fit: Fit, found: Refits | None, n: int, alone: Callable[[int], Map
         values = np.column_stack([found.linear, found.curved])[:, : len(params)]
         lower, upper = (np.array([getattr(p, side) for p in params]) for side in ("lower", "upper"))
         bad = ~found.inside | np.any((values <= lower) | (values >= upper), axis=1) | ~np.isfinite(values).all(axis=1)
-    for b in np.flatnonzero(bad):
+    for b in steps(np.flatnonzero(bad), "refitting one by one"):
         one = alone(int(b))
         values[b] = [one[p.name] for p in params]
     return values, int(bad.sum())

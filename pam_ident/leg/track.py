@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..core.progress import steps, tell
 from .arrays import jax
 from .budget import Budget, budget
 from .control import Gains
@@ -103,11 +104,13 @@ def track(
     bench = _Prototype(plant, course) if prototype else _Reduced(plant, course)
     mean = np.broadcast_to(np.full(2, plant.pair.mean_MPa), (len(course.time), 2))
     task, judged = course.task(mean), course.judged
+    tell("tuning by hand")
     by_hand = tune_by_hand(plant, task, judged)
     chosen = tune(plant, task, judged, by_hand.gains, seed) if gains is None else judge(plant, task, judged, gains)
     slow, pid = (bench.run(course.task(mean[None]), tuned.gains) for tuned in (by_hand, chosen))
     ideal = bench.rung(plant.pair.muscle, chosen.gains, seed).tracking
-    rungs = tuple(bench.rung(muscle, chosen.gains, seed) for muscle in controllers)
+    rungs = tuple(bench.rung(muscle, chosen.gains, seed) for muscle in steps(controllers, "running the rungs"))
+    tell("sharing the error out")
     found = budget(plant, task, judged, by_hand, chosen)
     return Track(plant, course, by_hand, chosen, slow, pid, rungs, ideal, found, bench.motion, bench.agreement_deg)
 

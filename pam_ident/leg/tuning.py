@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.progress import steps
 from .control import Gains
 from .loop import Log, Loop, Scale, Task
 
@@ -82,7 +83,7 @@ def tune(loop: Loop, task: Task, judged: slice, known: Gains, seed: int = 1) -> 
     middle, spread = 0.5 * (low + high), 0.4 * (high - low)
     best = np.array(known)
     least = float(errors(loop, task, judged, best[None]).max())
-    for _ in range(GENERATIONS):
+    for _ in steps(range(GENERATIONS), "tuning"):
         trials = np.clip(middle + spread * rng.standard_normal((POPULATION, 3)), low, high)
         worst = errors(loop, task, judged, np.exp(trials)).max(axis=1)
         order = np.argsort(worst)[:KEPT]

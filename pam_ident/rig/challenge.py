@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core.progress import steps
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
 from .record import Plan, Secret, make_record, write_case
 
@@ -166,13 +167,7 @@ def quotas(n: int, only: str | None = None) -> list[str]:
     return [k for k, c in counts.items() for _ in range(c)]
 
 
-def make_challenge(
-    folder: str | Path,
-    n: int = 60,
-    seed: int = 1,
-    only: str | None = None,
-    tell: Callable[[str], None] | None = None,
-) -> list[dict[str, object]]:
+def make_challenge(folder: str | Path, n: int = 60, seed: int = 1, only: str | None = None) -> list[dict[str, object]]:
     """Writes n cases cNNN into a folder, questions.json (case and law of each) and truth.json; returns the truth.
 
     A draw whose effect cannot be as large as asked is drawn anew.
@@ -181,19 +176,16 @@ def make_challenge(
     kinds = quotas(n, only)
     drawer = _Drawer(seed)
     truth: list[dict[str, object]] = []
-    for i, at in enumerate(drawer.rng.permutation(n)):
+    for i, at in enumerate(steps(drawer.rng.permutation(n), "writing cases")):
         kind = kinds[at]
         while True:
             plan = drawer.plan(kind)
             try:
                 record = make_record(plan)
                 break
-            except TooSmall as problem:
-                if tell:
-                    tell(f"drawn anew: {problem}")
+            except TooSmall:
+                continue
         truth.append(write_case(folder / f"c{i:03d}", record))
-        if tell:
-            tell(f"c{i:03d} {kind}")
     questions = [{"case": one["case"], "law": one["law"]} for one in truth]
     (folder / "questions.json").write_text(json.dumps(questions, indent=1) + "\n", encoding="utf-8")
     (folder / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")

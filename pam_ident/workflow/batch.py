@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..core import UsageError
+from ..core.progress import tell
 from .batch_cluster import work_on_cluster
 from .batch_question import Item, Plan, Question, plan
 from .batch_store import Store
@@ -15,15 +16,6 @@ from .files import write_whole
 from .setup import Setup
 
 TABLE, PAGE, KEPT = "results.parquet", "index.html", "records"
-
-
-@dataclass(frozen=True)
-class Progress:
-    """`done` of `of` records, `kept` of them from an earlier run."""
-
-    done: int
-    of: int
-    kept: int
 
 
 @dataclass(frozen=True)
@@ -56,7 +48,6 @@ def run_batch(
     diagnose: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
-    tell: Callable[[Progress], None] = lambda progress: None,
     note: Callable[[str], None] = lambda line: None,
 ) -> Batch:
     """Answer every record under `folder`, by processes here or by the Dask cluster at `scheduler`; results in `out`.
@@ -81,13 +72,13 @@ def run_batch(
     else:
         doing = work_on_cluster(work, waiting, _known(scheduler), note)
     done = len(asked) - len(waiting)
-    tell(Progress(done, len(asked), done))
+    tell("records", done, len(asked))
     lost = {}
     for item, outcome in _until_stopped(doing, out, kept):
         done += 1
         if outcome.error is not None and store.get(item.key) is None:
             lost[item.name] = outcome.error
-        tell(Progress(done, len(asked), len(asked) - len(waiting)))
+        tell("records", done, len(asked))
     words = ["--branch", branch, *(["--diagnose"] if diagnose else []), "--out", str(out)]
     _conclude(asked, question, store, lost, out, setup.command("batch", str(folder), *words))
     return Batch(out, len(asked), kept, _errors(asked, store, lost))

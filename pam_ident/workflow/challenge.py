@@ -4,13 +4,14 @@ import json
 import multiprocessing
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..core import DataError, PamError, UsageError
+from ..core.progress import steps, tell
 from ..diagnosis.calibration import Reliability, reliability
 from ..effects import catalogue
 from .diagnose_records import diagnose_records
@@ -21,8 +22,6 @@ from .to_json import diagnosis_json
 from .write_challenge import write_challenge
 
 Json = dict[str, Any]
-Tell = Callable[[int, int], None]
-"""Told how many of how many cases are done."""
 VERDICTS = ("adequate", "missing_effect", "unknown_effect")
 
 
@@ -62,7 +61,6 @@ def sit_challenge(
     seed: int = 1,
     only: str | None = None,
     workers: int | None = None,
-    tell: Tell = lambda done, of: None,
 ) -> Challenge:
     """Write a set into `folder`, let the program answer (answers.jsonl), then open the envelope and score.
 
@@ -77,7 +75,7 @@ def sit_challenge(
         raise UsageError(f"workers = {workers}: expected 1 or more")
     write_challenge(str(folder), n, seed, only)
     start = time.perf_counter()
-    answers = answer_all(folder, workers, tell)
+    answers = answer_all(folder, workers)
     seconds = time.perf_counter() - start
     write_json_lines(folder / "answers.jsonl", answers.values())
     return open_envelope(folder, answers, seconds)
@@ -97,22 +95,21 @@ def questions(folder: Path) -> dict[str, str]:
     return {one["case"]: one["law"] for one in _read(folder, "questions.json")}
 
 
-def answer_all(folder: Path, workers: int | None = None, tell: Tell = lambda done, of: None) -> dict[str, Json]:
+def answer_all(folder: Path, workers: int | None = None) -> dict[str, Json]:
     """The program's answers by case, in the order of the cases, several at a time; truth.json is not read."""
     asked = questions(folder)
     workers = min(workers or os.cpu_count() or 1, len(asked))
     answers: dict[str, Json] = {}
     if workers == 1:
-        for case, law in asked.items():
+        for case, law in steps(asked.items(), "cases"):
             answers[case] = answer_case(folder, case, law)
-            tell(len(answers), len(asked))
         return answers
     pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
     try:
         futures = {pool.submit(answer_case, folder, case, law): case for case, law in asked.items()}
         for future in as_completed(futures):
             answers[futures[future]] = future.result()
-            tell(len(answers), len(asked))
+            tell("cases", len(answers), len(asked))
     finally:
         pool.shutdown(cancel_futures=True)
     return {case: answers[case] for case in asked}

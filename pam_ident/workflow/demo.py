@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..core.progress import part
 from ..diagnosis.nouns import Ladder
 from ..records import Record
 from ..records.datasets import dataset_record
@@ -58,7 +59,8 @@ def demo(out: str = "pam-ident-demo", done: Callable[[Stage], None] | None = Non
         path = dataset_record(name)
         record = setup.read(path)
         records[f"{name}/{path.name}"] = record
-        stage = Stage(name, about, build_section(setup.model, record))
+        with part(name):
+            stage = Stage(name, about, build_section(setup.model, record))
         stages.append(stage)
         if done is not None:
             done(stage)

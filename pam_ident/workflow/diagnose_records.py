@@ -8,6 +8,7 @@ from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 
 from ..core import PamError
+from ..core.progress import steps
 from ..diagnosis import diagnose
 from ..diagnosis.nouns import Diagnosis
 from ..model import Model
@@ -29,7 +30,7 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
         return
     with ProcessPoolExecutor(min(workers, len(paths)), mp_context=multiprocessing.get_context("spawn")) as pool:
         futures = [pool.submit(one, path) for path in paths]
-        for path, future in zip(paths, futures, strict=True):
+        for path, future in steps(zip(paths, futures, strict=True), "records", len(paths)):
             try:
                 answer = future.result()
             except BrokenProcessPool:

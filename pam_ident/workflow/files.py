@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from tempfile import mkstemp
@@ -43,14 +44,21 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
     return path
 
 
-def write_json(path: str | Path, answer: Mapping[str, Any]) -> Path:
-    """One answer as indented JSON; what is no number is null."""
-    return write_whole(path, _dumps(answer, 2) + "\n")
+def write_json(path: str | Path, answer: Mapping[str, Any]) -> None:
+    """One answer as indented JSON; what is no number is null. The path `-` is stdout."""
+    _write_text(path, _dumps(answer, 2) + "\n")
 
 
-def write_json_lines(path: str | Path, answers: Iterable[Mapping[str, Any]]) -> Path:
-    """Several answers, one object a line."""
-    return write_whole(path, "".join(_dumps(answer, None) + "\n" for answer in answers))
+def write_json_lines(path: str | Path, answers: Iterable[Mapping[str, Any]]) -> None:
+    """Several answers, one object a line. The path `-` is stdout."""
+    _write_text(path, "".join(_dumps(answer, None) + "\n" for answer in answers))
+
+
+def _write_text(path: str | Path, content: str) -> None:
+    if str(path) == "-":
+        sys.stdout.write(content)
+    else:
+        write_whole(path, content)
 
 
 def _dumps(answer: Mapping[str, Any], indent: int | None) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..core import UsageError
+from ..core.progress import steps
 from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, noise_floor
 from ..fitting.bootstrap import bootstrap
 from ..fitting.covariance import student
@@ -148,7 +149,7 @@ def _with_intervals(one: Fit, wishes: Wishes) -> tuple[Fit, tuple[Profile, ...]]
     if wishes.intervals == "linear":
         return one, ()
     if wishes.intervals == "profile":
-        found = {name: profile(one, name) for name in one.free}
+        found = {name: profile(one, name) for name in steps(one.free, "profiles")}
         ends = {name: (p.low, p.high) for name, p in found.items()}
     else:
         found, ends = {}, bootstrap(one, DRAWS, "cycle", wishes.seed).intervals

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from ..core import FitError
+from ..core.progress import part
 from ..diagnosis import climb, compare, diagnose
 from ..diagnosis.nouns import Diagnosis, Ladder
 from ..effects import Effect
@@ -18,8 +19,10 @@ def build_section(model: Model, record: Record, extra: tuple[Effect, ...] = ()) 
 
     Raises FitError or DataError.
     """
-    diagnosis = diagnose(model, record, extra)
-    ladder = climb(model, record, extra)
+    with part("diagnosis"):
+        diagnosis = diagnose(model, record, extra)
+    with part("ladder"):
+        ladder = climb(model, record, extra)
     best = completed(diagnosis, ladder)
     loops = model_loops({"together": best or diagnosis.base})
     return Section(

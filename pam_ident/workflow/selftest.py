@@ -6,6 +6,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from ..core.progress import steps
 from ..diagnosis import diagnose
 from ..fitting import VariableProjection, covariance, fit
 from ..model import Model
@@ -69,7 +70,8 @@ class SelfTest:
 
 def selftest() -> SelfTest:
     """Run all of it; some seconds."""
-    return SelfTest(tuple(_score(one, start) for one in PROBLEMS for start in (1, 2)), _recover())
+    asked = [(one, start) for one in PROBLEMS for start in (1, 2)]
+    return SelfTest(tuple(_score(*one) for one in steps(asked, "certified problems")), _recover())
 
 
 def _score(one: Certified, start: int) -> Score:

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from ..fitting.fit import Estimate
     from .add_effects import Addition
     from .challenge import Challenge
+    from .demo import Demo
     from .fit_record import Checks, FitAnswer
     from .selftest import SelfTest
 
@@ -248,6 +249,12 @@ def ladder_json(record: str, ladder: "Ladder") -> Json:
         "noise_floor_N": ladder.noise_floor,
         "verdict": ladder.verdict,
     }
+
+
+def demo_json(found: "Demo") -> Json:
+    """Schema pam-ident/demo/1: the ladder of each data set, and where the report is."""
+    ladders = [ladder_json(stage.data_set, stage.ladder) for stage in found.stages]
+    return {"schema": "pam-ident/demo/1", "ladders": ladders, "report": str(found.path)}
 
 
 def selftest_json(found: "SelfTest") -> Json:

@@ -4,9 +4,6 @@ import shutil
 
 import pytest
 
-from pam_ident.cli import batch
-from pam_ident.cli.batch import duration
-
 pytest.importorskip("pyarrow")
 
 
@@ -41,7 +38,7 @@ def test_a_bad_record_is_told_and_the_rest_is_done(ask, tree, tmp_path, truth):
 
 def test_nothing_but_bad_records_is_bad_data(ask, tree, tmp_path):
     (tree / "record.csv").unlink()
-    result = ask("batch", tree, "--law", "exponential_law", "--out", tmp_path / "results", "--workers", 1, "--quiet")
+    result = ask("batch", tree, "--law", "exponential_law", "--out", tmp_path / "results", "--workers", 1)
     assert result.exit_code == 4 and "1 record, 1 with an error" in result.stdout
 
 
@@ -54,27 +51,3 @@ def test_wrong_calls_are_refused_before_any_work(ask, tree, tmp_path):
         result = ask("batch", tree, *words, "--out", tmp_path / "results")
         assert result.exit_code == 2 and message in result.stderr and len(result.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "results").exists()
-
-
-def test_times_are_told_in_the_unit_they_are_read_in():
-    assert [duration(s) for s in (4.4, 89.0, 119.0, 3600.0, 9000.0)] == ["4 s", "89 s", "2 min", "60 min", "2.5 h"]
-
-
-def test_progress_tells_the_time_left_from_the_pace_of_this_run(monkeypatch, capsys):
-    from pam_ident.workflow.batch import Progress
-
-    now = [100.0]
-    monkeypatch.setattr(batch.time, "monotonic", lambda: now[0])
-    clock = batch._Clock()
-    clock.show(Progress(40, 100, 40))
-    now[0] = 130.0
-    clock.show(Progress(50, 100, 40))  # 3 s a record, those kept from before cost nothing
-    clock.show(Progress(100, 100, 40))
-    shown = capsys.readouterr().err
-    assert shown.endswith("\n") and shown.count("\n") == 1
-    assert [line.strip() for line in shown.split("\r")] == [
-        "",
-        "40 of 100 records",
-        "50 of 100 records, 2 min left",
-        "100 of 100 records",
-    ]

@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from pam_ident.cli import challenge as command
 from pam_ident.workflow import challenge
 
 
@@ -36,7 +35,7 @@ def test_the_program_sits_its_own_examination(answer, tmp_path):
 
 
 def test_all_that_is_missed_is_told(ask, guess, tmp_path):
-    result = ask("challenge", "--n", 3, "--only", "pair", "--workers", 1, "--out", tmp_path / "set", "--quiet")
+    result = ask("challenge", "--n", 3, "--only", "pair", "--workers", 1, "--out", tmp_path / "set")
     assert result.exit_code == 0 and "not right, or not exact:" in result.stdout
     assert result.stdout.count("  missed\n") == 3 and "3 probabilities stated" in result.stdout
 
@@ -68,9 +67,3 @@ def test_a_set_written_by_rig_is_scored_with_answers_of_one_s_own(ask, answer, t
 def test_a_wrong_call_is_refused_in_one_line(ask, words, code, told):
     result = ask("challenge", *words)
     assert result.exit_code == code and told in result.stderr and len(result.stderr.splitlines()) == 1
-
-
-def test_progress_stays_in_one_line(capsys):
-    for done in (1, 2):
-        command._progress(done, 2)
-    assert capsys.readouterr().err == "\r1 of 2 answered\r2 of 2 answered\n"

@@ -16,7 +16,6 @@ from pam_ident.rig import (
     make_record,
     write_case,
 )
-from pam_ident.rig.__main__ import main
 from pam_ident.rig.challenge import SHARES, VISIBLE, quotas
 from pam_ident.rig.friction import FORMS as FRICTION
 from pam_ident.rig.friction import maxwell_slip
@@ -303,10 +302,3 @@ def test_quotas_add_up():
 def test_nonsense_is_refused(nonsense):
     with pytest.raises(ValueError):
         nonsense()
-
-
-def test_command_line(tmp_path, capsys):
-    assert main([str(tmp_path), "--n", "2", "--seed", "1", "--only", "blunt", "--quiet"]) == 0
-    assert all(c["blunt"] for c in json.loads((tmp_path / "truth.json").read_text()))
-    assert "2 cases" in capsys.readouterr().out
-    assert main([str(tmp_path), "--n", "0"]) == 2

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from pam_ident.core import DataError, UsageError
+from pam_ident.core.progress import heard
 from pam_ident.workflow import challenge
 from pam_ident.workflow.score import confusion, score, tally
 from pam_ident.workflow.write_challenge import write_challenge
@@ -188,8 +189,9 @@ def test_the_program_answers_without_the_truth(folder, tmp_path, monkeypatch):
     monkeypatch.setattr(
         challenge, "answer_case", lambda _, case, law: {"verdict": "adequate", "case": case, "law": law}
     )
-    given = challenge.answer_all(tmp_path, 1, lambda done, of: told.append((done, of)))
-    assert list(given) == ["c000", "c001", "c002"] and told == [(1, 3), (2, 3), (3, 3)]
+    with heard(lambda stage: told.append((stage.done, stage.of))):
+        given = challenge.answer_all(tmp_path, 1)
+    assert list(given) == ["c000", "c001", "c002"] and told == [(0, 3), (1, 3), (2, 3)]
     with pytest.raises(DataError, match=r"truth\.json.*expected a set"):
         challenge.open_envelope(tmp_path, given, 1.0)
     asked = json.loads((folder / "questions.json").read_text())
