@@ -1,6 +1,7 @@
 """What every command has: progress while it works, and `--quiet`."""
 
 import inspect
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -60,7 +61,8 @@ class shown:
         """Write the line anew, if it is time."""
         line = self.clock.line(stage, time.monotonic())
         if line is not None:
-            typer.echo(f"\r\x1b[K{line}", nl=False, err=True)
+            room = shutil.get_terminal_size().columns - 1
+            typer.echo(f"\r\x1b[K{line[:room]}", nl=False, err=True)
             text.unfinished = self.clear
 
     def clear(self) -> None:
@@ -76,14 +78,17 @@ class Clock:
     def __init__(self) -> None:
         self.begin: float | None = None
         self.last = 0.0
-        self.first: dict[str, tuple[float, int]] = {}
+        self.counts: dict[str, tuple[float, int, int]] = {}
 
     def line(self, stage: "Stage", now: float) -> str | None:
         """What to show at the time `now` in s; None where it is too early."""
         self.begin = now if self.begin is None else self.begin
         counted = next((one for one in stage.line if one.of), None)
         if counted is not None:
-            self.first.setdefault(counted.what, (now, counted.done))
+            began, first, last = self.counts.get(counted.what, (now, counted.done, counted.done))
+            if counted.done < last:  # the same once more
+                began, first = now, counted.done
+            self.counts[counted.what] = began, first, counted.done
         if now - self.begin < PATIENCE or now - self.last < PAUSE:
             return None
         self.last = now
@@ -92,7 +97,7 @@ class Clock:
 
     def count(self, stage: "Stage", now: float) -> str:
         """How much is done, how fast, and how long the rest will take."""
-        began, first = self.first[stage.what]
+        began, first, _ = self.counts[stage.what]
         words = f"{stage.what}: {stage.done} of {stage.of}"
         if stage.done == first or now == began or stage.of is None:
             return words
