@@ -21,6 +21,7 @@ from . import (
     rig,
     selftest,
     track,
+    workbench,
 )
 from .door import Door
 from .verbs import verb
@@ -50,6 +51,7 @@ for command in (
     track.track,
     laws.laws,
     selftest.selftest,
+    workbench.workbench,
 ):
     app.command()(verb(command))
 app.add_typer(effects.app, name="effects")

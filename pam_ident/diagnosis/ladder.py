@@ -45,7 +45,7 @@ def _rungs(below: Rung, terms: list[Term], record: Record, found: Diagnosis) -> 
         trials = [(fit(base.fit.model.adding(t), record), t) for t in left]
         best, term = min(trials, key=lambda pair: _merit(pair[0]))
         heldout = heldout_rmse(best.model, record, best)
-        rungs.append(Rung(best, heldout, _why(base, best, heldout, found)))
+        rungs.append(Rung(best, heldout, _why(base, best, heldout, found), found))
         left.remove(term)
     while rungs and not _helps((below, *rungs)[-2], rungs[-1]):
         rungs.pop()

@@ -141,11 +141,15 @@ class Diagnosis:
 
 @dataclass(frozen=True)
 class Rung:
-    """One step of a ladder: the fit with the effects so far, its error on held-out data in N, and why it was taken."""
+    """One step of a ladder: the fit with the effects so far, its error on held-out data in N, and why it was taken.
+
+    `found` is the diagnosis that led to it, None for the law alone.
+    """
 
     fit: Fit
     heldout_rmse: float
     why: str
+    found: Diagnosis | None = None
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -160,6 +164,11 @@ class Ladder:
     rungs: tuple[Rung, ...]
     noise_floor: float
     last: Diagnosis
+
+    @property
+    def first(self) -> Diagnosis:
+        """The diagnosis of the law alone."""
+        return (self.rungs[1].found if len(self.rungs) > 1 else None) or self.last
 
     @property
     def verdict(self) -> str:

@@ -23,18 +23,22 @@ def build_section(model: Model, record: Record, extra: tuple[Effect, ...] = ()) 
         diagnosis = diagnose(model, record, extra)
     with part("ladder"):
         ladder = climb(model, record, extra)
-    best = completed(diagnosis, ladder)
-    loops = model_loops({"together": best or diagnosis.base})
+    return section_of(record, diagnosis.base, diagnosis, ladder, completed(diagnosis, ladder))
+
+
+def section_of(record: Record, base: Fit, diagnosis: Diagnosis, ladder: Ladder, best: Fit | None) -> Section:
+    """The section of what has been found: `base` is the law as given, `best` the completed model, None without one."""
+    loops = model_loops({"together": best or base})
     return Section(
         record,
-        compare(diagnosis.base),
+        compare(base),
         diagnosis,
         compare(best) if best is not None else None,
         ladder,
-        _isobars(model, record),
+        _isobars(base.model, record),
         loop_energies(record, record.force),
         loops,
-        _warnings(best or diagnosis.base, loops),
+        _warnings(best or base, loops),
     )
 
 

@@ -1,0 +1,48 @@
+"""pam-ident workbench."""
+
+from typing import Annotated
+
+import typer
+
+from . import options, text
+
+
+def workbench(
+    record: Annotated[
+        str | None, typer.Argument(metavar="[RECORD]", help="Record to begin with.", show_default=False)
+    ] = None,
+    law: Annotated[
+        str,
+        typer.Option("--law", metavar="LAW", help="Force law to begin with.", autocompletion=options.law_names),
+    ] = "exponential_law",
+    effect: options.Effects = None,
+    effect_file: options.EffectFiles = None,
+    free_geometry: options.FreeGeometry = False,
+    specimen: options.SpecimenFile = None,
+    port: Annotated[int, typer.Option("--port", metavar="PORT", help="0 takes any that is free.")] = 5006,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Open no browser; the address is printed.")] = False,
+    json: options.JsonFile = None,
+) -> None:
+    """Try effects on a record by hand, on a page in the browser of this machine.
+
+    Needs the extra `workbench`. Ends with Ctrl-C.
+    """
+    options.check_json(json)
+    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    if record is not None:
+        setup.read(record)
+    from ..core import UsageError
+
+    try:
+        from ..workbench import Workbench, serve
+    except ImportError:
+        raise UsageError("the workbench needs Panel; pip install 'pam-ident[workbench]'") from None
+
+    def ready(address: str) -> None:
+        options.give_json(json, lambda: {"schema": "pam-ident/workbench/1", "address": address})
+        text.say(f"workbench: {address} (Ctrl-C ends it)")
+
+    def make() -> Workbench:
+        return Workbench(record, law, setup.effects, setup.effect_files, specimen, free_geometry)
+
+    serve(make, port, not no_browser, ready)

@@ -1,0 +1,140 @@
+"""What lies on the bench: a record, a model of it, where that fails and what it may lack. Nothing here draws."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from ..core import Specimen, UsageError
+from ..diagnosis import compare, diagnose, heldout_rmse
+from ..diagnosis.nouns import Comparison, Diagnosis, Ladder, Rung
+from ..effects import catalogue
+from ..fitting import Fit, fit
+from ..model import Term
+from ..records import Record
+from ..report import Story, render
+from ..workflow.provenance import provenance
+from ..workflow.section import section_of
+from ..workflow.setup import Setup
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A record at `path` with a rung for each model from the law alone to the present one.
+
+    `diagnosis` is of the present model, None until it is asked for; `first` is that of the law alone. `path` is as the
+    user knows it, and goes into the command that repeats what was done.
+    """
+
+    record: Record
+    path: str
+    setup: Setup
+    rungs: tuple[Rung, ...]
+    diagnosis: Diagnosis | None = None
+    first: Diagnosis | None = None
+
+    @classmethod
+    def begin(cls, record: Record, path: str, setup: Setup) -> "Bench":
+        """Fit the law alone, and then with each effect of `setup` more. Raises FitError, DataError or UsageError."""
+        return cls(record, path, setup, _climb(record, setup, {}, None))
+
+    @property
+    def fit(self) -> Fit:
+        """The present model."""
+        return self.rungs[-1].fit
+
+    @property
+    def law_alone(self) -> Fit:
+        """The law without effects."""
+        return self.rungs[0].fit
+
+    @cached_property
+    def comparison(self) -> Comparison:
+        """Where the present model fails."""
+        return compare(self.fit)
+
+    @property
+    def noise_floor(self) -> float | None:
+        """In N, as the latest diagnosis has it."""
+        last = self.diagnosis or self.first
+        return last.noise_floor if last else None
+
+    @property
+    def ladder(self) -> Ladder | None:
+        """The rungs as a ladder; None before a diagnosis has found the noise floor."""
+        last = self.diagnosis or self.first
+        return Ladder(self.rungs, last.noise_floor, last) if last else None
+
+    @property
+    def to_add(self) -> tuple[str, ...]:
+        """Every effect that the model does not hold, in each of its forms."""
+        held = set(self.fit.model.effect_names)
+        known = catalogue(self.setup.extra).values()
+        return tuple(Term(e, form).label for e in known if e.name not in held for form in e.forms)
+
+    def diagnosed(self) -> "Bench":
+        """With the diagnosis of the present model. Raises FitError or DataError."""
+        found = diagnose(self.fit.model, self.record, self.setup.extra)
+        return replace(self, diagnosis=found, first=self.first if self.fit.model.terms else found)
+
+    def adding(self, label: str) -> "Bench":
+        """With one effect more, `name` or `name:form`. Raises UsageError, FitError or DataError."""
+        return self._with((*self.setup.effects, label))
+
+    def removing(self, name: str) -> "Bench":
+        """With one effect less. Raises UsageError where the model does not hold it."""
+        left = tuple(label for label in self.setup.effects if label.partition(":")[0] != name)
+        if len(left) == len(self.setup.effects):
+            raise UsageError(f"the model holds no effect {name!r} to take out")
+        return self._with(left)
+
+    def _with(self, effects: tuple[str, ...]) -> "Bench":
+        setup = replace(self.setup, effects=effects)
+        known = {rung.effects: rung for rung in self.rungs}
+        return replace(self, setup=setup, rungs=_climb(self.record, setup, known, self.diagnosis), diagnosis=None)
+
+    @property
+    def command(self) -> str:
+        """The command line that fits the same again."""
+        return self.setup.command("add" if self.setup.effects else "compare", self.path)
+
+    def report(self) -> str:
+        """The ladder that was climbed as one HTML page. Raises UsageError before the first diagnosis."""
+        steps, found = self.ladder, self.first or self.diagnosis
+        if steps is None or found is None:
+            raise UsageError("nothing to report yet: let the workbench find what is missing first")
+        after = self.fit if self.fit.model.terms else None
+        section = section_of(self.record, self.law_alone, found, steps, after)
+        source = provenance({self.path: self.record}, self.command)
+        return render(Story(f"{self.record.name}: {self.setup.law} against the measurement", (section,), source))
+
+
+def specimen_toml(specimen: Specimen) -> str:
+    """A specimen as the file that stands beside a record."""
+    name = specimen.name.replace("\\", "\\\\").replace('"', '\\"')
+    lines = ["[specimen]", f'name = "{name}"', f"initial_length_mm = {specimen.initial_length_mm!r}"]
+    lines += [f"initial_radius_mm = {specimen.initial_radius_mm!r}", f"braid_angle_deg = {specimen.braid_angle_deg!r}"]
+    if specimen.wall_thickness_mm is not None:
+        lines.append(f"wall_thickness_mm = {specimen.wall_thickness_mm!r}")
+    return "\n".join(lines) + "\n"
+
+
+def _climb(
+    record: Record, setup: Setup, known: Mapping[tuple[str, ...], Rung], latest: Diagnosis | None
+) -> tuple[Rung, ...]:
+    """A rung for the law and for each effect more, those that are known taken over; `latest` led to a new one."""
+    whole = setup.model
+    rungs: list[Rung] = []
+    for count in range(len(whole.terms) + 1):
+        model = replace(whole, terms=whole.terms[:count])
+        found = known.get(tuple(model.labels))
+        if found is None:
+            one = fit(model, record)
+            found = Rung(one, heldout_rmse(model, record, one), _why(rungs, one), latest if rungs else None)
+        rungs.append(found)
+    return tuple(rungs)
+
+
+def _why(rungs: list[Rung], one: Fit) -> str:
+    if not rungs:
+        return "the law alone"
+    return f"{one.model.terms[-1].effect.title}: error {rungs[-1].fit.rmse:.3g} → {one.rmse:.3g} N, added by hand"

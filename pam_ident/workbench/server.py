@@ -1,0 +1,73 @@
+"""The workbench as a page for the browser of this machine."""
+
+import asyncio
+import socket
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+from panel.io.server import get_server
+from tornado.websocket import WebSocketClosedError
+
+from ..core import UsageError
+from .page import Workbench
+
+HOST = "127.0.0.1"
+PAGE = "{% extends base %}{% block contents %}<main>{{ embed(roots.bench) }}</main>{% endblock %}"
+MOST_BYTES = 256 * 1024 * 1024
+"""Largest message from the browser: the files that are dropped there."""
+
+
+def serve(
+    make: Callable[[], Workbench], port: int = 5006, show: bool = True, ready: Callable[[str], None] = print
+) -> None:
+    """Serve a fresh workbench of `make` to each tab, until interrupted; `ready` is told the address.
+
+    Only this machine is listened to, and only pages of this address are answered. Port 0 takes any that is free.
+    Raises UsageError for a port that is taken.
+    """
+    port = _free(port)
+    address = f"http://{HOST}:{port}"
+    pn.extension(loading_indicator=False)
+    server = get_server(
+        lambda: _page(make()),
+        port=port,
+        address=HOST,
+        show=show,
+        start=False,
+        title="pam-ident workbench",
+        verbose=False,
+        websocket_origin=[f"{HOST}:{port}", f"localhost:{port}"],
+        websocket_max_message_size=MOST_BYTES,
+        http_server_kwargs={"max_buffer_size": MOST_BYTES},
+    )
+    server.io_loop.add_callback(lambda: asyncio.get_running_loop().set_exception_handler(_unless_gone))
+    warnings.filterwarnings("ignore", "reference already known")  # Bokeh, when a button is pressed; nothing is amiss
+    ready(address)
+    try:
+        server.run_until_shutdown()
+    except KeyboardInterrupt:
+        server.stop()
+
+
+def _page(bench: Workbench) -> pn.Template:
+    page = pn.Template(PAGE)
+    page.add_panel("bench", bench.page)
+    return page
+
+
+def _unless_gone(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """A tab that was closed while something was on its way to it is no fault."""
+    if not isinstance(context.get("exception"), WebSocketClosedError):
+        loop.default_exception_handler(context)
+
+
+def _free(port: int) -> int:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((HOST, port))
+        except (OSError, OverflowError):
+            raise UsageError(f"--port {port}: taken or not allowed; name another, or 0 for any that is free") from None
+        return probe.getsockname()[1]
