@@ -1,7 +1,9 @@
 """The knee as one degree of freedom: the leg swings from its hip, hip and ankle move as prescribed.
 
 Lagrange's equation for the flexion φ. With places ρ in the thigh's frame, whose origin is the hip,
+
     Σ m (∂ρ/∂φ) · (a − g) + Σ I (∂ω/∂φ̇) ω̇ = T ds/dφ + Q,
+
 over shank, foot, crank and rocker; T is the torque on the sprocket, Q damping, stops and load. The thigh moves as
 prescribed and does no work on φ. The frame turns with the hip, so a holds what a turning frame adds.
 """
