@@ -27,14 +27,14 @@ def acceleration(leg: Leg, flexion: Array, rate: Array, sprocket_torque: Array, 
 
 
 def inverse(leg: Leg, flexion: Array, rate: Array, wanted: Array, motion: Motion) -> Array:
-    """Torque on the sprocket in N·m under which the flexion's acceleration is `wanted` (rad/s²)."""
+    """Torque on the sprocket in N·m under which the flexion's acceleration is `wanted` (rad/s²), all of one shape."""
     posture = leg.knee.at(flexion)
     inertia, bias = _equation(leg, posture, flexion, rate, motion)
     return (inertia * wanted + bias - passive_torque(leg, flexion, rate)) / posture.ratio
 
 
 def passive_torque(leg: Leg, flexion: Array, rate: Array) -> Array:
-    """Damping, stops and load torque on the flexion, N·m, positive where they flex.
+    """Damping, stops and load torque on the flexion (rad, any shape), N·m, positive where they flex.
 
     A stop passed by y pushes back by stiffness · y²/(y + width): nothing and no stiffness where it sets in.
     """
