@@ -1,30 +1,15 @@
 """Reference pages of the public names: those of the root, and of each subpackage's `__all__`."""
 
 import inspect
+from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pkgutil import iter_modules
+from types import ModuleType
+from typing import Any
 
 import pam_ident
 
 PACKAGES = ("core", "records", "laws", "effects", "model", "fitting", "diagnosis", "leg", "plot", "report", "rig")
-ALSO = {
-    "core": ("recursion.Live",),
-    "fitting": (
-        "fit.Estimate",
-        "isobars.IsobarRow",
-        "problem.Projection",
-        "bootstrap.Bootstrap",
-        "covariance.Covariance",
-        "floor.LackOfFit",
-        "floor.NoiseFloor",
-        "identifiability.StandIn",
-        "identifiability.Verdict",
-        "profile.Profile",
-    ),
-    "diagnosis": ("nouns.Separation", "strokes.Strokes"),
-    "rig": ("muscle.Muscle", "muscle.Law", "muscle.Specimen", "protocol.Course", "hidden.Hidden"),
-}
-"""Classes that are no public name themselves, but that public ones take or return."""
 
 
 def public_names(package: str) -> list[str]:
@@ -66,17 +51,43 @@ def package_page(package: str) -> str:
     module = import_module(name)
     lines = [f"# {name}", "", "```{eval-rst}", f".. automodule:: {name}", ""]
     for public in public_names(package):
-        thing = getattr(module, public) if hasattr(module, public) else import_module(f"{name}.{public}")
+        thing = _thing(module, public)
         if inspect.ismodule(thing):
             lines += [f".. automodule:: {thing.__name__}", "   :members:", ""]
         elif not getattr(thing, "__module__", name).startswith(name):
             lines += [f"``{public}`` is that of :py:mod:`{'.'.join(thing.__module__.split('.')[:2])}`.", ""]
         elif inspect.isclass(thing):
-            lines += [f".. autoclass:: {name}.{public}", "   :members:", ""]
+            lines += _class(f"{name}.{public}", thing)
         elif callable(thing):
             lines += [f".. autofunction:: {name}.{public}", ""]
         else:
             lines += [f".. py:data:: {name}.{public}", "", f"   By name: {', '.join(thing)}.", ""]
-    for public in ALSO.get(package, ()):
-        lines += [f".. autoclass:: {name}.{public}", "   :members:", ""]
+    for path, thing in _other_classes(package):
+        lines += _class(path, thing)
     return "\n".join([*lines, "```", ""])
+
+
+def _class(path: str, thing: type) -> list[str]:
+    """A class with its members; a field whose default is a function is no method."""
+    functions = [f.name for f in fields(thing) if inspect.isfunction(f.default)] if is_dataclass(thing) else []
+    hidden = [f"   :exclude-members: {', '.join(functions)}"] if functions else []
+    return [f".. autoclass:: {path}", "   :members:", *hidden, ""]
+
+
+def _other_classes(package: str) -> list[tuple[str, type]]:
+    """Public classes of a subpackage's modules that are no public names themselves: public ones take or return them."""
+    home = import_module(f"pam_ident.{package}")
+    shown = [id(_thing(home, name)) for name in public_names(package)]
+    found = []
+    for info in iter_modules(getattr(home, "__path__", ())):
+        module = None if info.name.startswith("_") else import_module(f"{home.__name__}.{info.name}")
+        if module is None or id(module) in shown:
+            continue
+        classes = [v for v in vars(module).values() if inspect.isclass(v) and v.__module__ == module.__name__]
+        classes = [one for one in classes if not one.__name__.startswith("_") and id(one) not in shown]
+        found += [(f"{module.__name__}.{one.__name__}", one) for one in classes]
+    return found
+
+
+def _thing(home: ModuleType, name: str) -> Any:
+    return getattr(home, name) if hasattr(home, name) else import_module(f"{home.__name__}.{name}")
