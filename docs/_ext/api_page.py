@@ -53,7 +53,7 @@ def package_page(package: str) -> str:
     for public in public_names(package):
         thing = _thing(module, public)
         if inspect.ismodule(thing):
-            lines += [f".. automodule:: {thing.__name__}", "   :members:", ""]
+            lines += [f".. rubric:: {thing.__name__}", "", f".. automodule:: {thing.__name__}", "   :members:", ""]
         elif not getattr(thing, "__module__", name).startswith(name):
             lines += [f"``{public}`` is that of :py:mod:`{'.'.join(thing.__module__.split('.')[:2])}`.", ""]
         elif inspect.isclass(thing):
