@@ -65,7 +65,7 @@ def diagnose(
 
 
 def check_protocol(path: str, records: list[str]) -> None:
-    """Refuse a protocol file before anything is computed: for several records, or where it cannot be written."""
+    """Raises UsageError before anything is computed: for several records, or a protocol file that cannot be written."""
     from ..core import UsageError
     from ..workflow.files import check_target
 

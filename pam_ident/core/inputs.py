@@ -132,7 +132,7 @@ class Inputs:
         return field[need] is not None
 
     def take(self, rows: Array | slice) -> "Inputs":
-        """Some of the samples, by index, mask or slice."""
+        """Some of the samples, by index (m,), mask (n,) or slice."""
         arrays = {f.name: value for f in fields(self) if isinstance(value := getattr(self, f.name), np.ndarray)}
         return replace(self, **{name: value[rows] for name, value in arrays.items()})
 

@@ -49,7 +49,7 @@ def compare(fit: Fit) -> Comparison:
 
 
 def contraction_edges(contraction: Array) -> Array:
-    """Cell edges over contraction: around each value of a table of few lengths, else ten equal cells."""
+    """Edges (cells + 1,) of cells over contraction (n,): around each value of a table of few lengths, else ten."""
     values = np.unique(np.round(contraction, 4))
     if len(values) == 1:
         return np.array([values[0] - 0.005, values[0] + 0.005])

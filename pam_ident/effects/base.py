@@ -98,7 +98,7 @@ def one(values: Array) -> Array:
 
 
 def slip(inputs: Inputs) -> tuple[Array, Array]:
-    """Sign of sliding where the muscle moves (0 in holds), and the sign kept through holds (0 in motion)."""
+    """Sign of sliding where the muscle moves (0 in holds), and the one kept through holds (0 in motion), shape (n,)."""
     if inputs.moving is None:
         return inputs.direction, inputs.xp.zeros(len(inputs))
     return inputs.direction * inputs.moving, inputs.direction * ~inputs.moving

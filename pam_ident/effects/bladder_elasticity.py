@@ -33,7 +33,10 @@ def _hoop(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def invariant_slopes(inputs: Inputs) -> tuple[Array, Array, Array]:
-    """I1 − 3, dI1/dε and dI2/dε of an incompressible thin tube on the braid, λ_z = 1 − ε, λ_θ = r/r0."""
+    """I1 − 3, dI1/dε and dI2/dε of an incompressible thin tube on the braid, λ_z = 1 − ε, λ_θ = r/r0.
+
+    Shape (n,) each, without unit.
+    """
     z, g = 1.0 - inputs.contraction, inputs.specimen.radius_ratio(inputs.contraction) ** 2
     dg = 2.0 * inputs.specimen.a * z / 3.0
     product, d_product = z**2 * g, -2.0 * z * g + z**2 * dg

@@ -51,12 +51,12 @@ def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
 
 
 def gaussian_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    """Columns of the Stribeck form exp(−(v/v_s)²)."""
+    """Columns of the Stribeck form exp(−(v/v_s)²), shape (n, 4)."""
     return stribeck_columns(inputs, lambda v: inputs.xp.exp(-((v / shape["v_s"]) ** 2)))
 
 
 def exponential_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    """Columns of the Stribeck form exp(−v/v_s)."""
+    """Columns of the Stribeck form exp(−v/v_s), shape (n, 4)."""
     return stribeck_columns(inputs, lambda v: inputs.xp.exp(-v / shape["v_s"]))
 
 

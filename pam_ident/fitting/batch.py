@@ -42,7 +42,7 @@ class Nodes:
         return np.cos(np.pi * (np.arange(COUNT) + 0.5) / COUNT)
 
     def at(self, x: Array) -> Array:
-        """Curved parameter at x in −1 … 1."""
+        """Curved parameter at x in −1 … 1, of the shape of x."""
         return 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * x
 
     def series(self, values: Array) -> Array:

@@ -152,7 +152,7 @@ def fit(
     white: bool = False,
     solver: Solver | None = None,
 ) -> Fit:
-    """Least-squares fit over `rows` (mask, default all), errors of the parameters included unless not `detail`.
+    """Least-squares fit over `rows` (mask (n,), default all), errors of the parameters included unless not `detail`.
 
     `held` parameters keep the given values. Errors allow for residuals that are correlated along the strokes of a
     record in time, unless `white`. `solver` searches the parameters in place of variable projection.

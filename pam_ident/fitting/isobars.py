@@ -45,7 +45,7 @@ def fit_isobars(
     held: Mapping[str, float] | None = None,
     rows: Array | None = None,
 ) -> IsobarTable:
-    """Fit each isobar alone, as the paper does, over `rows` (mask, default all); `held` parameters keep their values.
+    """Fit each isobar alone, as the paper does, over `rows` (mask (n,), default all); `held` keep their values.
 
     For exponential_law the isobar's law is a − b ε + c exp(−μ ε) with μ shared by all isobars (held, or from
     the global fit of the branch), then a line in p through each of a, b, c. Other laws keep their own
@@ -109,7 +109,7 @@ def _one_pressure(law: Law) -> Law:
 
 
 def loop_energies(record: Record, force: Array) -> dict[float, float]:
-    """Energy in J taken from the drive per unit cycle of each isobar, by mean force of the branches over contraction.
+    """Energy in J of a cycle of each isobar, by MPa, from the branches' mean `force` (n,) in N over contraction.
 
     Positive: the loop dissipates. Negative: the extension force lies below the contraction force and the loop
     would give energy back, which no passive muscle can. Empty without both branches.

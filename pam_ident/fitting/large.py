@@ -26,7 +26,7 @@ MOST = 8
 
 
 def is_large(model: Model, record: Record, rows: Array) -> bool:
-    """Whether this way pays and is open: all of very many samples, a separable model without memory."""
+    """Whether this way pays and is open: all of very many `rows` (n,), a separable model without memory."""
     memory = any(term.effect.stateful for term in model.terms)
     return len(record) >= FROM and model.separable and not memory and bool(rows.all())
 

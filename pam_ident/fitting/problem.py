@@ -32,7 +32,7 @@ class Solution:
 
 
 def all_rows(rows: Array) -> Array:
-    """Rows as they are: a problem in which none is left out and the noise is white."""
+    """Rows, shape (n, …), as they are: a problem in which none is left out and the noise is white."""
     return rows
 
 

@@ -28,7 +28,7 @@ def solve(
     held: Mapping[str, float] | None = None,
     solver: Solver | None = None,
 ) -> Solution:
-    """Least squares of whiten(model − force) over the model's parameters, within their bounds.
+    """Least squares of whiten(model − force), force (n,) in N, over the model's parameters, within their bounds.
 
     Curved parameters start from `start` where it names them, else from every combination of their grids (at
     most `max_starts`, the two best of which are followed down). `quick` follows one and stops at 1e-8. Parameters in
@@ -95,7 +95,7 @@ def _remembering(model: Model, inputs: Inputs, acting: Array) -> Model:
 
 
 def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float], whiten: Whiten = all_rows) -> Problem:
-    """All parameters as curved ones, for models in which the force acts back on itself."""
+    """All parameters as curved ones, for models in which the force, (n,) in N, acts back on itself."""
 
     def design(values: Mapping[str, float]) -> tuple[Array, Array]:
         return np.empty((len(inputs), 0)), model.force(inputs, values)

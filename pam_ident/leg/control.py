@@ -36,7 +36,7 @@ class Sensor(NamedTuple):
     highest: float = 1.75
 
     def read(self, angle: Array) -> Array:
-        """The nearest step of the converter."""
+        """The nearest step of the converter to angles in rad of any shape."""
         step = (self.highest - self.lowest) / 2**self.bits
         return self.lowest + step * jnp.clip(jnp.round((angle - self.lowest) / step), 0, 2**self.bits - 1)
 
@@ -46,12 +46,12 @@ FILTER_S = 0.01
 
 
 def start(error: Array) -> Control:
-    """At the first sample, without a jump of the derivative."""
+    """At the first sample, without a jump of the derivative; error in rad, of any shape."""
     return Control(jnp.zeros_like(error), error, jnp.zeros_like(error))
 
 
 def pid(gains: Gains, control: Control, error: Array, ahead: Array, reach: float) -> tuple[Array, Control]:
-    """Split in MPa, and what the controller remembers after it.
+    """Split in MPa of the shape of `error` (rad), and what the controller remembers after it.
 
     `ahead` is the split that a feed-forward gives already; their sum stays within ±reach. The integral waits while
     the sum stands at its limit and the error would drive it further (conditional integration, Åström & Hägglund 1995).

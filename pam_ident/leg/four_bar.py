@@ -18,7 +18,7 @@ LEAST_SINE = 0.05
 
 
 def as_array(x: Array) -> Array:
-    """Numbers and lists as a NumPy array; arrays of any library as they are."""
+    """Numbers and lists as a NumPy array of their shape; arrays of any library as they are."""
     return x if hasattr(x, "__array_namespace__") else np.asarray(x, float)
 
 

@@ -1,7 +1,9 @@
 """The knee as one degree of freedom: the leg swings from its hip, hip and ankle move as prescribed.
 
 Lagrange's equation for the flexion φ. With places ρ in the thigh's frame, whose origin is the hip,
+
     Σ m (∂ρ/∂φ) · (a − g) + Σ I (∂ω/∂φ̇) ω̇ = T ds/dφ + Q,
+
 over shank, foot, crank and rocker; T is the torque on the sprocket, Q damping, stops and load. The thigh moves as
 prescribed and does no work on φ. The frame turns with the hip, so a holds what a turning frame adds.
 """
@@ -25,14 +27,14 @@ def acceleration(leg: Leg, flexion: Array, rate: Array, sprocket_torque: Array, 
 
 
 def inverse(leg: Leg, flexion: Array, rate: Array, wanted: Array, motion: Motion) -> Array:
-    """Torque on the sprocket in N·m under which the flexion's acceleration is `wanted` (rad/s²)."""
+    """Torque on the sprocket in N·m under which the flexion's acceleration is `wanted` (rad/s²), all of one shape."""
     posture = leg.knee.at(flexion)
     inertia, bias = _equation(leg, posture, flexion, rate, motion)
     return (inertia * wanted + bias - passive_torque(leg, flexion, rate)) / posture.ratio
 
 
 def passive_torque(leg: Leg, flexion: Array, rate: Array) -> Array:
-    """Damping, stops and load torque on the flexion, N·m, positive where they flex.
+    """Damping, stops and load torque on the flexion (rad, any shape), N·m, positive where they flex.
 
     A stop passed by y pushes back by stiffness · y²/(y + width): nothing and no stiffness where it sets in.
     """

@@ -68,7 +68,7 @@ class Pair:
         return jnp.stack(contraction), SIGN * 1e3 * self.leg.sprocket_radius_m * rate
 
     def at_rest(self, gauge_MPa: Array, contraction: Array) -> Air:
-        """Air at supply temperature and closed valves."""
+        """Air at supply temperature and closed valves, arrays of shape (2,)."""
         pressure = gauge_MPa * 1e6 + ATMOSPHERE
         volume, _ = self.volume(contraction)
         return Air(pressure, pressure * volume / (GAS * self.supply.temperature_K), jnp.zeros(2))

@@ -17,7 +17,7 @@ MOST_LABELS = 12
 
 
 def by_isobar(record: Record, rows: Array | None = None) -> Iterator[tuple[float, float, Array]]:
-    """Pressure in MPa, direction and samples of each isobar and branch among `rows` (mask, default all).
+    """Pressure in MPa, direction and samples of each isobar and branch among `rows` (mask (n,), default all).
 
     The samples are numbers in the order of contraction, so that every n-th of them still covers the stroke.
     """
@@ -73,11 +73,19 @@ class Line(Protocol):
     """A curve of one isobar: contraction and force in N, (m,) each."""
 
     @property
-    def pressure_MPa(self) -> float: ...  # noqa: D102
+    def pressure_MPa(self) -> float:
+        """Pressure of the isobar."""
+        ...
+
     @property
-    def line(self) -> Array: ...  # noqa: D102
+    def line(self) -> Array:
+        """Contraction ratio."""
+        ...
+
     @property
-    def line_force(self) -> Array: ...  # noqa: D102
+    def line_force(self) -> Array:
+        """Force."""
+        ...
 
 
 def label_isobars(axes: Axes, curves: Sequence[Line]) -> None:

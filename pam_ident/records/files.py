@@ -67,7 +67,7 @@ def find_files(path: str | Path) -> Files:
 
 
 def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
-    """The tables of a file, by its ending; what ends in no known way is read as text."""
+    """The tables of a file, by its ending; what ends in no known way is read as text. Raises DataError."""
     ending = _ending(path)
     if ending == ".xls":
         raise DataError(f"{path}: an old Excel file; save it as .xlsx or as CSV")

@@ -25,14 +25,14 @@ class Motion:
 
 
 def position_noise(x: Array) -> float:
-    """Standard deviation of the noise on a smooth track, from the median of second differences."""
+    """Standard deviation of the noise on a smooth track (n,), in its unit, from the median of second differences."""
     if len(x) < 5:
         return 0.0
     return float(np.median(np.abs(np.diff(x, 2))) / 0.6745 / np.sqrt(6.0))
 
 
 def find_motion(time: Array, x: Array, segment: Array) -> Motion:
-    """Cut a displacement track (mm over s) into strokes and holds, segment by segment.
+    """Cut a displacement track (n,), mm over s, into strokes and holds, segment by segment.
 
     A reversal counts when it goes beyond the noise and 0.4 % of the range; a hold is a stretch that
     stays within the noise for far longer than the stroke around it would take to cross it.

@@ -21,17 +21,17 @@ Form = Callable[[Course, Muscle, np.random.Generator], tuple[Settings, Force]]
 
 
 def scaled(shape: Array) -> Force:
-    """A force that grows in proportion to its size."""
+    """A force (m,) in N that grows in proportion to its size."""
     return lambda size: size * shape
 
 
 def direction(c: Course, hold_share: float) -> Array:
-    """sgn(eps') while moving; in a hold the share of the friction that stays locked in."""
+    """sgn(eps'), shape (m,), while moving; in a hold the share of the friction that stays locked in."""
     return np.where(c.moving != 0, c.moving, hold_share * c.heading)
 
 
 def speed_mm_s(c: Course) -> Array:
-    """|v| (mm/s)."""
+    """|v| (mm/s), shape (m,)."""
     return np.abs(c.rate) * c.length_mm
 
 
@@ -132,7 +132,7 @@ def viscous_thinning(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Se
 
 
 def maxwell_slip(x: Array, reach: Array, weight: Array) -> Array:
-    """Sum of spring-slider elements, each sliding at its reach (in units of x), weights adding up to 1."""
+    """Sum (m,) of spring-slider elements along x (m,), each sliding at its reach in units of x; weights add to 1."""
     out = np.zeros_like(x)
     for r, w in zip(reach, weight, strict=True):
         z = np.empty_like(x)

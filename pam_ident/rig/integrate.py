@@ -24,7 +24,7 @@ def follow(time: Array, drive: Array, tau: float) -> Array:
 
 
 def stiff_path(time: Array, start: float, slope: Callable[[int, float], tuple[float, float]]) -> Array:
-    """y' = f(i, y) by exponential Rosenbrock-Euler steps; `slope` gives f and df/dy."""
+    """y(t), shape (m,), of y' = f(i, y) by exponential Rosenbrock-Euler steps; `slope` gives f and df/dy."""
     out = np.empty_like(time)
     y = out[0] = start
     for i, dt in enumerate(np.diff(time).tolist()):
@@ -36,7 +36,7 @@ def stiff_path(time: Array, start: float, slope: Callable[[int, float], tuple[fl
 
 
 def travel_path(x: Array, start: float, slope: Callable[[float, float], float], substeps: int = 2) -> Array:
-    """z(x) with dz/dx = slope(direction, z), a midpoint rule along the travelled way; at rest z stays."""
+    """z(x), shape (m,), with dz/dx = slope(direction, z), a midpoint rule along the travelled way; at rest z stays."""
     out = np.empty_like(x)
     z = out[0] = start
     for i, dx in enumerate(np.diff(x).tolist()):

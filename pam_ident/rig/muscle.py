@@ -19,7 +19,7 @@ AMBIENT_MPA = 0.1013
 
 @dataclass(frozen=True)
 class Specimen:
-    """Braid geometry at rest; constant thread length, cylinder all along."""
+    """Braid geometry at rest; constant thread length, cylinder all along. Contractions `eps` may have any shape."""
 
     initial_length_mm: float = 200.0
     initial_radius_mm: float = 10.0
@@ -56,7 +56,7 @@ class Specimen:
 
 
 class Law(Interface):
-    """A static law: force(p, eps) in N, and its record name."""
+    """A static law: force(p, eps) in N of p (MPa) and eps of one shape, and its record name."""
 
     @property
     def name(self) -> str:
@@ -70,7 +70,7 @@ class Law(Interface):
 
 @dataclass(frozen=True)
 class Exponential:
-    """F = (a0 + a1 p) - (b0 + b1 p) eps + (c0 + c1 p) exp(-mu eps), p in MPa; defaults: paper, law (4)."""
+    """F = (a0 + a1 p) - (b0 + b1 p) eps + (c0 + c1 p) exp(-mu eps), p in MPa, eps of its shape; defaults: law (4)."""
 
     a0: float = -197.8
     a1: float = 2442.0
@@ -89,7 +89,7 @@ class Exponential:
 
 @dataclass(frozen=True)
 class ChouHannaford:
-    """F = k0 pi r0^2 p [a (1 - k1 eps)^2 - b] + k2, one k0, k1, k2 (N) for all pressures."""
+    """F = k0 pi r0^2 p [a (1 - k1 eps)^2 - b] + k2, one k0, k1, k2 (N) for all pressures; p, eps of one shape."""
 
     specimen: Specimen
     k0: float = 0.87
@@ -106,7 +106,7 @@ class ChouHannaford:
 
 @dataclass(frozen=True)
 class Muscle:
-    """A specimen with the static law that holds for it."""
+    """A specimen with the static law that holds for it; p (MPa) and eps are of one shape."""
 
     specimen: Specimen
     law: Law

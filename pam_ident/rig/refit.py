@@ -40,5 +40,5 @@ def law_residual(muscle: Muscle, p: Array, eps: Array, force: Array) -> Array:
 
 
 def rms(values: Array) -> float:
-    """Root of the mean square."""
+    """Root of the mean square of values of any shape."""
     return float(np.sqrt(np.mean(values**2)))

@@ -60,7 +60,7 @@ def _colour(colour: str, time: Array, rng: np.random.Generator) -> Array:
 
 
 def temperature_course(time: Array, rng: np.random.Generator, warming: bool) -> Array:
-    """Temperature (deg C): a slow ripple of the room, and a run-in of 12 to 18 K where warming."""
+    """Temperature (deg C), shape (m,): a slow ripple of the room, and a run-in of 12 to 18 K where warming."""
     start, ripple, period = rng.uniform(22.0, 25.0), rng.uniform(0.05, 0.25), rng.uniform(60.0, 400.0)
     out = start + ripple * np.sin(2 * np.pi * time / period + rng.uniform(0, 2 * np.pi))
     if warming:

@@ -15,7 +15,7 @@ from .protocol import Course
 
 
 def elastic_force(specimen: Specimen, energy: Callable[[Array, Array], Array], eps: Array) -> Array:
-    """Virtual work: F_t = (1/L0) dU/d(eps) (N, taken off the pull) of an energy density W in MPa.
+    """Virtual work: F_t = (1/L0) dU/d(eps), (m,) in N, taken off the pull, of an energy density W in MPa.
 
     W is a function of hoop and axial stretch, and U is W times the rubber's volume 2 pi r0 L0 t; the
     derivative is a fourth-order central difference.
@@ -31,7 +31,7 @@ def elastic_force(specimen: Specimen, energy: Callable[[Array, Array], Array], e
 
 
 def hoop_energy(hoop: Array, axial: Array) -> Array:
-    """Half (stretch - 1)^2, per unit modulus."""
+    """Half (stretch - 1)^2, per unit modulus, of stretches of one shape."""
     return 0.5 * (hoop - 1) ** 2
 
 

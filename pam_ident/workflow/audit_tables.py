@@ -136,7 +136,7 @@ def table_gaps(printed: Printed, record: Record) -> tuple[TableGap, ...]:
 
 
 def loops(record: Record, force: Array) -> tuple[Loop, ...]:
-    """The loop of each isobar of a force in N at the record's samples, over the contraction both branches cover."""
+    """The loop of each isobar of a force (n,) in N along the record, over the contraction both branches cover."""
     found = []
     for level, energy in loop_energies(record, force).items():
         here = record.level == level

@@ -63,7 +63,7 @@ class Certified:
 
 
 def agreement(found: Array | list[float], certified: tuple[float, ...]) -> float:
-    """−log10 of the largest relative error; 0 where it is no number, at most the 11 digits that are certified."""
+    """−log10 of the largest relative error of values (k,); 0 where that is no number, at most the 11 certified."""
     worst = float(np.max(np.abs(np.array(found) / np.array(certified) - 1.0)))
     return float(np.clip(-np.log10(max(worst, 1e-11)), 0.0, 11.0)) if np.isfinite(worst) else 0.0
 

@@ -27,6 +27,7 @@ class Wishes:
     """What `track` is asked; files by path, cadence in Hz, gains in MPa and rad, supply in MPa gauge, load in kg.
 
     Without `plant` and `controller` both are those of the data set `leg_muscle`; with one of them, both are that one.
+    Raises UsageError for one or two of the three gains, and for a supply or a load that cannot be.
     """
 
     plant: str | None = None

@@ -1,0 +1,32 @@
+"""Run the commands of docs/tutorial.md and write what they print beneath them: `python docs/make_tutorial.py`."""
+
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "tutorial.md"
+BLOCK = re.compile(r"```console\n\$ (?P<command>[^\n]+)\n(?P<output>.*?)```\n", re.S)
+
+
+def refreshed(text: str) -> str:
+    """The page with every console block's output as the program prints it now.
+
+    The blocks run in their order, in one new folder that holds the checkout's data sets. Raises CalledProcessError
+    for a command that fails.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "datasets").symlink_to(ROOT / "datasets")
+        return BLOCK.sub(lambda found: _block(found["command"], folder), text)
+
+
+def _block(command: str, folder: str) -> str:
+    program = f'pam-ident() {{ "{sys.executable}" -m pam_ident "$@"; }}; set -eo pipefail; '
+    done = subprocess.run(["bash", "-c", program + command], cwd=folder, check=True, capture_output=True, text=True)
+    return f"```console\n$ {command}\n{done.stdout.rstrip()}\n```\n"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(refreshed(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

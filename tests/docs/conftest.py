@@ -1,0 +1,22 @@
+"""The makers of the documentation's pages, and the pages that they make."""
+
+import sys
+from importlib import import_module
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def maker(root):
+    """Import a module of docs/_ext by name."""
+    sys.path.insert(0, str(root / "docs" / "_ext"))
+    yield import_module
+    sys.path.remove(str(root / "docs" / "_ext"))
+
+
+@pytest.fixture(scope="session")
+def generated(maker, tmp_path_factory):
+    """The folder of all pages that are made at a build."""
+    folder = tmp_path_factory.mktemp("pages") / "generated"
+    maker("pages").write_pages(folder)
+    return folder

@@ -1,0 +1,163 @@
+"""The contract's page names every command, and the very keys that the program writes."""
+
+import json
+import re
+from types import SimpleNamespace
+
+import pytest
+from typer.main import get_command
+from typer.testing import CliRunner
+
+from pam_ident.cli import app
+
+NAMED = {
+    "parameters": "NAME",
+    "branches": "BRANCH",
+    "correlation": "BRANCH",
+    "kinds": "KIND",
+    "by": "KEY",
+    "tuning": "HOW",
+}
+POOR = "[protocol]\npressures_MPa = [0.3, 0.4]\nspeeds_mm_s = [10.0]\ncycles_per_speed = 4\n"
+PLAIN = {"methods[].parameters.NAME", "per_pressure[].parameters.NAME"}
+
+
+@pytest.fixture(scope="module")
+def page(root):
+    return (root / "docs" / "contract.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def documented(page):
+    """Keys by heading, from the first column of each table."""
+    sections = re.split(r"^### ", page, flags=re.M)[1:]
+    keys = {part.splitlines()[0]: re.findall(r"^\| `([^`]+)` \|", part.split("\n## ")[0], re.M) for part in sections}
+    assert all(len(set(found)) == len(found) for found in keys.values())
+    return {name: set(found) for name, found in keys.items()}
+
+
+def leaves(value, path="", under=""):
+    """(path, value) of all that holds no further keys, names of parameters and the like written in capitals."""
+    if isinstance(value, dict) and value and not path.endswith("protocol"):
+        for key, item in value.items():
+            name = NAMED.get(under, key)
+            if under == "correlation":
+                yield from ((f"{path}.{name}.NAME", x) for x in item.values())
+            else:
+                yield from leaves(item, f"{path}.{name}" if path else name, key)
+    elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+        for item in value:
+            yield from leaves(item, f"{path}[]", "")
+    else:
+        yield path, value
+
+
+@pytest.fixture(scope="module")
+def written(root, tmp_path_factory):
+    """What the program wrote, objects by schema: runs that together fill every key."""
+    folder = tmp_path_factory.mktemp("contract")
+    ours, table = (root / "datasets" / name / "record.csv" for name in ("hidden_effect", "dmsp20_300"))
+    (folder / "poor.toml").write_text(POOR, encoding="utf-8")
+    poor = folder / "poor" / "record.csv"
+    law, braid = ("--law", "exponential_law"), ("--law", "chou_hannaford", "--free-geometry")
+    found = ("--effect", "bladder_elasticity:yeoh", "--effect", "end_taper:saturating")
+    run("rig", poor.parent, "--protocol", folder / "poor.toml", *law, "--effect", "viscous_damping", "--seed", 62)
+    asked = [
+        ("fit", ours, *law, "--method", "both"),
+        ("fit", ours, *law, "--method", "two-stage"),
+        ("compare", ours, *law),
+        ("diagnose", poor, *law),
+        ("diagnose", table, *braid, *found),
+        ("add", table, *braid, *found[:2]),
+        ("ladder", table, *braid),
+        ("selftest",),
+        ("challenge", "--n", 1, "--workers", 1, "--quiet"),
+    ]
+    answers = {}
+    for words in asked:
+        run(*words, "--json", folder / "answer.json")
+        answer = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
+        answers.setdefault(answer["schema"], []).append(answer)
+    return answers | {"pam-ident/track/1": [made_up_track()]}
+
+
+def run(*words):
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exit_code == 0, result.output
+
+
+def made_up_track():
+    """The real writer's answer to a run of one rung: a run itself takes a minute."""
+    from pam_ident.workflow.track_json import track_json
+
+    tuned = SimpleNamespace(gains=(1.0, 2.0, 3.0), runs=1, rms_deg=1.0, worst_deg=2.0)
+    trouble = SimpleNamespace(kind="slack", time_s=0.1, share=0.5)
+    time = [0.0, 0.2]
+    course = SimpleNamespace(rms_deg=1.0, peak_deg=2.0, troubles=[trouble], time=time)
+    muscle = SimpleNamespace(model=SimpleNamespace(law=SimpleNamespace(name="sarosi"), labels=["creep"]))
+    gait = SimpleNamespace(name="winter", cadence_Hz=1.0)
+    budget = SimpleNamespace(structure=0.1, tuning=0.2, muscle=0.3, by_hand=1.0, automatic=0.8)
+    return track_json(
+        SimpleNamespace(
+            course=SimpleNamespace(gait=gait),
+            pid=course,
+            pid_by_hand=course,
+            ideal=course,
+            rungs=[SimpleNamespace(muscle=muscle, tracking=course, band=(0.9, 1.1))],
+            by_hand=tuned,
+            automatic=tuned,
+            budget=budget,
+            prototype=False,
+            agreement_deg=None,
+        )
+    )
+
+
+def keys_of(answers, documented):
+    """Leaves of all answers, those of a parameter apart."""
+    found, parameter = {}, set()
+    for answer in answers:
+        for path, value in leaves(answer):
+            head, inside, rest = path.partition("parameters.NAME")
+            if inside and rest and head + inside not in PLAIN:
+                parameter.add(rest[1:])
+                path = head + inside
+            found.setdefault(path, []).append(value)
+    return found, parameter
+
+
+def test_every_command_is_named(page):
+    commands = get_command(app).commands
+    for name, command in commands.items():
+        assert f"`pam-ident {name}" in page, name
+        for sub in getattr(command, "commands", {}):
+            assert f"`{name} {sub}" in page, f"{name} {sub}"
+
+
+def test_every_schema_has_a_table(written, documented):
+    assert set(written) == set(documented) - {"A parameter"}
+
+
+def test_every_written_key_is_documented_and_every_documented_key_is_written(written, documented):
+    for schema, answers in written.items():
+        found, parameter = keys_of(answers, documented)
+        listed = documented[schema]
+        missing = {
+            path
+            for path, values in found.items()
+            if path not in listed
+            and not (all(not v for v in values) and any(one.startswith((f"{path}.", f"{path}[]")) for one in listed))
+        }
+        assert not missing, f"{schema}: written, but not in docs/contract.md"
+        assert not listed - set(found), f"{schema}: in docs/contract.md, but not written"
+        assert parameter in (set(), documented["A parameter"]), schema
+
+
+def test_exit_codes_are_those_of_the_errors(page):
+    from pam_ident.core import DataError, FitError, UsageError
+
+    codes = dict(re.findall(r"^\| (\d) \| ([^|]+) \|", page, re.M))
+    assert codes.keys() == {"0", "2", "3", "4"}
+    assert "wrongly" in codes[str(UsageError.exit_code)]
+    assert "fit is not valid" in codes[str(FitError.exit_code)]
+    assert "bad data" in codes[str(DataError.exit_code)]
