@@ -62,7 +62,7 @@ def batch(
     options.give_json(
         json,
         lambda: {
-            "schema": "pam-ident/batch/1",
+            "schema": "pam-ident/batch-summary/1",
             "records": found.records,
             "kept": found.kept,
             "errors": found.errors,

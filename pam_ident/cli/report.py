@@ -28,5 +28,5 @@ def report(
 
     page, story = report_record(record, setup, out)
     write_whole(out, page)
-    options.give_json(json, lambda: diagnosis_json(record, story.sections[0].diagnosis) | {"report": out})
+    options.give_json(json, lambda: diagnosis_json(record, story.sections[0].diagnosis))
     text.say(story.sections[0].diagnosis.sentence, f"report: {out}")

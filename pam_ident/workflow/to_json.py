@@ -252,9 +252,23 @@ def ladder_json(record: str, ladder: "Ladder") -> Json:
 
 
 def demo_json(found: "Demo") -> Json:
-    """Schema pam-ident/demo/1: the ladder of each data set, and where the report is."""
-    ladders = [ladder_json(stage.data_set, stage.ladder) for stage in found.stages]
-    return {"schema": "pam-ident/demo/1", "ladders": ladders, "report": str(found.path)}
+    """Schema pam-ident/demo/1: how each data set's ladder begins and ends, and where the report is."""
+    return {
+        "schema": "pam-ident/demo/1",
+        "stages": [
+            {
+                "data_set": stage.data_set,
+                "law": stage.ladder.rungs[0].fit.model.law.name,
+                "effects": list(stage.ladder.rungs[-1].effects),
+                "rmse_N": stage.ladder.rungs[0].fit.rmse,
+                "rmse_after_N": stage.ladder.rungs[-1].fit.rmse,
+                "noise_floor_N": stage.ladder.noise_floor,
+                "verdict": stage.ladder.verdict,
+            }
+            for stage in found.stages
+        ],
+        "report": str(found.path),
+    }
 
 
 def selftest_json(found: "SelfTest") -> Json:

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from types import SimpleNamespace
 
 import pytest
@@ -17,6 +18,8 @@ NAMED = {
     "kinds": "KIND",
     "by": "KEY",
     "tuning": "HOW",
+    "columns": "QUANTITY",
+    "errors": "RECORD",
 }
 POOR = "[protocol]\npressures_MPa = [0.3, 0.4]\nspeeds_mm_s = [10.0]\ncycles_per_speed = 4\n"
 PLAIN = {"methods[].parameters.NAME", "per_pressure[].parameters.NAME"}
@@ -62,6 +65,9 @@ def written(root, tmp_path_factory):
     law, braid = ("--law", "exponential_law"), ("--law", "chou_hannaford", "--free-geometry")
     found = ("--effect", "bladder_elasticity:yeoh", "--effect", "end_taper:saturating")
     run("rig", poor.parent, "--protocol", folder / "poor.toml", *law, "--effect", "viscous_damping", "--seed", 62)
+    tree = folder / "tree"
+    shutil.copytree(poor.parent, tree)
+    (tree / "bad.csv").write_text("time_s,force_N\n0,1\n", encoding="utf-8")
     asked = [
         ("fit", ours, *law, "--method", "both"),
         ("fit", ours, *law, "--method", "two-stage"),
@@ -72,13 +78,40 @@ def written(root, tmp_path_factory):
         ("ladder", table, *braid),
         ("selftest",),
         ("challenge", "--n", 1, "--workers", 1, "--quiet"),
+        ("inspect", ours),
+        ("laws",),
+        ("effects",),
+        ("demo", "--out", folder / "demo"),
+        ("rig", folder / "set", "--n", 1, "--only", "null"),
+        ("batch", tree, *law, "--out", folder / "results", "--workers", 1),
     ]
     answers = {}
     for words in asked:
         run(*words, "--json", folder / "answer.json")
         answer = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
         answers.setdefault(answer["schema"], []).append(answer)
-    return answers | {"pam-ident/track/1": [made_up_track()]}
+    return answers | {
+        "pam-ident/track/1": [made_up_track()],
+        "pam-ident/workbench/1": [served(folder / "served.json")],
+        "pam-ident/effects/1": [*answers["pam-ident/effects/1"], checked(folder)],
+    }
+
+
+def checked(folder):
+    """The answer about an effect that does not keep its promises."""
+    run("effects", "new", folder / "mine.py")
+    text = (folder / "mine.py").read_text(encoding="utf-8")
+    (folder / "mine.py").write_text(text.replace("    return ", '    return float("nan") * '), encoding="utf-8")
+    CliRunner().invoke(app, ["effects", "check", str(folder / "mine.py"), "--json", str(folder / "checked.json")])
+    return json.loads((folder / "checked.json").read_text(encoding="utf-8"))
+
+
+def served(file):
+    """What the workbench says of its address; it is stopped as soon as it has said so."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pam_ident.workbench.serve", lambda make, port, show, ready: ready("http://127.0.0.1:1"))
+        run("workbench", "--no-browser", "--json", file)
+    return json.loads(file.read_text(encoding="utf-8"))
 
 
 def run(*words):
