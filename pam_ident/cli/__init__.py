@@ -13,6 +13,7 @@ from . import (
     demo,
     diagnose,
     effects,
+    export,
     fit,
     inspect,
     ladder,
@@ -43,6 +44,7 @@ app.command()(diagnose.diagnose)
 app.command()(add.add)
 app.command()(ladder.ladder)
 app.command()(report.report)
+app.command()(export.export)
 app.command()(batch.batch)
 app.command()(rig.rig)
 app.command()(challenge.challenge)

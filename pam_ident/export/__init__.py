@@ -3,6 +3,7 @@
 from .c import c_header
 from .fitted import Fitted
 from .matlab import matlab_function
+from .mujoco import mujoco_actuator
 from .python import python_function
 
-__all__ = ["Fitted", "c_header", "matlab_function", "python_function"]
+__all__ = ["Fitted", "c_header", "matlab_function", "mujoco_actuator", "python_function"]

@@ -71,10 +71,10 @@ class Fitted:
         )
 
     @classmethod
-    def read(cls, path: str | Path, extra: tuple[Effect, ...] = ()) -> "Fitted":
+    def read(cls, path: str | Path, specimen: Specimen | None = None, extra: tuple[Effect, ...] = ()) -> "Fitted":
         """From a file of `pam-ident fit --json`, or the last rung of one of `ladder --json`.
 
-        Raises DataError for another file, UsageError for an effect that is not known.
+        `specimen` stands in for the file's. Raises DataError for another file, UsageError for an unknown effect.
         """
         found = read_answer(path, "fit", "ladder")
         if "rungs" in found.content:
@@ -89,10 +89,10 @@ class Fitted:
         model = found.model(labels, extra)
         return cls(
             model,
-            read_specimen_of(found),
+            specimen or read_specimen_of(found),
             {name: _parameters(found, one, model, name) for name, one in holders.items()},
             str(found.content.get("record", "")),
-            {name: float(found.get("rmse_N", (int, float), one)) for name, one in holders.items()},  # type: ignore[arg-type]
+            {name: one["rmse_N"] for name, one in holders.items() if isinstance(one.get("rmse_N"), int | float)},
             _span(found.content.get("range")),
             tuple(
                 f"{name}: the record does not determine {key}"

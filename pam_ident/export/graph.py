@@ -1,7 +1,7 @@
 """A formula as a graph of operations on single numbers; equal parts of it exist once."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -107,6 +107,15 @@ class Graph:
                 found.add(node)
                 waiting += self.nodes[node].args
         return sorted(found)
+
+    def evaluate(self, end: int, given: Mapping[str, Any]) -> Any:
+        """The value of a node for numbers or arrays by name."""
+        found: dict[int, Any] = {}
+        for node in self.reached([end]):
+            op, args, leaf = self.nodes[node]
+            known = given[str(leaf)] if op == "name" else leaf
+            found[node] = MEANING[op](*(found[a] for a in args)) if args else known
+        return found[end]
 
     def _add(self, node: Node) -> int:
         key = node, type(node.leaf)  # True and 1.0 are equal, and not the same

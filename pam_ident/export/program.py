@@ -56,6 +56,11 @@ class Program:
     first: Block
     later: Block | None
 
+    def values(self, fitted: Fitted) -> dict[str, float]:
+        """Values of the parameters that occur, by their names in the graph."""
+        named = {constant_name(fitted, b, p.name): p.value for b, all_ in fitted.branches.items() for p in all_}
+        return {name: named[name] for name in self.constants}
+
 
 def program(fitted: Fitted) -> Program:
     """The program of a fitted model: its `Model.step`, or where nothing is remembered its `Model.force`.

@@ -124,8 +124,8 @@ def heading(dialect: Dialect, fitted: Fitted, program: Program, about: Sequence[
         f"Muscle {one.name}: initial length {one.initial_length_mm:g} mm, radius {one.initial_radius_mm:g} mm, "
         f"braid angle {one.braid_angle_deg:g} degrees to the axis."
     )
-    rmse = ", ".join(f"{value:.3g} N rms ({branch})" for branch, value in fitted.rmse_N.items())
-    lines.append(f"Fitted to {fitted.record or 'an unnamed record'} by pam-ident {__version__}; left over: {rmse}.")
+    lines.append(f"Fitted to {fitted.record or 'an unnamed record'}, written by pam-ident {__version__}.")
+    lines += [f"Error left, {branch}: {value:.3g} N rms." for branch, value in fitted.rmse_N.items()]
     if fitted.span is None:
         lines.append("The range of the record is not known: do not trust it far from the data.")
     else:

@@ -76,9 +76,14 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
 
 
 def _muscle(one: "Fit") -> Json:
-    """What a fitted model needs besides its parameters to be used elsewhere."""
+    """What a fitted model needs besides its parameters to be used elsewhere; `range` is what the record covered."""
     specimen = {key: value for key, value in asdict(one.record.specimen).items() if key != "sensors"}
-    return {"specimen": specimen, "free_geometry": one.model.free_geometry}
+    covered = {"pressure_MPa": one.record.inputs.pressure, "contraction": one.record.inputs.contraction}
+    return {
+        "specimen": specimen,
+        "free_geometry": one.model.free_geometry,
+        "range": {key: [float(values.min()), float(values.max())] for key, values in covered.items()},
+    }
 
 
 def _checks(checks: "Checks") -> Json:
