@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 from pam_ident.core import DataError
 from pam_ident.export import Fitted
 from pam_ident.fitting import fit
+from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model
 from pam_ident.records import read_record
 from pam_ident.workflow.export_model import SUFFIX
@@ -41,11 +42,9 @@ def force_in(path: Path):
     return defined[path.stem]
 
 
-@pytest.mark.parametrize(
-    ("to", "suffix"), [("c", "h"), ("matlab", "m"), ("python", "py"), ("mujoco", "xml"), ("json", "json")]
-)
-def test_a_record_is_fitted_and_written(tmp_path, to, suffix):
-    path = tmp_path / f"arm.{suffix}"
+@pytest.mark.parametrize("to", SUFFIX)
+def test_a_record_is_fitted_and_written(tmp_path, to):
+    path = tmp_path / f"arm{SUFFIX[to]}"
     result = ask("export", RECORD, "--to", to, "--out", path, *LAW)
     assert result.exit_code == 0, result.output
     assert f"wrote {path}" in result.stdout and path.is_file()
@@ -88,6 +87,20 @@ def test_a_ladder_gives_its_last_rung(root, tmp_path):
     text = (tmp_path / "arm.h").read_text(encoding="utf-8")
     assert all(f"+ {label}: " in text for label in last["effects"])
     assert "The range of the record is not known" in text
+
+
+def test_the_export_is_the_muscle_that_runs_in_the_leg(root, tmp_path):
+    """Along a swing, instant by instant, with the direction that the leg's muscles have."""
+    ladder = root / "datasets" / "leg_muscle" / "ladder.json"
+    assert ask("export", ladder, "--to", "python", "--out", tmp_path / "arm.py").exit_code == 0
+    arm, muscle = force_in(tmp_path / "arm.py"), Muscle.read(ladder)[-1]
+    values, memory, state = muscle.values(), muscle.start(np.array([0.3]), np.array([0.1])), None
+    _, state = arm(0.3, 0.1, 0.0, 0.0, state)
+    for t in np.arange(0.005, 0.5, 0.005):
+        p, e, v = 0.3 + 0.1 * np.sin(9.0 * t), 0.1 + 0.05 * np.sin(20.0 * t), 200.0 * np.cos(20.0 * t)
+        expected, memory = muscle.force(values, memory, t, np.array([p]), np.array([e]), np.array([v]))
+        force, state = arm(p, e, v, np.tanh(v / 0.2), state)
+        assert force == pytest.approx(float(expected[0]), rel=1e-10)
 
 
 def test_mujoco_says_what_its_plain_actuator_misses(stored, tmp_path):
