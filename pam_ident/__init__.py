@@ -13,6 +13,7 @@ _HOME = {
     "Specimen": "pam_ident.core",
     "Record": "pam_ident.records",
     "read_record": "pam_ident.records",
+    "record_from_frame": "pam_ident.records",
     "laws": "pam_ident.laws",
     "effects": "pam_ident.effects",
     "Model": "pam_ident.model",
@@ -20,6 +21,8 @@ _HOME = {
     "compare": "pam_ident.diagnosis",
     "diagnose": "pam_ident.diagnosis",
     "climb": "pam_ident.diagnosis",
+    "to_frame": "pam_ident.export.frames",
+    "latex": "pam_ident.export.equation",
 }
 
 __all__ = ["__version__", *_HOME]

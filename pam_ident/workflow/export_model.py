@@ -5,7 +5,11 @@ from pathlib import Path
 
 from ..core import UsageError
 from ..effects import load_effect_file
-from ..export import Fitted, c_header, matlab_function, mujoco_actuator, python_function
+from ..export.c import c_header
+from ..export.fitted import Fitted
+from ..export.matlab import matlab_function
+from ..export.mujoco import mujoco_actuator
+from ..export.python import python_function
 from ..records import read_specimen
 from .files import check_target, write_json, write_whole
 from .fit_record import Wishes, fit_record

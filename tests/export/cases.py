@@ -9,8 +9,7 @@ import pytest
 from pam_ident.core import Inputs, Specimen
 from pam_ident.core.recursion import Live
 from pam_ident.effects import catalogue as effects
-from pam_ident.export import Fitted
-from pam_ident.export.fitted import Parameter, Span
+from pam_ident.export.fitted import Fitted, Parameter, Span
 from pam_ident.laws import catalogue as laws
 from pam_ident.model import Model
 from pam_ident.workflow.effect_contract import LAW_VALUES, model_of, plausible

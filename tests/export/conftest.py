@@ -1,5 +1,6 @@
 """Samples, and what NumPy says of them, once for all tests of exports."""
 
+import runpy
 import sys
 from pathlib import Path
 
@@ -21,3 +22,8 @@ def inputs() -> Inputs:
 def numpy_forces(inputs) -> dict[str, np.ndarray]:
     """Force of every case along all tracks, by its name."""
     return {case.name: expected(case, inputs) for case in CASES}
+
+
+_made = runpy.run_path(str(Path(__file__).parents[1] / "plot" / "conftest.py"))
+record, table, diagnosis, ladder = (_made[name] for name in ("record", "table", "diagnosis", "ladder"))
+"""The made-up results of the figures' tests."""

@@ -9,8 +9,7 @@ from matplotlib.mathtext import MathTextParser
 
 from pam_ident.core.formula import to_latex
 from pam_ident.effects import catalogue as effects
-from pam_ident.export import equation, latex
-from pam_ident.export.equation import latex_lines, symbol
+from pam_ident.export.equation import equation, latex, latex_lines, symbol
 from pam_ident.fitting import fit
 from pam_ident.laws import catalogue as laws
 from pam_ident.model import Model

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from pam_ident.core import DataError
-from pam_ident.export import Fitted
+from pam_ident.export.fitted import Fitted
 from pam_ident.fitting import fit
 from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model

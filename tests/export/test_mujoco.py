@@ -8,7 +8,7 @@ from cases import CASES, MUSCLE
 
 from pam_ident.core import Inputs
 from pam_ident.core.recursion import Live
-from pam_ident.export import mujoco_actuator
+from pam_ident.export.mujoco import mujoco_actuator
 
 mujoco = pytest.importorskip("mujoco")
 BY_NAME = {case.name: case for case in CASES}

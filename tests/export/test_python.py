@@ -5,8 +5,8 @@ import pytest
 from cases import CASES, EACH_CASE, LENGTH, assert_agrees, columns, instant
 
 from pam_ident.core import UsageError
-from pam_ident.export import python_function
 from pam_ident.export.program import ARGUMENTS, program
+from pam_ident.export.python import python_function
 
 
 def function_of(case):
