@@ -4,6 +4,7 @@ Compare a force model with an isobaric test-rig record, see where it fails, lear
 effect is missing, add it and watch the error fall.
 """
 
+import sys
 from importlib import import_module
 from typing import Any
 
@@ -34,3 +35,12 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'pam_ident' has no attribute {name!r}")
     home = import_module(_HOME[name])
     return home if home.__name__ == f"pam_ident.{name}" else getattr(home, name)
+
+
+def load_ipython_extension(shell: Any) -> None:
+    """Show results at the end of a cell; `%load_ext pam_ident` does, where it was imported before IPython."""
+    import_module("pam_ident.notebook").register(shell.display_formatter)
+
+
+if "IPython" in sys.modules and (_shell := sys.modules["IPython"].get_ipython()) is not None:
+    load_ipython_extension(_shell)

@@ -58,7 +58,8 @@ def to_latex(formula: str) -> str:
     Letters take the digits and the `_name` after them as an index, superscripts and `^` raise, Greek letters may be
     spelt out. No sign of the text has a meaning of its own in the answer.
     """
-    return PART.sub(_part, unicodedata.normalize("NFD", formula)).strip()
+    found = PART.sub(_part, unicodedata.normalize("NFD", formula))
+    return re.sub(r"\s+", " ", found).strip()
 
 
 def _part(match: re.Match[str]) -> str:
