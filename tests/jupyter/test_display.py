@@ -129,7 +129,7 @@ def test_results_import_neither_matplotlib_nor_jinja_nor_ipython():
     heavy = "[name for name in ('matplotlib', 'jinja2', 'IPython') if name in sys.modules]"
     code = (
         "import sys, pam_ident\n"
-        "import pam_ident.fitting.fit, pam_ident.diagnosis.nouns, pam_ident.leg.track, pam_ident.records, pam_ident.model\n"
+        "import pam_ident.fitting.fit, pam_ident.diagnosis.nouns, pam_ident.leg.track, pam_ident.records\n"
         f"print({heavy})"
     )
     assert run_in_python(code) == "[]"
