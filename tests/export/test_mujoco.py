@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import CASES, MUSCLE
+from cases import BY_NAME, MUSCLE
 
 from pam_ident.core import Inputs
 from pam_ident.core.recursion import Live
 from pam_ident.export.mujoco import mujoco_actuator
 
 mujoco = pytest.importorskip("mujoco")
-BY_NAME = {case.name: case for case in CASES}
 
 
 @pytest.fixture(autouse=True)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import CASES, MUSCLE, Case
+from cases import BY_NAME, MUSCLE, Case
 
 from pam_ident.core import Param, UsageError
 from pam_ident.effects import AddsForce, Effect
@@ -18,7 +18,6 @@ from pam_ident.model import Model, Term
 from pam_ident.workflow.effect_contract import LAW_VALUES
 
 SIZE = Param("A", "N", "size", -10.0, 10.0, scale=1.0)
-BY_NAME = {case.name: case for case in CASES}
 
 
 def own(column, **more) -> Case:

@@ -1,12 +1,15 @@
 """The Python function, run without pam-ident."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from cases import CASES, EACH_CASE, LENGTH, assert_agrees, columns, instant
+from cases import BY_NAME, CASES, EACH_CASE, LENGTH, assert_agrees, columns, instant
 
 from pam_ident.core import UsageError
 from pam_ident.export.program import ARGUMENTS, program
 from pam_ident.export.python import python_function
+from pam_ident.leg.arrays import jax, jnp
 
 
 def function_of(case):
@@ -31,6 +34,27 @@ def test_the_python_file_agrees_with_the_model_at_ten_thousand_samples(case, num
             forces.append(force)
         found = np.array(forces).T.ravel()
     assert_agrees(case, found, numpy_forces[case.name], inputs)
+
+
+@pytest.mark.parametrize("name", ["rich", "creep_force_driven"])
+def test_a_force_that_depends_on_itself_agrees_with_the_step_that_jax_runs(name, inputs):
+    """JAX does all rounds of the iteration, as the exported file does."""
+    case = BY_NAME[name]
+    muscle, made, model = function_of(case), program(case.fitted), case.model
+    places = [list(ARGUMENTS).index(word) for word in made.arguments]
+    values = case.branches["together"]
+    arrays = {k: v for k, v in vars(inputs).items() if isinstance(v, np.ndarray) and k != "displacement_mm"}
+
+    @jax.jit
+    def step(given, memory):
+        return model.step(replace(inputs, **given), values, memory)
+
+    state, memory = None, None
+    for k in range(400):
+        now = instant(inputs, k)
+        expected, memory = step({key: jnp.asarray(getattr(now, key)) for key in arrays}, memory)
+        force, state = muscle(*columns(now)[:, places].T, state)
+        np.testing.assert_allclose(force, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
 def test_a_name_that_is_no_name_in_python_is_refused():
