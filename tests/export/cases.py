@@ -132,8 +132,8 @@ EACH_CASE = pytest.mark.parametrize("case", CASES, ids=[case.name for case in CA
 
 
 def assert_agrees(case: Case, found: np.ndarray, numpy_force: np.ndarray, inputs: Inputs) -> None:
-    """To 1e-12 of the largest force. Where the force depends on itself NumPy stops when it changes by less than 1e-9, so
-    that what is found is put into the model."""
+    """To 1e-12 of the largest force. Where it depends on itself NumPy stops when it changes by less than 1e-9, so that
+    what is found is put into the model."""
     scale = np.abs(numpy_force).max()
     if case.model.separable:
         np.testing.assert_allclose(found, numpy_force, rtol=0.0, atol=1e-12 * scale)
