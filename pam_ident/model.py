@@ -72,6 +72,11 @@ class Model:
         """From names: a law, and effects as `name` or `name:form`, looked up in the catalogue and `extra`."""
         return cls(get_law(law), tuple(Term(*get_effect(name, extra)) for name in effects), free_geometry)
 
+    def __str__(self) -> str:
+        """The equation in text: the law's formula, and a line an effect."""
+        effects = [f"+ {term.label}: {term.form.formula}" for term in self.terms]
+        return "\n".join([f"{self.law.name}: {self.law.formula}", *effects])
+
     def adding(self, *terms: Term) -> "Model":
         """This model with more terms."""
         return replace(self, terms=self.terms + terms)

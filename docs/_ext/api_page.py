@@ -9,13 +9,16 @@ from typing import Any
 
 import pam_ident
 
-PACKAGES = ("core", "records", "laws", "effects", "model", "fitting", "diagnosis", "leg", "plot", "report", "rig")
+PACKAGES = (
+    "core", "records", "laws", "effects", "model", "fitting", "diagnosis", "leg", "export", "plot", "report", "rig",
+    "workbench",
+)  # fmt: skip
 
 
 def public_names(package: str) -> list[str]:
     """Names that a subpackage or module offers: its `__all__`, or the public things that it defines itself."""
     module = import_module(f"pam_ident.{package}")
-    if package == "leg":  # every command of it starts at one of its modules
+    if package in ("leg", "export"):  # every command of it starts at one of its modules
         return sorted(info.name for info in iter_modules(module.__path__) if not info.name.startswith("_"))
     offered = getattr(module, "__all__", None)
     if offered is not None:

@@ -43,7 +43,7 @@ def challenge(
 
     from ..core import UsageError
     from ..workflow.challenge import score_answers, sit_challenge
-    from ..workflow.to_json import challenge_json
+    from ..workflow.trial_json import challenge_json
 
     if answers is not None and out is None:
         raise UsageError("--answers: name the folder of the set that they answer, too, by --out DIR")

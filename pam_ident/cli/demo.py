@@ -20,7 +20,7 @@ def demo(
     """The whole job on the data that come along, to an HTML report."""
     options.check_json(json)
     from ..workflow.demo import demo as run
-    from ..workflow.to_json import demo_json
+    from ..workflow.trial_json import demo_json
 
     found = run(out, _tell)
     options.give_json(json, lambda: demo_json(found))

@@ -13,7 +13,7 @@ def selftest(json: options.JsonFile = None) -> None:
     options.check_json(json)
     from ..workflow.selftest import DIGITS, DIGITS_STDERR, FURTHEST
     from ..workflow.selftest import selftest as run
-    from ..workflow.to_json import selftest_json
+    from ..workflow.trial_json import selftest_json
 
     found = run()
     options.give_json(json, lambda: selftest_json(found))

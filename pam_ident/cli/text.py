@@ -114,8 +114,7 @@ def quality(fit: "Fit") -> str:
 
 def equation(model: "Model") -> list[str]:
     """The law's formula, and a line an effect."""
-    lines = [f"{model.law.name}: {model.law.formula}"]
-    return lines + [f"+ {term.label}: {term.form.formula}" for term in model.terms]
+    return str(model).splitlines()
 
 
 def title(path: str, record: "Record") -> str:

@@ -1,6 +1,7 @@
 """The answers of `pam-ident fit --json` and `ladder --json`, read back."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -89,6 +90,8 @@ def read_answer(path: str | Path, *kinds: str) -> Answer:
     except ValueError:
         raise DataError(f"{path}: is no JSON; {hint}") from None
     schema = content.get("schema") if isinstance(content, dict) else None
+    if any(re.fullmatch(f"pam-ident/{kind}/([2-9]|\\d\\d+)", str(schema)) for kind in kinds):
+        raise DataError(f"{path}: has the schema {schema}, of a newer pam-ident; update pam-ident, or fit again")
     if schema not in [f"pam-ident/{kind}/1" for kind in kinds]:
         raise DataError(f"{path}: has the schema {schema}; {hint}")
     return Answer(path, content)

@@ -36,28 +36,33 @@ def read_record(
             where = where or {key: source.header for key, source in sources.items()}
     values = join_runs(runs, str(path))
     del runs
-    return _build(files, specimen, values, where)
+    name = specimen.name if files.name in ("", "record") else files.name
+    return build_loaded(name, files.given, _sha256(files), specimen, values, where)
 
 
-def _build(files: Files, specimen: Specimen, values: Values, where: dict[str, str]) -> Record:
+def build_loaded(
+    name: str, given: str, sha256: str, specimen: Specimen, values: Values, where: dict[str, str]
+) -> Record:
+    """A record from values in internal units, less its slack rows; `given` is its source, `where` maps quantities to
+    columns. Raises DataError where nothing is left."""
     slack = values.pop("slack", None)
     masked = 0
     if slack is not None:
         keep = slack == 0.0
         if not keep.any():
-            raise DataError(f"{files.given}: every row is marked as slack; nothing is left to fit")
+            raise DataError(f"{given}: every row is marked as slack; nothing is left to fit")
         values = {key: column[keep] for key, column in values.items()}
         masked = int((~keep).sum())
     return build_record(
-        specimen.name if files.name in ("", "record") else files.name,
+        name,
         specimen,
         values["pressure"],
         contraction_of(values, specimen.initial_length_mm),
         values["force"],
         level=values.get("pressure_set"),
         direction=values.get("branch"),
-        source=files.given,
-        sha256=_sha256(files),
+        source=given,
+        sha256=sha256,
         columns=where,
         masked=masked,
         **{key: values.get(key) for key in ("time", "cycle", "temperature")},

@@ -126,7 +126,7 @@ def test_adding_what_the_law_has_absorbed_is_not_valid(answer, clean):
 def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     result, found = answer("ladder", rubbing, *LAW)
     assert result.exit_code == 0
-    keys = {"schema", "record", "law", "specimen", "free_geometry", "rungs", "noise_floor_N", "verdict"}
+    keys = {"schema", "record", "law", "specimen", "free_geometry", "range", "rungs", "noise_floor_N", "verdict"}
     assert set(found) == keys and found["free_geometry"] is False
     assert found["schema"] == "pam-ident/ladder/1" and found["verdict"] == "adequate"
     assert found["rungs"][0]["effects"] == [] and len(found["rungs"]) == 2

@@ -79,6 +79,7 @@ def written(root, tmp_path_factory):
         ("selftest",),
         ("challenge", "--n", 1, "--workers", 1, "--quiet"),
         ("inspect", ours),
+        ("export", ours, *law, "--to", "c", "--out", folder / "muscle.h"),
         ("laws",),
         ("effects",),
         ("demo", "--out", folder / "demo"),

@@ -1,0 +1,192 @@
+"""A fitted model as a program: the force of one muscle at one instant, from numbers and a memory."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..core import Inputs, UsageError
+from ..core.recursion import Live
+from ..leg.arrays import jax, jnp
+from ..model import GEOMETRY
+from .fitted import Fitted
+from .graph import Graph
+from .scalars import scalars
+
+ARGUMENTS = {
+    "pressure_MPa": "gauge pressure in the muscle, MPa",
+    "contraction": "contraction ratio (L0 - L)/L0",
+    "velocity_mm_s": "speed of shortening, mm/s",
+    "direction": "+1 while the muscle shortens, -1 while it lengthens; in a loop tanh(velocity_mm_s/0.2)",
+    "time_s": "time of the sample, s; it must not run backwards",
+    "cycle": "number of the cycle, from 1",
+    "temperature_C": "temperature of the muscle, degrees C",
+}
+"""What a program may be given, in the order of its arguments; the first two are always there."""
+Tree = Any
+
+
+@dataclass(frozen=True)
+class Block:
+    """What is computed at an instant: nodes of the force in N and of what is then remembered."""
+
+    force: int
+    memory: tuple[int, ...] = ()
+
+    @property
+    def ends(self) -> tuple[int, ...]:
+        """All nodes that are wanted."""
+        return (self.force, *self.memory)
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """`first` is what is computed at the first sample, `later` at any other, None where nothing is remembered.
+
+    `constants` are the parameters that occur by name, `arguments` those of `ARGUMENTS` that do; `memory` names what is
+    remembered from one sample to the next.
+    """
+
+    graph: Graph
+    arguments: tuple[str, ...]
+    constants: tuple[str, ...]
+    memory: tuple[str, ...]
+    first: Block
+    later: Block | None
+
+    def values(self, fitted: Fitted) -> dict[str, float]:
+        """Values of the parameters that occur, by their names in the graph."""
+        named = {constant_name(fitted, b, p.name): p.value for b, all_ in fitted.branches.items() for p in all_}
+        return {name: named[name] for name in self.constants}
+
+
+def program(fitted: Fitted) -> Program:
+    """The program of a fitted model: its `Model.step`, or where nothing is remembered its `Model.force`.
+
+    Where the branches have parameters of their own, `contraction_…` and `extension_…`, their forces are blended by the
+    direction. The muscle always moves: what a fit found in holds is not there. Raises UsageError for an effect that
+    JAX cannot trace or that uses what cannot be exported.
+    """
+    graph = Graph()
+    given = {name: np.array([graph.name(name)], dtype=object) for name in ARGUMENTS}
+    values = {
+        branch: {
+            p.name: np.array(graph.name(constant_name(fitted, branch, p.name)), dtype=object)
+            for p in parameters
+            if not _geometry(fitted, p.name)
+        }
+        for branch, parameters in fitted.branches.items()
+    }
+    try:
+        force, memory = _traced(graph, partial(_instant, fitted, None), given, values)
+        first, later, names = Block(_one(force)), None, ()
+        if memory:
+            first, later, names = _with_memory(graph, fitted, given, values, force, memory)
+    except jax.errors.JAXTypeError:
+        labels = ", ".join(fitted.model.labels)
+        raise UsageError(f"an effect among {labels} cannot be exported: take functions from the arrays, xp") from None
+    blocks = [first] if later is None else [first, later]
+    used = {graph.nodes[n].leaf for n in graph.reached(end for block in blocks for end in block.ends)}
+    arguments = tuple(name for k, name in enumerate(ARGUMENTS) if k < 2 or name in used)
+    constants = tuple(
+        constant_name(fitted, branch, p.name)
+        for branch, parameters in fitted.branches.items()
+        for p in parameters
+        if constant_name(fitted, branch, p.name) in used
+    )
+    return Program(graph, arguments, constants, names, first, later)
+
+
+def constant_name(fitted: Fitted, branch: str, name: str) -> str:
+    """A parameter's name in a program; `=` keeps it apart from an argument of the same name."""
+    return f"={name}" if len(fitted.branches) == 1 else f"={branch}_{name}"
+
+
+def _instant(fitted: Fitted, memory: Tree, given: Tree, values: Tree) -> tuple[Any, Tree]:
+    """Force (1,) of a muscle at an instant and what is then remembered, () where that is nothing."""
+    velocity, direction = given["velocity_mm_s"], given["direction"]
+    inputs = Inputs(
+        pressure=given["pressure_MPa"],
+        contraction=given["contraction"],
+        specimen=fitted.specimen,
+        direction=direction,
+        time=given["time_s"],
+        velocity=velocity,
+        stroke_speed=jnp.abs(velocity),
+        moving=jnp.ones(1, bool),
+        cycle=given["cycle"],
+        temperature=given["temperature_C"],
+        segment=jnp.zeros(1, int),
+    )
+    asked = []
+    for k, branch in enumerate(fitted.branches):
+        own = {p.name: p.value for p in fitted.branches[branch] if _geometry(fitted, p.name)} | values[branch]
+        asked.append(_step(fitted, inputs, own, None if memory is None else memory[k]))
+    if len(asked) == 1:
+        return asked[0][0], tuple(after for _, after in asked if after)
+    share = dict(zip(fitted.branches, (0.5 * (1.0 + direction), 0.5 * (1.0 - direction)), strict=True))
+    force = sum(share[branch] * one for branch, (one, _) in zip(fitted.branches, asked, strict=True))
+    return force, tuple(after for _, after in asked if after)
+
+
+def _step(fitted: Fitted, inputs: Inputs, values: dict[str, Any], memory: Tree) -> tuple[Any, Tree]:
+    live = Live(None)
+    fitted.model.design(replace(inputs, live=live), values, jnp.zeros(1))
+    if live.slots:
+        return fitted.model.step(inputs, values, memory)
+    return fitted.model.force(replace(inputs, live=Live(None)), values), ()
+
+
+def _with_memory(
+    graph: Graph, fitted: Fitted, given: Tree, values: Tree, force: Tree, memory: Tree
+) -> tuple[Block, Block, tuple[str, ...]]:
+    """First and later block with the names of the memory, less what is never read or is there twice."""
+    ends, shape = jax.tree.flatten(memory)
+    begins = [_one(end) for end in ends]
+    slots = [graph.name(f"memory{k}") for k in range(len(begins))]
+
+    def after() -> tuple[int, list[int]]:
+        known = jax.tree.unflatten(shape, [np.array([slot], dtype=object) for slot in slots])
+        found, remembered = _traced(graph, lambda m, *rest: _instant(fitted, m, *rest), known, given, values)
+        return _one(found), [_one(end) for end in jax.tree.leaves(remembered)]
+
+    _, becomes = after()
+    twins: dict[tuple[int, int], int] = {}
+    for k, same in enumerate(zip(begins, becomes, strict=True)):
+        constant = same[0] == same[1] and _constant(graph, same[0])
+        slots[k] = same[0] if constant else twins.setdefault(same, slots[k])
+    then, becomes = after()
+    read: set[int] = set()
+    while True:
+        wanted = [then, *(end for slot, end in zip(slots, becomes, strict=True) if slot in read)]
+        more = {node for node in graph.reached(wanted) if node in slots and node in twins.values()}
+        if more == read:
+            break
+        read = more
+    kept = sorted(slots.index(slot) for slot in read)
+    names = tuple(str(graph.nodes[slots[k]].leaf) for k in kept)
+    first = Block(_one(force), tuple(begins[k] for k in kept))
+    return first, Block(then, tuple(becomes[k] for k in kept)), names
+
+
+def _traced(graph: Graph, function: Callable[..., Tree], *nodes: Tree) -> Tree:
+    """What a function of arrays gives, as nodes, for trees of nodes."""
+    examples = jax.tree.map(lambda one: jnp.zeros(one.shape), nodes)
+    closed, shape = jax.make_jaxpr(function, return_shape=True)(*examples)
+    return jax.tree.unflatten(jax.tree.structure(shape), scalars(graph, closed, jax.tree.leaves(nodes)))
+
+
+def _constant(graph: Graph, node: int) -> bool:
+    """Whether a node needs nothing but parameters."""
+    needed = (graph.nodes[n] for n in graph.reached([node]))
+    return all(str(one.leaf).startswith("=") for one in needed if one.op == "name")
+
+
+def _one(nodes: np.ndarray) -> int:
+    return nodes.item()
+
+
+def _geometry(fitted: Fitted, name: str) -> bool:
+    return fitted.model.free_geometry and name in {p.name for p in GEOMETRY}

@@ -1,0 +1,68 @@
+"""Results in a line or two of text."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from ..report.words import newtons
+
+if TYPE_CHECKING:
+    from ..core import Specimen
+    from ..diagnosis.nouns import Ladder
+    from ..fitting import Fit
+    from ..leg.track import Track
+    from ..records import Record
+
+
+def line(result: Any) -> str:
+    """A result as text."""
+    return LINES[type(result).__name__](result)
+
+
+def _specimen(one: "Specimen") -> str:
+    return (
+        f"Specimen {one.name}: length {one.initial_length_mm:g} mm, radius {one.initial_radius_mm:g} mm, "
+        f"braid angle {one.braid_angle_deg:g}°"
+    )
+
+
+def _record(one: "Record") -> str:
+    levels = ", ".join(f"{p:g}" for p in one.levels[:12]) + (", …" if len(one.levels) > 12 else "")
+    return f"Record {one.name}: {len(one)} samples at {levels} MPa"
+
+
+def fit(one: "Fit") -> str:
+    """What was fitted to what, and how well."""
+    model = " + ".join([one.model.law.name, *one.model.labels])
+    quality = (
+        f"{newtons(one.rmse)} rms, {newtons(one.max_error)} at most, R² {one.r2:.6g}, {int(one.rows.sum())} samples"
+    )
+    return "; ".join([f"{model} fitted to {one.record.name}: {quality}", *one.problems])
+
+
+def ladder(one: "Ladder") -> str:
+    """Where it began and where it ended."""
+    first, last = one.rungs[0].fit, one.rungs[-1]
+    added = ", ".join(last.effects) or "nothing"
+    return (
+        f"{first.model.law.name}: {newtons(first.rmse)} rms; with {added}: {newtons(last.fit.rmse)} rms; "
+        f"noise floor {newtons(one.noise_floor)}"
+    )
+
+
+def track(one: "Track") -> str:
+    """Tracking errors of plain PID and of the last rung."""
+    rungs = f", with the last model ahead {one.rungs[-1].tracking.rms_deg:.3g}° rms" if one.rungs else ""
+    return f"Knee tracking: PID {one.pid.rms_deg:.3g}° rms{rungs}"
+
+
+LINES: dict[str, Callable[[Any], str]] = {
+    "Specimen": _specimen,
+    "Record": _record,
+    "Model": str,
+    "Fit": fit,
+    "Comparison": lambda one: one.sentence,
+    "Diagnosis": lambda one: one.sentence,
+    "Ladder": ladder,
+    "Track": track,
+}
+"""By the name of the result's type."""

@@ -1,0 +1,144 @@
+"""Results as HTML: a sentence, tables, a figure. Every text is escaped; figures are inline and load nothing."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
+
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from .. import plot
+from ..plot import tracking
+from ..report import tables
+from ..report.svg import embed
+from ..report.tables import Table
+from ..report.words import number, stderr, unit
+from . import lines
+
+if TYPE_CHECKING:
+    from ..core import Specimen
+    from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
+    from ..fitting import Fit
+    from ..leg.track import Track
+    from ..records import Record
+
+POINTS = 400
+"""Points of a cloud, so that a cell stays small."""
+MOST_BYTES = 250_000
+"""A figure that is longer as SVG is shown as PNG."""
+
+
+def page(result: Any) -> str:
+    """HTML of a result."""
+    return str(PAGES[type(result).__name__](result))
+
+
+def table(one: Table) -> Markup:
+    """A table with its caption; numbers stand right."""
+    head = Markup("").join(Markup("<th>{}</th>").format(cell) for cell in one.head)
+    rows = Markup("\n").join(Markup("<tr>{}</tr>").format(_cells(row, one.numeric)) for row in one.rows)
+    caption = Markup("<caption>{}</caption>").format(one.caption)
+    return Markup("<table>{}<thead><tr>{}</tr></thead><tbody>{}</tbody></table>").format(caption, head, rows)
+
+
+def _cells(row: Sequence[str], numeric: Sequence[int]) -> Markup:
+    sides = ("right" if k in numeric else "left" for k in range(len(row)))
+    cells = (Markup('<td style="text-align:{}">{}</td>').format(*pair) for pair in zip(sides, row, strict=True))
+    return Markup("").join(cells)
+
+
+def picture(figure: Figure, label: str) -> Markup:
+    """A figure, its ids unlike those of any other cell."""
+    inline = embed(figure, f"pam-{uuid4().hex[:10]}", label, MOST_BYTES)
+    return Markup('<div style="max-width:60em;background:white">{}</div>').format(inline)
+
+
+def _said(sentence: str) -> Markup:
+    return Markup("<p>{}</p>").format(sentence)
+
+
+def _facts(caption: str, facts: Sequence[tuple[str, str]]) -> Markup:
+    return table(Table(caption, ("what", "value"), tuple(facts)))
+
+
+def _specimen(one: "Specimen") -> Markup:
+    known = ((f.name, getattr(one, f.name)) for f in fields(one) if f.name not in ("name", "sensors"))
+    facts = [(name, "–" if value is None else f"{value:g}") for name, value in known]
+    if one.sensors is not None:
+        facts += [(f"sensors, {f.name}", f"{getattr(one.sensors, f.name):g}") for f in fields(one.sensors)]
+    return _facts(f"Specimen {one.name}", facts)
+
+
+def _record(one: "Record") -> Markup:
+    facts = [
+        ("source", one.source or "–"),
+        ("samples", f"{len(one)}" + (f", {one.masked} more left out" if one.masked else "")),
+        ("isobars (MPa)", ", ".join(f"{p:g}" for p in one.levels)),
+        ("specimen", one.specimen.name),
+        *((f"column for {key}", str(value)) for key, value in one.columns.items()),
+    ]
+    figure = picture(plot.isobars.draw(one, POINTS), f"Force over contraction at each pressure of {one.name}")
+    return _facts(f"Record {one.name}", facts) + figure
+
+
+def _fit(one: "Fit") -> Markup:
+    equation = Markup("<pre>{}</pre>").format(str(one.model))
+    rows = tuple(
+        (e.name, number(e.value, 5), stderr(e), _interval(e.low, e.high), unit(e.unit), e.doc) for e in one.estimates
+    )
+    head = ("parameter", "value", "standard error", "95 % interval", "unit", "meaning")
+    figure = picture(plot.measured_against_model.draw(one, limit=POINTS), "Measured and modelled force, and the error")
+    return _said(lines.fit(one)) + equation + table(Table("Parameters", head, rows, (1, 2, 3))) + figure
+
+
+def _interval(low: float, high: float) -> str:
+    if math.isnan(low) and math.isnan(high):
+        return "–"
+    return " to ".join(number(end, 4) if math.isfinite(end) else "open" for end in (low, high))
+
+
+def _comparison(one: "Comparison") -> Markup:
+    label = "Mean error over pressure and contraction, by branch"
+    return _said(one.sentence) + picture(plot.failure_map.draw(one), label)
+
+
+def _diagnosis(one: "Diagnosis") -> Markup:
+    following = Markup("") if one.next_experiment is None else _said(f"Next: {one.next_experiment.text}")
+    figure = picture(plot.suspects.draw(one), "Error that is left with each suspect")
+    return _said(one.sentence) + following + table(tables.suspects(one)) + figure
+
+
+def _ladder(one: "Ladder") -> Markup:
+    figure = picture(plot.ladder.draw(one), "Error over the rungs, down to the noise floor")
+    return _said(lines.ladder(one)) + table(tables.ladder(one)) + figure
+
+
+def _track(one: "Track") -> Markup:
+    runs = [("PID, by hand", one.pid_by_hand, ""), ("PID", one.pid, "")]
+    runs += [
+        ("PID + " + " + ".join([r.muscle.model.law.name, *r.muscle.model.labels]), r.tracking, _band(r.band))
+        for r in one.rungs
+    ]
+    runs.append(("PID + the plant's own model", one.ideal, ""))
+    rows = tuple((name, f"{run.rms_deg:.3f}", f"{run.peak_deg:.3f}", band) for name, run, band in runs)
+    head = ("controller", "rms (deg)", "peak (deg)", "95 % band of rms")
+    figure = picture(tracking.draw(one), "Knee angle wanted and reached, and the error")
+    return _said(lines.track(one)) + table(Table("Knee tracking", head, rows, (1, 2, 3))) + figure
+
+
+def _band(band: tuple[float, float] | None) -> str:
+    return "" if band is None else f"{band[0]:.3f} to {band[1]:.3f}"
+
+
+PAGES: dict[str, Callable[[Any], Markup]] = {
+    "Specimen": _specimen,
+    "Record": _record,
+    "Fit": _fit,
+    "Comparison": _comparison,
+    "Diagnosis": _diagnosis,
+    "Ladder": _ladder,
+    "Track": _track,
+}
+"""By the name of the result's type."""

@@ -1,0 +1,146 @@
+"""Every law, and every form of every effect in a law, asked at 10,000 samples."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Inputs, Specimen
+from pam_ident.core.recursion import Live
+from pam_ident.effects import catalogue as effects
+from pam_ident.export.fitted import Fitted, Parameter, Span
+from pam_ident.laws import catalogue as laws
+from pam_ident.model import Model
+from pam_ident.workflow.effect_contract import LAW_VALUES, model_of, plausible
+
+MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
+RICH = (
+    "coulomb_friction:stribeck",
+    "presliding_hysteresis",
+    "creep:prony_3",
+    "pressure_lag:lagging",
+    "end_taper",
+    "thermal_softening",
+    "series_compliance",
+)
+TRACKS, LENGTH = 5, 2000
+"""Muscles side by side, and samples of each."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A model with parameter values by branch."""
+
+    name: str
+    model: Model
+    branches: dict[str, dict[str, float]]
+
+    @property
+    def fitted(self) -> Fitted:
+        branches = {
+            branch: tuple(Parameter(p.name, values[p.name], math.nan, p.unit, p.doc) for p in self.model.params)
+            for branch, values in self.branches.items()
+        }
+        span = Span((0.0, 0.7), (-0.02, 0.3))
+        return Fitted(self.model, MUSCLE, branches, "made", dict.fromkeys(branches, 1.0), span)
+
+    @property
+    def remembers(self) -> bool:
+        live = Live(None)
+        one = replace(samples().take(slice(1)), live=live)
+        self.model.design(one, next(iter(self.branches.values())), np.zeros(1))
+        return bool(live.slots)
+
+
+def samples() -> Inputs:
+    """Muscles that go to and fro without a rest while pressure and temperature wander, one track after the other."""
+    rng = np.random.default_rng(7)
+    rows = []
+    for _ in range(TRACKS):
+        time = 100.0 * rng.uniform() + np.cumsum(rng.uniform(0.002, 0.08, LENGTH))
+        turns = np.arange(0, LENGTH + 40, 40)
+        ends = np.where(turns // 40 % 2, rng.uniform(20.0, 55.0, len(turns)), rng.uniform(-3.0, 15.0, len(turns)))
+        x = np.interp(np.arange(LENGTH), turns, ends)
+        v = np.r_[0.0, np.diff(x) / np.diff(time)]
+        k = np.arange(LENGTH)
+        p = 0.36 + 0.34 * np.sin(k * rng.uniform(0.01, 0.1))
+        temperature = 22.0 + 6.0 * np.sin(time / 20.0) + rng.uniform(-3.0, 3.0)
+        rows.append((p, x / 200.0, v, np.sign(v), time, 1.0 + k // 80, temperature))
+    p, e, v, direction, time, cycle, temperature = np.concatenate(rows, axis=1)
+    return Inputs(
+        p, e, MUSCLE, direction, time, v, np.abs(v), np.ones(len(p), bool), cycle, temperature, np.zeros(len(p), int)
+    )
+
+
+def columns(inputs: Inputs) -> np.ndarray:
+    """The arguments of an export in their order, (n, 7)."""
+    names = ("pressure", "contraction", "velocity", "direction", "time", "cycle", "temperature")
+    return np.stack([getattr(inputs, name) for name in names], axis=1)
+
+
+def instant(inputs: Inputs, k: int) -> Inputs:
+    """All tracks side by side at their sample k."""
+    return inputs.take(np.arange(TRACKS) * LENGTH + k)
+
+
+def expected(case: Case, inputs: Inputs) -> np.ndarray:
+    """Force in N along all tracks as NumPy has it: Model.force, or Model.step sample by sample, (n,)."""
+    parts = []
+    for values in case.branches.values():
+        if not case.remembers:
+            parts.append(case.model.force(replace(inputs, live=Live(None)), values))
+            continue
+        memory, found = None, []
+        for k in range(LENGTH):
+            force, memory = case.model.step(instant(inputs, k), values, memory)
+            found.append(force)
+        parts.append(np.array(found).T.ravel())
+    if len(parts) == 1:
+        return parts[0]
+    share = 0.5 * (1.0 + inputs.direction)
+    return share * parts[0] + (1.0 - share) * parts[1]
+
+
+def law_values(law, seed: int) -> dict[str, float]:
+    rng = np.random.default_rng(seed)
+    values = {q.name: q.scale * rng.uniform(0.3, 1.5) for q in law.linear}
+    return values | {q.name: rng.uniform(min(q.grid), max(q.grid)) for q in law.shape}
+
+
+def cases() -> list[Case]:
+    found = [Case(f"law_{name}", Model(law), {"together": law_values(law, 3)}) for name, law in laws().items()]
+    for effect in effects().values():
+        for form in effect.forms:
+            model = model_of(effect, form, "exponential_law")
+            found.append(Case(f"{effect.name}_{form.name}", model, {"together": LAW_VALUES | plausible(effect, form)}))
+    rich = Model.build("exponential_law", RICH)
+    sizes = {k: v for term in rich.terms for k, v in plausible(term.effect, term.form).items()}
+    other = {k: 1.1 * v for k, v in (LAW_VALUES | sizes).items()}
+    found.append(Case("rich", rich, {"together": LAW_VALUES | sizes}))
+    found.append(Case("branches", rich, {"contraction": LAW_VALUES | sizes, "extension": other}))
+    geometry = Model.build("modified_chou_hannaford", (), free_geometry=True)
+    found.append(
+        Case("geometry", geometry, {"together": {"k0": 0.9, "k2": 30.0, "k1": 1.3, "r0": 9.1, "theta0": 24.0}})
+    )
+    return found
+
+
+CASES = cases()
+BY_NAME = {case.name: case for case in CASES}
+EACH_CASE = pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+
+
+def assert_agrees(case: Case, found: np.ndarray, numpy_force: np.ndarray, inputs: Inputs) -> None:
+    """To 1e-12 of the largest force. Where it depends on itself NumPy stops when it changes by less than 1e-9, so that
+    what is found is put into the model."""
+    scale = np.abs(numpy_force).max()
+    if case.model.separable:
+        np.testing.assert_allclose(found, numpy_force, rtol=0.0, atol=1e-12 * scale)
+        return
+    np.testing.assert_allclose(found, numpy_force, rtol=0.0, atol=1e-11 * scale)
+    if not case.remembers:
+        values = case.branches["together"]
+        added, fixed = case.model.design(replace(inputs, live=Live(None)), values, found)
+        again = fixed + added @ np.array([values[p.name] for p in case.model.linear])
+        np.testing.assert_allclose(again, found, rtol=0.0, atol=1e-12 * scale)
