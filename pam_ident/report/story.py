@@ -12,6 +12,8 @@ from ..records import Record
 class Section:
     """All about one record. `comparison` holds the law as given, `comparison_after` the completed model.
 
+    `findings` are the diagnoses that led to each rung of the ladder above the first.
+
     `loop_measured` and `loop_model` map a pressure in MPa to the energy of its loop in J, positive where the
     loop dissipates; the model's is that of the completed model.
     """
@@ -25,6 +27,7 @@ class Section:
     loop_measured: Mapping[float, float] = field(default_factory=dict)
     loop_model: Mapping[float, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    findings: tuple[Diagnosis, ...] = ()
 
     @property
     def before(self) -> Fit:

@@ -1,6 +1,7 @@
 """All that a report says about one record."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 from ..core import FitError
 from ..diagnosis import climb, compare, diagnose
@@ -18,8 +19,8 @@ def build_section(model: Model, record: Record, extra: tuple[Effect, ...] = ()) 
 
     Raises FitError or DataError.
     """
-    diagnosis = diagnose(model, record, extra)
     ladder = climb(model, record, extra)
+    diagnosis = ladder.last if len(ladder.rungs) == 1 else diagnose(model, record, extra)
     best = completed(diagnosis, ladder)
     loops = model_loops({"together": best or diagnosis.base})
     return Section(
@@ -32,7 +33,19 @@ def build_section(model: Model, record: Record, extra: tuple[Effect, ...] = ()) 
         loop_energies(record, record.force),
         loops,
         _warnings(best or diagnosis.base, loops),
+        rung_findings(ladder, diagnosis, extra),
     )
+
+
+def rung_findings(ladder: Ladder, first: Diagnosis, extra: tuple[Effect, ...] = ()) -> tuple[Diagnosis, ...]:
+    """The diagnosis that led to each rung above the first. One diagnosis may name several effects, a rung each; where
+    a rung's effect is none of them, the model of the rung below is diagnosed."""
+    found: list[Diagnosis] = []
+    for below, rung in pairwise(ladder.rungs):
+        name = rung.fit.model.terms[-1].effect.name
+        latest = found[-1] if found else first
+        found.append(latest if name in latest.selected else diagnose(below.fit.model, below.fit.record, extra))
+    return tuple(found)
 
 
 def completed(diagnosis: Diagnosis, ladder: Ladder) -> Fit | None:

@@ -19,7 +19,7 @@ def test_the_report_opens_offline_without_a_complaint(page, tmp_path, record, di
     page.goto(file.as_uri())
     assert page.title() and page.locator("h1").count() == 1
     assert page.get_by_text(diagnosis.sentence).first.is_visible()
-    figures = page.locator("figure svg, figure img")
+    figures = page.locator("figure svg:visible, figure img:visible")
     assert figures.count() >= 5
     for k in range(figures.count()):
         box = figures.nth(k).bounding_box()

@@ -212,7 +212,7 @@ def test_tables_and_figures_can_be_read_aloud(parsed):
     assert count.count("caption") == count.count("table") > 5
     assert all("scope" in attrs for tag, attrs in tags if tag == "th")
     svgs = [attrs for tag, attrs in tags if tag == "svg"]
-    assert len(svgs) == count.count("figure") == count.count("figcaption") == 7
+    assert len(svgs) == count.count("figure") == count.count("figcaption") == 8
     assert all(a["role"] == "img" and a["aria-label"] for a in svgs)
 
 
