@@ -148,9 +148,11 @@ def _ladder(section: Section, easel: Easel) -> Part | None:
 
 
 def _signature(section: Section, easel: Easel) -> Part | None:
-    after = section.after
+    after, ladder = section.after, section.ladder
     if after is None or not after.model.labels:
         return None
+    if ladder is not None and len(ladder.rungs) == 2 and ladder.rungs[1].fit.model == after.model:
+        return None  # the only rung shows it
     caption = (
         "Above: the error of the law alone over the record, with what the added effects change in the modelled force. "
         "Where the two coincide, the effects explain the error. Below: what is left."

@@ -125,7 +125,7 @@ def test_opens_with_the_verdict_in_words(parsed, diagnosis):
         "This record cannot tell apart: Coulomb friction (coulomb_friction); ",
         "Repeat the strokes at 0.1 MPa.",
         "halves the error",
-        "The trace of the added effects",
+        "Why it was added",
         "A rub at 12 mm.",
         "Parameters of the completed model",
         "Each isobar fitted alone, contraction",
@@ -137,6 +137,12 @@ def test_opens_with_the_verdict_in_words(parsed, diagnosis):
     places = [body.find(piece, start) for piece in order]
     assert -1 not in places, order[places.index(-1)]
     assert places == sorted(places)
+
+
+def test_the_trace_of_several_effects_is_shown_apart_from_the_rungs(section):
+    apart = replace(section, ladder=None)
+    assert "The trace of the added effects" in render(Story("x", (apart,)))
+    assert "The trace of the added effects" not in render(Story("x", (section,)))
 
 
 def test_each_parameter_has_value_unit_and_standing(diagnosis):
@@ -212,7 +218,7 @@ def test_tables_and_figures_can_be_read_aloud(parsed):
     assert count.count("caption") == count.count("table") > 5
     assert all("scope" in attrs for tag, attrs in tags if tag == "th")
     svgs = [attrs for tag, attrs in tags if tag == "svg"]
-    assert len(svgs) == count.count("figure") == count.count("figcaption") == 8
+    assert len(svgs) == count.count("figure") == count.count("figcaption") == 7
     assert all(a["role"] == "img" and a["aria-label"] for a in svgs)
 
 
