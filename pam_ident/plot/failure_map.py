@@ -159,6 +159,7 @@ def draw(comparison: Comparison) -> Figure:
     bar = figure.colorbar(mesh, ax=list(panels), pad=0.01, aspect=30)
     bar.set_label("mean error, measured − model (N)")
     bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.solids.set(rasterized=False, edgecolor="face")  # type: ignore[union-attr]
     return figure
 
 

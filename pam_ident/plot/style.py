@@ -1,6 +1,7 @@
 """How all figures look, and the few helpers they share."""
 
 import io
+import warnings
 from collections.abc import Callable
 from functools import wraps
 from typing import Any, ParamSpec
@@ -118,8 +119,12 @@ def signed(value: float) -> str:
 
 
 def to_svg(figure: Figure) -> str:
-    """The figure as SVG text, the same for the same figure: no date, fixed ids."""
-    with matplotlib.rc_context(RC):
+    """The figure as SVG text, the same for the same figure: no date, fixed ids.
+
+    Text stays text, so a letter that matplotlib's font lacks is no loss: the viewer has fonts of its own.
+    """
+    with matplotlib.rc_context(RC), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from")
         out = io.StringIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return out.getvalue()
