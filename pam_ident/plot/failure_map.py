@@ -144,7 +144,7 @@ def draw(comparison: Comparison) -> Figure:
         for one in places:
             if one.place[0] == b:  # nothing to see, but a pointer finds it
                 corner = (one.place[2], one.place[1])
-                axes.add_patch(Rectangle(corner, 1, 1, alpha=0.0, linewidth=0.0, zorder=5, gid=one.gid))
+                axes.add_patch(Rectangle(corner, 1, 1, fill=False, linewidth=0.0, zorder=5, gid=one.gid))
         axes.set_title("" if shown.branches[b] == "static" else shown.branches[b])
         axes.set_yticks(np.arange(rows) + 0.5, [f"{p:.3g}" for p in shown.pressures])
         axes.set_ylabel("pressure (MPa)")

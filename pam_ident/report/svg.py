@@ -62,12 +62,13 @@ def inline(svg: str, prefix: str, label: str, tips: Mapping[str, str] | None = N
 
 
 def _hint(root: ET.Element, tips: Mapping[str, str]) -> None:
-    """A browser shows the <title> of what is under the pointer."""
+    """A browser shows the <title> of what is under the pointer, here even of what is not painted."""
     for element in list(root.iter()):
         if (text := tips.get(element.get("id", ""))) is not None:
             title = ET.Element(SVG + "title")
             title.text = plain(text)
             element.insert(0, title)
+            element.set("pointer-events", "all")
 
 
 def _references(root: ET.Element) -> set[str]:

@@ -147,6 +147,7 @@ def test_the_figures_of_a_stranger_hold_no_element_of_his(told):
         assert all(load.startswith(("#", "data:image/png;base64,")) for load in other.loads)
 
 
+@pytest.mark.browser
 def test_the_pdf_of_a_stranger_has_neither_script_nor_address(told, chromium, monkeypatch):
     from pam_ident.report import to_pdf
 

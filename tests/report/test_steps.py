@@ -108,4 +108,4 @@ def test_a_cell_s_numbers_appear_where_the_pointer_rests_on_it_and_in_the_table(
 def test_tips_are_text():
     svg = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1"><g id="a"><path d="M 0 0"/></g></svg>'
     found = inline(svg, "x", "label", {"a": "<b>\u202e&"})
-    assert "<g><title>&lt;b&gt;\ufffd&amp;</title><path" in found
+    assert '<g pointer-events="all"><title>&lt;b&gt;\ufffd&amp;</title><path' in found
