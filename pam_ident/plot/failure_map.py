@@ -153,7 +153,7 @@ def draw(comparison: Comparison) -> Figure:
         axes.spines[:].set_visible(False)
     every = 1 if len(shown.edges) <= 12 else 2
     ticks = np.arange(len(shown.edges))[::every]
-    panels[-1].set_xticks(ticks, [f"{round(e, 3) + 0.0:.3f}" for e in shown.edges[ticks]])
+    panels[-1].set_xticks(ticks, [f"{round(e, 3) + 0.0:.3f}".replace("-", "−") for e in shown.edges[ticks]])
     panels[-1].set_xlabel("contraction ratio ε (1), cell edges")
     assert mesh is not None
     bar = figure.colorbar(mesh, ax=list(panels), pad=0.01, aspect=30)

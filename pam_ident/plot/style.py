@@ -22,6 +22,8 @@ BRANCH_COLOUR = {"contraction": BLUE, "extension": VERMILION, "static": BLUE}
 BRANCH_DASH = {"contraction": "-", "extension": (0, (5, 2)), "static": "-"}
 BRANCH_MARK = {"contraction": "o", "extension": "^", "static": "o"}
 BRANCH_NAME = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
+BEHIND: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+"""A white ground for words that stand on lines."""
 WIDTH = 9.0
 """Width of every figure in inches."""
 
