@@ -39,9 +39,12 @@ def _verdict(section: Section, easel: Easel) -> Part:
     facts = [("law", section.before.model.law.name), ("error of the law", newtons(section.before.rmse) + " rms")]
     if after is not None:
         facts.append(("error after", newtons(after.rmse) + " rms"))
+    heldout = newtons(diagnosis.heldout_rmse)
+    if diagnosis.selected:
+        heldout += f" → {newtons(diagnosis.heldout_rmse_after)}"
     facts += [
         ("noise floor", newtons(diagnosis.noise_floor) + " rms"),
-        ("held-out error", f"{newtons(diagnosis.heldout_rmse)} → {newtons(diagnosis.heldout_rmse_after)}"),
+        ("held-out error", heldout),
         ("record", f"{len(section.record)} samples, {len(section.record.levels)} isobars"),
     ]
     return Part(f"{easel.prefix}-verdict", "Verdict", (diagnosis.sentence,), badge=badge, facts=tuple(facts))
@@ -127,6 +130,10 @@ def _ladder(section: Section, easel: Easel) -> Part | None:
         return None
     first, last = ladder.rungs[0].fit.rmse, ladder.rungs[-1].fit.rmse
     count = len(ladder.rungs) - 1
+    anchor, heading, end = f"{easel.prefix}-ladder", "The falling error", f"Why it ends there: {ladder.last.sentence}"
+    if count == 0:
+        text = f"No effect was added to the law, which leaves {newtons(first)} rms."
+        return Part(anchor, heading, (text,), tables=(tables.ladder(ladder),), notes=(end,))
     text = (
         f"From {newtons(first)} to {newtons(last)} rms in {count} step{'' if count == 1 else 's'}; "
         f"the noise floor is {newtons(ladder.noise_floor)}."
@@ -137,12 +144,12 @@ def _ladder(section: Section, easel: Easel) -> Part | None:
         "The rms error as effects are added one by one, on the fitted data and on data held out of the fit.",
     )
     return Part(
-        f"{easel.prefix}-ladder",
-        "The falling error",
+        anchor,
+        heading,
         (text,),
         (picture,),
         (tables.ladder(ladder),),
-        (f"Why it ends there: {ladder.last.sentence}",),
+        (end,),
         steps=steps(ladder, section.findings, easel),
     )
 
