@@ -10,23 +10,23 @@ from . import options, text
 def report(
     record: options.Record,
     law: options.Law,
-    out: Annotated[str, typer.Option("--out", metavar="FILE.html", help="The file to write.", show_default=False)],
+    out: Annotated[str, typer.Option("--out", metavar="FILE", help="The file to write.", show_default=False)],
+    format: Annotated[
+        str | None,
+        typer.Option("--format", metavar="html|md|pdf", help="Default: what FILE ends in.", show_default=False),
+    ] = None,
     effect: options.Effects = None,
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
 ) -> None:
-    """Write all of it into one offline HTML file."""
-    from ..workflow.files import check_target, write_whole
-
+    """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
     options.check_json(json)
-    check_target(out, (".html", ".htm"))
-    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..workflow.report_record import report_record
     from ..workflow.to_json import diagnosis_json
 
-    page, story = report_record(record, setup, out)
-    write_whole(out, page)
+    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    story = report_record(record, setup, out, format)
     options.give_json(json, lambda: diagnosis_json(record, story.sections[0].diagnosis))
     text.say(story.sections[0].diagnosis.sentence, f"report: {out}")

@@ -55,7 +55,7 @@ def draw(panels: Sequence[Panel]) -> Figure:
         )
         for mask, colour, mark in ((~panel.outlier, BLUE, "o"), (panel.outlier, VERMILION, "^")):
             axes.plot(panel.value[mask], panel.share[mask], linestyle="", marker=mark, markersize=3.4, color=colour)
-        axes.set_xlabel(panel.name if panel.unit in ("", "1") else f"{panel.name} ({panel.unit})")
+        axes.set_xlabel(f"{panel.name} ({panel.unit or '1'})")
         axes.locator_params(axis="x", nbins=4)
     for axes in grid[:, 0]:
         axes.set_ylabel("share of muscles (1)")

@@ -34,7 +34,7 @@ def draw(confusion: Mapping[tuple[str, str], int]) -> Figure:
     """The matrix in numbers: found in green, taken for something else in red, the deeper the more of its row."""
     shown = data(confusion)
     n = len(shown.labels)
-    figure = canvas(1.9 + 0.36 * n, 2.2 + 0.36 * n)
+    figure = canvas(1.9 + 0.36 * n, max(2.2 + 0.36 * n, 5.0))
     axes = figure.subplots()
     rows = np.maximum(shown.counts.sum(axis=1), 1)
     words = [label.replace("_", " ") for label in shown.labels]

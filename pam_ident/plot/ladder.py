@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..diagnosis.nouns import Ladder
-from .style import BLUE, GREY, INK, VERMILION, canvas, styled
+from .style import BEHIND, BLUE, GREY, INK, VERMILION, canvas, styled
 
 Array = np.ndarray
 
@@ -56,11 +56,14 @@ def draw(ladder: Ladder) -> Figure:
     axes.plot(x, shown.rmse, marker="o", color=BLUE, linewidth=1.6, label="on the fitted data")
     axes.plot(x, shown.heldout, marker="s", color=VERMILION, linewidth=1.3, linestyle=":", label="on held-out data")
     for i, value in enumerate(shown.rmse):
-        axes.annotate(f"{value:.3g} N", (i, value), (7, 6), textcoords="offset points")
+        # Below and to the left: the curves fall from the left, and the held-out error lies above.
+        axes.annotate(
+            f"{value:.3g} N", (i, value), (-7, -5), textcoords="offset points", ha="right", va="top", bbox=BEHIND
+        )
     axes.set_yscale("log")
     everything = np.r_[shown.rmse, shown.heldout, shown.noise_floor]
     everything = everything[np.isfinite(everything) & (everything > 0)]
-    axes.set_ylim(everything.min() / 1.35, everything.max() * 1.3)
+    axes.set_ylim(everything.min() / 1.5, everything.max() * 1.3)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
@@ -70,13 +73,12 @@ def draw(ladder: Ladder) -> Figure:
         axes.set_xticks(x, [name.replace(":", "\n:") for name in shown.names], fontsize=7.5, **tilt)
     else:
         axes.set_xticks(x, list(shown.names))
-    axes.text(
-        0.0,
-        shown.noise_floor,
-        f" noise floor {shown.noise_floor:.3g} N",
-        transform=axes.get_yaxis_transform(),
-        ha="left",
-        va="bottom",
+    axes.annotate(
+        f"noise floor {shown.noise_floor:.3g} N",
+        (0.0, shown.noise_floor),
+        (4, 3),
+        xycoords=axes.get_yaxis_transform(),
+        textcoords="offset points",
         fontsize=8.5,
         color=GREY,
     )

@@ -11,7 +11,7 @@ BOXES: dict[str, tuple[float, float, float, str]] = {
     "gait": (0.9, 2.0, 1.3, "gait\nφ wanted"),
     "pid": (3.6, 2.0, 1.3, "PID\n5 ms"),
     "ahead": (3.6, 3.3, 2.3, "inverse of the\nfitted model"),
-    "valves": (6.6, 2.0, 1.5, "pressure\nvalves"),
+    "valves": (6.9, 2.0, 1.3, "pressure\nvalves"),
     "muscles": (8.9, 2.0, 1.7, "two muscles\nF1, F2"),
     "leg": (11.3, 2.0, 1.7, "sprocket,\nfour-bar, leg"),
     "sensor": (6.6, 0.6, 1.7, "angle sensor\n12 bit"),
@@ -43,7 +43,7 @@ def draw() -> Figure:
         )
         axes.text(x, y, text, ha="center", va="center", fontsize=8.5)
     for x, y in SUMS.values():
-        axes.plot(x, y, marker="o", markersize=13, markerfacecolor="white", markeredgecolor=BLUE, markeredgewidth=1.3)
+        axes.plot(x, y, "o", color=BLUE, markersize=13, markerfacecolor="white", markeredgewidth=1.3)
         axes.text(x, y, "+", ha="center", va="center", fontsize=10)
     _signals(axes)
     return figure
@@ -51,10 +51,10 @@ def draw() -> Figure:
 
 def _signals(axes: Axes) -> None:
     arrow = {"arrowstyle": "-|>", "color": GREY, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
-    row = [(1.55, 2.03), (2.37, 2.95), (4.25, 4.93), (5.27, 5.85), (7.35, 8.05), (9.75, 10.45), (12.15, 12.95)]
+    row = [(1.55, 2.03), (2.37, 2.95), (4.25, 4.93), (5.27, 6.25), (7.55, 8.05), (9.75, 10.45), (12.15, 12.95)]
     for begin, end in row:
         axes.annotate("", (end, 2.0), (begin, 2.0), arrowprops=arrow)
-    words = ((5.56, "p wanted"), (7.7, "p"), (10.1, "torque"), (12.5, "φ"))
+    words = ((5.74, "p wanted"), (7.8, "p"), (10.1, "torque"), (12.5, "φ"))
     for x, word in words:
         axes.text(x, 2.1, word, ha="center", va="bottom", fontsize=7.5, color=INK)
     axes.text(2.66, 2.1, "error", ha="center", va="bottom", fontsize=7.5)

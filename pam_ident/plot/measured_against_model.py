@@ -107,7 +107,7 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
         panel.set_title(f"{title}: {one.rmse:.3g} N rms" if one else title)
     grid, half = widest(curves)
     axes[-1].fill_between(grid, -half, half, color=GREY, alpha=0.3, linewidth=0.0, label="95 % interval of the model")
-    axes[-1].legend(loc="lower left", labelcolor=INK, edgecolor=GREY)
+    axes[-1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, labelcolor=INK)
     axes[-1].set_xlabel("contraction ratio ε (1)")
     return figure
 
@@ -129,4 +129,4 @@ def _legend(axes: Axes, curves: tuple[Curve, ...]) -> None:
             Line2D([], [], marker=BRANCH_MARK[name], color=BRANCH_COLOUR[name], label=f"measured{word}", **common)
         )
         handles.append(Line2D([], [], color=INK, linestyle=BRANCH_DASH[name], linewidth=1.2, label=f"model{word}"))
-    axes.legend(handles=handles, loc="upper right", labelcolor=INK, edgecolor=GREY)
+    axes.legend(handles=handles, loc="upper right", labelcolor=INK)

@@ -111,7 +111,7 @@ def draw(before: Fit, after: Fit, limit: int = 1500) -> Figure:
     low.plot(shown.x, shown.after, **dots)
     low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=f"error after{smooth}")
     top.set_title(f"Before: {before.rmse:.3g} N rms")
-    labels = after.model.labels
+    labels = [label for label in after.model.labels if label not in before.model.labels]
     what = ", ".join(labels or ["nothing"]) if sum(map(len, labels)) < 60 else f"{len(labels)} effects"
     low.set_title(f"After adding {what}: {after.rmse:.3g} N rms")
     for axes in panels:

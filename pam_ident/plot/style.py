@@ -1,6 +1,7 @@
 """How all figures look, and the few helpers they share."""
 
 import io
+import warnings
 from collections.abc import Callable
 from functools import wraps
 from typing import Any, ParamSpec
@@ -21,6 +22,8 @@ BRANCH_COLOUR = {"contraction": BLUE, "extension": VERMILION, "static": BLUE}
 BRANCH_DASH = {"contraction": "-", "extension": (0, (5, 2)), "static": "-"}
 BRANCH_MARK = {"contraction": "o", "extension": "^", "static": "o"}
 BRANCH_NAME = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
+BEHIND: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+"""A white ground for words that stand on lines."""
 WIDTH = 9.0
 """Width of every figure in inches."""
 
@@ -118,8 +121,12 @@ def signed(value: float) -> str:
 
 
 def to_svg(figure: Figure) -> str:
-    """The figure as SVG text, the same for the same figure: no date, fixed ids."""
-    with matplotlib.rc_context(RC):
+    """The figure as SVG text, the same for the same figure: no date, fixed ids.
+
+    Text stays text, so a letter that matplotlib's font lacks is no loss: the viewer has fonts of its own.
+    """
+    with matplotlib.rc_context(RC), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from")
         out = io.StringIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     return out.getvalue()

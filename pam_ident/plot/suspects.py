@@ -8,15 +8,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..diagnosis.nouns import Diagnosis
-from .style import BLUE, GREY, INK, SKY, VERMILION, canvas, styled
+from .style import BEHIND, BLUE, GREY, INK, SKY, VERMILION, canvas, styled
 
 WORDS = {
     "candidate": "not computed",
     "absorbed_by_law": "absorbed by the law",
     "not_excited": "not excited by this record",
 }
-
-BEHIND = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from ..leg.track import Track, Tracking
 from .ladder import added
-from .style import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, canvas, styled, zero_line
+from .style import BEHIND, BLUE, GREEN, GREY, INK, ORANGE, VERMILION, canvas, styled, zero_line
 
 Array = np.ndarray
 DASHES = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1)))
@@ -96,7 +96,9 @@ def _ladder(axes: Axes, shown: TrackingData) -> None:
     axes.hlines(y, shown.band[:, 0], shown.band[:, 1], color=BLUE, linewidth=5.0, alpha=0.3)
     axes.plot(shown.rms, y, marker="o", color=BLUE, linewidth=1.4)
     for value, place_y in zip(shown.rms, y, strict=True):
-        axes.annotate(f"{value:.2f}°", (value, place_y), (7, 5), textcoords="offset points", color=INK)
+        axes.annotate(
+            f"{value:.2f}°", (value, place_y), (6, -5), textcoords="offset points", va="top", color=INK, bbox=BEHIND
+        )
     axes.set_yticks(y, [name.replace(":", "\n:") for name in shown.rungs], fontsize=7.5)
     axes.set_ylim(len(shown.rungs) - 0.4, -0.9)
     axes.set_xlim(0.0, 1.15 * max(shown.pid_rms, float(np.max(shown.rms, initial=0.0))))

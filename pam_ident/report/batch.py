@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from . import tables
-from .parts import Easel, Part, Picture
+from .easel import Easel, Part, Picture
 from .render import environment
 from .tables import Table
 from .words import newtons, number

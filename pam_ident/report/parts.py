@@ -1,54 +1,14 @@
 """What a report says about one record, part by part, in the order a reader asks."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-
-from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from .. import plot
 from ..diagnosis.nouns import Diagnosis
 from . import tables
+from .easel import Easel, Part
+from .rungs import steps
 from .story import Section
-from .svg import embed
-from .tables import Table
 from .words import VERDICTS, equation, groups, named, newtons, titles
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure ready for the page, and its caption."""
-
-    picture: Markup
-    caption: str
-
-
-@dataclass(frozen=True)
-class Part:
-    """A heading with, in this order, text, figures, tables and notes; `id` is its anchor."""
-
-    id: str
-    heading: str
-    text: tuple[str, ...] = ()
-    pictures: tuple[Picture, ...] = ()
-    tables: tuple[Table, ...] = ()
-    notes: tuple[str, ...] = ()
-    badge: tuple[str, str] | None = None
-    facts: tuple[tuple[str, str], ...] = ()
-
-
-@dataclass
-class Easel:
-    """Draws a record's figures with ids of their own; `points` is the most points of a cloud."""
-
-    prefix: str
-    points: int
-    count: int = field(default=0, init=False)
-
-    def hang(self, figure: Figure, label: str, caption: str) -> Picture:
-        """The figure as markup under the next free prefix."""
-        self.count += 1
-        return Picture(embed(figure, f"{self.prefix}f{self.count}", label), caption)
 
 
 def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
@@ -79,9 +39,12 @@ def _verdict(section: Section, easel: Easel) -> Part:
     facts = [("law", section.before.model.law.name), ("error of the law", newtons(section.before.rmse) + " rms")]
     if after is not None:
         facts.append(("error after", newtons(after.rmse) + " rms"))
+    heldout = newtons(diagnosis.heldout_rmse)
+    if diagnosis.selected:
+        heldout += f" → {newtons(diagnosis.heldout_rmse_after)}"
     facts += [
         ("noise floor", newtons(diagnosis.noise_floor) + " rms"),
-        ("held-out error", f"{newtons(diagnosis.heldout_rmse)} → {newtons(diagnosis.heldout_rmse_after)}"),
+        ("held-out error", heldout),
         ("record", f"{len(section.record)} samples, {len(section.record.levels)} isobars"),
     ]
     return Part(f"{easel.prefix}-verdict", "Verdict", (diagnosis.sentence,), badge=badge, facts=tuple(facts))
@@ -101,12 +64,15 @@ def _measured(section: Section, easel: Easel) -> Part:
 
 def _failure(section: Section, easel: Easel) -> Part:
     comparison = section.comparison
+    cells = plot.failure_map.cells(plot.failure_map.data(comparison))
     pictures = [
         easel.hang(
             plot.failure_map.draw(comparison),
-            "Heat map of the mean error over pressure and contraction, by branch",
+            "Heat map of the mean error over pressure and contraction, by branch; the table of its cells has the same",
             "Mean error (N) in each cell of pressure and contraction. Framed: the cells with the largest share of the "
-            "squared error, the share below the number. Grey: no sample.",
+            "squared error, the share below the number. Grey: no sample. A pointer on a cell brings up its numbers; "
+            "the table has all of them.",
+            {cell.gid: cell.text for cell in cells},
         )
     ]
     if plot.profiles.data(comparison):
@@ -121,7 +87,8 @@ def _failure(section: Section, easel: Easel) -> Part:
     text = [comparison.sentence]
     if section.comparison_after is not None:
         text.append(f"With the effects added: {section.comparison_after.sentence}")
-    return Part(f"{easel.prefix}-failure", "Where the model fails", tuple(text), tuple(pictures))
+    table = tables.cells(cells)
+    return Part(f"{easel.prefix}-failure", "Where the model fails", tuple(text), tuple(pictures), (table,))
 
 
 def _suspects(section: Section, easel: Easel) -> Part | None:
@@ -158,27 +125,41 @@ def _selected(diagnosis: Diagnosis) -> str:
 
 
 def _ladder(section: Section, easel: Easel) -> Part | None:
-    steps = section.ladder
-    if steps is None or not steps.rungs:
+    ladder = section.ladder
+    if ladder is None or not ladder.rungs:
         return None
-    first, last = steps.rungs[0].fit.rmse, steps.rungs[-1].fit.rmse
+    first, last = ladder.rungs[0].fit.rmse, ladder.rungs[-1].fit.rmse
+    count = len(ladder.rungs) - 1
+    anchor, heading, end = f"{easel.prefix}-ladder", "The falling error", f"Why it ends there: {ladder.last.sentence}"
+    if count == 0:
+        text = f"No effect was added to the law, which leaves {newtons(first)} rms."
+        return Part(anchor, heading, (text,), tables=(tables.ladder(ladder),), notes=(end,))
     text = (
-        f"From {newtons(first)} to {newtons(last)} rms in {len(steps.rungs) - 1} "
-        f"step{'s' if len(steps.rungs) != 2 else ''}; the noise floor is {newtons(steps.noise_floor)}."
+        f"From {newtons(first)} to {newtons(last)} rms in {count} step{'' if count == 1 else 's'}; "
+        f"the noise floor is {newtons(ladder.noise_floor)}."
     )
     picture = easel.hang(
-        plot.ladder.draw(steps),
+        plot.ladder.draw(ladder),
         "Falling rms error over the rungs of the ladder",
         "The rms error as effects are added one by one, on the fitted data and on data held out of the fit.",
     )
-    end = f"Why it ends there: {steps.last.sentence}"
-    return Part(f"{easel.prefix}-ladder", "The falling error", (text,), (picture,), (tables.ladder(steps),), (end,))
+    return Part(
+        anchor,
+        heading,
+        (text,),
+        (picture,),
+        (tables.ladder(ladder),),
+        (end,),
+        steps=steps(ladder, easel),
+    )
 
 
 def _signature(section: Section, easel: Easel) -> Part | None:
-    after = section.after
+    after, ladder = section.after, section.ladder
     if after is None or not after.model.labels:
         return None
+    if ladder is not None and len(ladder.rungs) == 2 and ladder.rungs[1].fit.model == after.model:
+        return None  # the only rung shows it
     caption = (
         "Above: the error of the law alone over the record, with what the added effects change in the modelled force. "
         "Where the two coincide, the effects explain the error. Below: what is left."
@@ -204,15 +185,15 @@ def _pattern(section: Section, easel: Easel) -> Part | None:
 
 def _parameters(section: Section, easel: Easel) -> Part:
     before, after = section.before, section.after
-    shown = [tables.parameters(before, "the law as given")]
-    if after is not None:
-        shown.append(tables.parameters(after, "the completed model"))
     last = after or before
+    shown = tables.fitted(before, "the law as given")
+    if after is not None:
+        shown += tables.fitted(after, "the completed model")
     return Part(
         f"{easel.prefix}-parameters",
         "Parameters",
         tuple(equation(last.model)),
-        tables=tuple(table for table in shown if table.rows),
+        tables=shown,
         notes=tuple(f"This fit is not valid: {problem}." for problem in last.problems),
     )
 

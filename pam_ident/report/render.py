@@ -1,42 +1,63 @@
 """A story becomes a page."""
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
 from . import tables
-from .parts import Part, parts
+from .easel import Part, Picture
+from .parts import parts
 from .story import Story
+from .svg import embed
+from .words import plain
 
 MOST_POINTS, FEWEST_POINTS = 1500, 200
 
+Chapters = list[tuple[str, str, tuple[Part, ...]]]
+
 
 def render(story: Story) -> str:
-    """One HTML file as text: no script, nothing loaded from anywhere, every text escaped.
-
-    The more records there are, the fewer points a figure shows, so that the file stays below 3 MB.
-    """
-    points = max(MOST_POINTS * 3 // max(len(story.sections), 3), FEWEST_POINTS)
-    records: list[tuple[str, str, tuple[Part, ...]]] = [
-        (f"r{i}", section.record.name, parts(section, f"r{i}", points))
-        for i, section in enumerate(story.sections, start=1)
-    ]
+    """One HTML file as text: no script, nothing loaded from anywhere, every text escaped."""
     return (
         environment()
         .get_template("report.html.j2")
         .render(
             title=story.title,
-            records=records,
+            records=chapters(story),
             provenance=tables.provenance(story.provenance),
             command=story.provenance.get("command"),
         )
     )
 
 
+def chapters(story: Story) -> Chapters:
+    """Anchor, name and parts of every record.
+
+    The more records there are, the fewer points a figure shows, so that a page stays below 3 MB.
+    """
+    points = max(MOST_POINTS * 3 // max(len(story.sections), 3), FEWEST_POINTS)
+    return [
+        (f"r{i}", section.record.name, parts(section, f"r{i}", points))
+        for i, section in enumerate(story.sections, start=1)
+    ]
+
+
 def environment() -> Environment:
-    """Where the pages' templates are found; every text is escaped, and a missing value is an error."""
-    return Environment(
+    """Where the pages' templates are found; every text is escaped and made plain, and a missing value is an error."""
+    made = Environment(
         loader=PackageLoader("pam_ident.report", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=lambda value: plain(value) if type(value) is str else value,
     )
+    made.globals |= {"embed": _embed, "most_steps": _most_steps}
+    return made
+
+
+def _embed(picture: Picture) -> Markup:
+    return embed(picture.figure, picture.name, picture.label, tips=picture.tips)
+
+
+def _most_steps(records: Chapters) -> int:
+    return max((len(part.steps) for _, _, parts in records for part in parts), default=0)

@@ -3,11 +3,13 @@
 import base64
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
 from ..plot import to_png, to_svg
+from .words import plain
 
 MAX_BYTES = 400_000
 SVG, XLINK = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xlink}"
@@ -15,25 +17,30 @@ REFERENCE = re.compile(r"url\(#([^)]+)\)")
 LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
 
 
-def embed(figure: Figure, prefix: str, label: str, max_bytes: int = MAX_BYTES) -> Markup:
+def embed(
+    figure: Figure, prefix: str, label: str, max_bytes: int = MAX_BYTES, tips: Mapping[str, str] | None = None
+) -> Markup:
     """The figure as inline SVG, or as PNG where the SVG would be longer than `max_bytes`.
 
     `prefix` goes before every id and must differ from figure to figure; `label` is read out by a screen reader.
+    `tips` are texts by the ids (matplotlib's gid) of the parts over which a pointer makes them appear.
     """
-    svg = inline(to_svg(figure), prefix, label)
+    svg = inline(to_svg(figure), prefix, label, tips or {})
     if len(svg.encode()) <= max_bytes:
         return Markup(svg)
     data = base64.b64encode(to_png(figure)).decode()
     return Markup(f'<img role="img" alt="{escape(label)}" src="data:image/png;base64,{data}">')
 
 
-def inline(svg: str, prefix: str, label: str) -> str:
+def inline(svg: str, prefix: str, label: str, tips: Mapping[str, str] | None = None) -> str:
     """SVG text of matplotlib without prolog, metadata, style sheet and namespaces, ids prefixed, numbers rounded."""
-    root = ET.fromstring(svg)
+    root = ET.fromstring(plain(svg))
     for parent in list(root.iter()):
         for child in list(parent):
             if child.tag in (SVG + "metadata", SVG + "style"):
                 parent.remove(child)
+    if tips:
+        _hint(root, tips)
     used = _references(root)
     names = {old: f"{prefix}-{i}" for i, old in enumerate(sorted(used))}
     for element in root.iter():
@@ -44,9 +51,24 @@ def inline(svg: str, prefix: str, label: str) -> str:
     root.attrib.clear()
     # matplotlib's style sheet would apply to the whole page, so its two rules go onto the root alone.
     root.attrib.update(
-        {"viewBox": box, "role": "img", "aria-label": label, "style": "stroke-linejoin:round;stroke-linecap:butt"}
+        {
+            "viewBox": box,
+            "role": "img",
+            "aria-label": plain(label),
+            "style": "stroke-linejoin:round;stroke-linecap:butt",
+        }
     )
     return ET.tostring(root, encoding="unicode")
+
+
+def _hint(root: ET.Element, tips: Mapping[str, str]) -> None:
+    """A browser shows the <title> of what is under the pointer, here even of what is not painted."""
+    for element in list(root.iter()):
+        if (text := tips.get(element.get("id", ""))) is not None:
+            title = ET.Element(SVG + "title")
+            title.text = plain(text)
+            element.insert(0, title)
+            element.set("pointer-events", "all")
 
 
 def _references(root: ET.Element) -> set[str]:

@@ -1,11 +1,12 @@
 """The report's tables as plain text cells; the template gives them their HTML."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..diagnosis.nouns import Diagnosis, Ladder
 from ..fitting import Fit, IsobarTable
 from ..fitting.fit import Estimate
+from ..plot.failure_map import Cell
 from ..plot.ladder import added
 from .story import Section
 from .words import STATUS, named, newtons, number, standing, stderr, titles, unit
@@ -13,12 +14,16 @@ from .words import STATUS, named, newtons, number, standing, stderr, titles, uni
 
 @dataclass(frozen=True)
 class Table:
-    """A caption, column heads, and rows of cells, the first of each row its head. `numeric` columns stand right."""
+    """A caption, column heads, and rows of cells, the first of each row its head. `numeric` columns stand right.
+
+    A `folded` table is opened by a reader who wants it; paper shows it.
+    """
 
     caption: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     numeric: tuple[int, ...] = ()
+    folded: bool = False
 
 
 def suspects(diagnosis: Diagnosis) -> Table:
@@ -56,6 +61,37 @@ def ladder(steps: Ladder) -> Table:
     )
     head = ("rung", "model", "free parameters", "rms error (N)", "held-out rms error (N)", "largest error (N)", "why")
     return Table(f"The ladder down to the noise floor of {newtons(steps.noise_floor)}", head, rows, (2, 3, 4, 5))
+
+
+def cells(found: Sequence[Cell]) -> Table:
+    """The numbers of a failure map, a row a cell."""
+    rows = tuple(
+        (
+            number(cell.pressure_MPa, 3),
+            " to ".join(f"{round(end, 4) + 0.0:.4g}".replace("-", "−") for end in cell.contraction),
+            "–" if cell.branch == "static" else cell.branch,
+            str(cell.n),
+            number(cell.mean, 3),
+            number(cell.rms, 3),
+            f"{cell.share:.1%}",
+        )
+        for cell in found
+    )
+    head = (
+        "pressure (MPa)",
+        "contraction ratio (1)",
+        "branch",
+        "samples",
+        "mean error (N)",
+        "rms error (N)",
+        "share of the squared error",
+    )
+    return Table(f"The {len(rows)} cells of the map in numbers", head, rows, (3, 4, 5, 6), folded=True)
+
+
+def fitted(fit: Fit, which: str) -> tuple[Table, ...]:
+    """The parameters of a fit; no table where nothing was free."""
+    return (parameters(fit, which),) if fit.estimates else ()
 
 
 def parameters(fit: Fit, which: str) -> Table:

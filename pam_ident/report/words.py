@@ -1,6 +1,7 @@
 """Numbers and names as they are read."""
 
 import math
+import re
 
 from ..diagnosis.nouns import Diagnosis
 from ..effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure, catalogue
@@ -26,6 +27,18 @@ ROLES: dict[type[Form], str] = {
     TransformsPressure: "changes the pressure the law is given",
     TransformsContraction: "changes the contraction the law is given",
 }
+
+
+# Controls but tab and line feed, what turns the direction of text, and what XML does not allow.
+UNSEEN = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ufffe\uffff"
+    r"\ud800-\udfff]"
+)
+
+
+def plain(text: str) -> str:
+    """The text with a � for each character that cannot be seen and could make it read as something else."""
+    return UNSEEN.sub("\ufffd", text)
 
 
 def number(value: float | None, digits: int = 4) -> str:

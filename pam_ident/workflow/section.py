@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 from ..core import FitError
-from ..core.progress import part
-from ..diagnosis import climb, compare, diagnose
+from ..diagnosis import climb, compare
 from ..diagnosis.nouns import Diagnosis, Ladder
 from ..effects import Effect
 from ..fitting import Fit, IsobarTable, fit_isobars, loop_energies
@@ -19,10 +18,8 @@ def build_section(model: Model, record: Record, extra: tuple[Effect, ...] = ()) 
 
     Raises FitError or DataError.
     """
-    with part("diagnosis"):
-        diagnosis = diagnose(model, record, extra)
-    with part("ladder"):
-        ladder = climb(model, record, extra)
+    ladder = climb(model, record, extra)
+    diagnosis = ladder.first
     return section_of(record, diagnosis.base, diagnosis, ladder, completed(diagnosis, ladder))
 
 

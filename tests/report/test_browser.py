@@ -1,28 +1,124 @@
-"""The demo's report in a real browser: the whole story is on the page, and the page asks for nothing."""
+"""The report in a real browser, opened as a file: the whole story clicked through, and the page asks for nothing."""
+
+import json
+import re
 
 import pytest
 
 from pam_ident.diagnosis import compare
+from pam_ident.diagnosis.nouns import Ladder, Rung
+from pam_ident.fitting import fit
+from pam_ident.model import Model
 from pam_ident.report import Section, Story, render
 
 pytestmark = pytest.mark.browser
+LAW = "modified_chou_hannaford"
 
 
-def test_the_report_opens_offline_without_a_complaint(page, tmp_path, record, diagnosis, ladder):
-    section = Section(record, compare(diagnosis.base), diagnosis, compare(diagnosis.best), ladder)
-    file = tmp_path / "report.html"
-    file.write_text(render(Story("Browser", (section,), {"command": "pam-ident report"})), encoding="utf-8")
+@pytest.fixture(scope="module")
+def file(tmp_path_factory, record, diagnosis):
+    """A report of two records, the first with a ladder of three rungs, written to disk."""
+    third = fit(Model.build(LAW, ("coulomb_friction", "viscous_damping")), record)
+    rungs = (Rung(diagnosis.base, 8.3, "alone"), Rung(diagnosis.best, 0.55, "halves it"), Rung(third, 0.54, "a bit"))
+    found = Section(record, compare(diagnosis.base), diagnosis, compare(diagnosis.best), Ladder(rungs, 0.5, diagnosis))
+    path = tmp_path_factory.mktemp("browser") / "report.html"
+    story = Story("Browser", (found, found), {"date (UTC)": "2026-01-02", "command": "pam-ident report"})
+    path.write_text(render(story), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def opened(page, file):
+    """The page, opened; in the end nothing was complained of and nothing but the file asked for."""
     complaints, asked = [], []
     page.on("console", lambda message: complaints.append(message.text))
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("request", lambda request: asked.append(request.url))
+    page.emulate_media(reduced_motion="reduce")
     page.goto(file.as_uri())
-    assert page.title() and page.locator("h1").count() == 1
-    assert page.get_by_text(diagnosis.sentence).first.is_visible()
-    figures = page.locator("figure svg, figure img")
-    assert figures.count() >= 5
+    yield page
+    assert complaints == [] and [url for url in asked if not url.startswith("data:")] == [file.as_uri()]
+
+
+def shown(page):
+    """Headings of the rungs in view in the first record."""
+    return [h.text_content() for h in page.locator(".steps").first.locator("h4").all() if h.is_visible()]
+
+
+def test_it_opens_with_the_verdict_and_every_figure(opened, diagnosis):
+    assert opened.title() and opened.locator("h1").count() == 1
+    assert opened.get_by_text(diagnosis.sentence).first.is_visible()
+    figures = opened.locator("figure svg:visible, figure img:visible")
+    assert figures.count() >= 10
     for k in range(figures.count()):
         box = figures.nth(k).bounding_box()
         assert box is not None and box["width"] > 200 and box["height"] > 100
-    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-    assert complaints == [] and asked == [file.as_uri()]
+    assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    for link in opened.locator("nav a").all():
+        link.click()
+        assert opened.locator(f"[id='{opened.url.partition('#')[2]}']").is_visible()
+
+
+def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(opened):
+    choice = opened.locator("fieldset").first.get_by_role("radio")
+    assert choice.count() == 3
+    names = ["Rung 0", "Rung 1: + Coulomb friction", "Rung 2: + Viscous damping"]
+    for k in (1, 2, 0):
+        choice.nth(k).click()
+        (head,) = shown(opened)
+        assert head.startswith(names[k])
+    opened.keyboard.press("ArrowRight")
+    assert shown(opened)[0].startswith(names[1])
+    ring = "getComputedStyle(document.querySelector('fieldset :focus-visible + label')).outlineStyle"
+    assert opened.evaluate(ring) == "solid"
+    opened.keyboard.press("ArrowDown")
+    opened.keyboard.press("ArrowDown")
+    assert shown(opened)[0].startswith(names[0])
+    other = opened.locator(".steps").nth(1).locator("h4:visible")
+    assert other.count() == 1 and "Rung 0" in other.text_content()
+
+
+def test_the_map_tells_its_numbers_under_the_pointer_and_in_a_table(opened, diagnosis):
+    figure = opened.locator("figure", has_text="Mean error (N) in each cell").first
+    cells = figure.locator("svg g:has(> title)")
+    comparison = compare(diagnosis.base)
+    assert cells.count() == (comparison.share > 0).sum()
+    for k in (0, cells.count() - 1):
+        cells.nth(k).hover()  # fails where anything lies over the cell
+        text = opened.evaluate("[...document.querySelectorAll('g:hover > title')].pop().textContent")
+        assert text == cells.nth(k).locator("title").text_content()
+        assert re.search(r"MPa, ε .* mean error [+−0].* N, rms .* of the squared error, n = \d+$", text)
+    table = opened.locator("details table").first
+    assert not table.is_visible()
+    opened.locator("summary").first.focus()
+    opened.keyboard.press("Enter")
+    assert table.is_visible() and table.locator("tbody tr").count() == cells.count()
+
+
+def test_the_first_tab_skips_to_the_verdict(opened):
+    opened.keyboard.press("Tab")
+    assert opened.evaluate("document.activeElement.textContent") == "Skip to the verdict"
+    assert opened.locator(".skip").bounding_box()["x"] >= 0
+    opened.keyboard.press("Enter")
+    assert opened.evaluate("document.activeElement.id") == "main"
+
+
+def test_paper_holds_every_rung_and_the_folded_table(opened):
+    opened.emulate_media(media="print")
+    assert len(shown(opened)) == 3 and opened.locator("details table").first.is_visible()
+    assert not opened.locator("nav").is_visible() and not opened.locator("fieldset").first.is_visible()
+    pdf = opened.pdf(prefer_css_page_size=True)
+    assert pdf.startswith(b"%PDF-") and len(pdf) < 3_000_000
+
+
+@pytest.mark.parametrize(("width", "rungs"), [(1200, (0, 2)), (380, (1,))])
+def test_axe_finds_no_fault_of_weight(opened, width, rungs):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    opened.set_viewport_size({"width": width, "height": 900})
+    assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    opened.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    for rung in rungs:
+        opened.get_by_role("radio").nth(rung).click()
+        found = axe.run(opened).response["violations"]
+        told = [(one["id"], one["impact"], [n["html"][:200] for n in one["nodes"]]) for one in found]
+        assert [one for one in told if one[1] in ("serious", "critical", "moderate")] == [], json.dumps(told, indent=1)

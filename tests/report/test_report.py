@@ -125,7 +125,7 @@ def test_opens_with_the_verdict_in_words(parsed, diagnosis):
         "This record cannot tell apart: Coulomb friction (coulomb_friction); ",
         "Repeat the strokes at 0.1 MPa.",
         "halves the error",
-        "The trace of the added effects",
+        "Why it was added",
         "A rub at 12 mm.",
         "Parameters of the completed model",
         "Each isobar fitted alone, contraction",
@@ -137,6 +137,12 @@ def test_opens_with_the_verdict_in_words(parsed, diagnosis):
     places = [body.find(piece, start) for piece in order]
     assert -1 not in places, order[places.index(-1)]
     assert places == sorted(places)
+
+
+def test_the_trace_of_several_effects_is_shown_apart_from_the_rungs(section):
+    apart = replace(section, ladder=None)
+    assert "The trace of the added effects" in render(Story("x", (apart,)))
+    assert "The trace of the added effects" not in render(Story("x", (section,)))
 
 
 def test_each_parameter_has_value_unit_and_standing(diagnosis):
@@ -257,6 +263,15 @@ def test_adequate_record_needs_no_second_model(section, diagnosis):
     assert "The trace of the added effects" not in page.text
     assert "Parameters of the completed model" not in page.text
     assert page.open == []
+
+
+def test_a_ladder_without_a_step_is_neither_drawn_nor_stepped_through(section, diagnosis, ladder):
+    low = replace(ladder, rungs=ladder.rungs[:1])
+    alone = replace(diagnosis, verdict="adequate", selected=(), labels=(), groups=(), best=diagnosis.base)
+    text = render(Story("low", (Section(section.record, section.comparison, alone, ladder=low),)))
+    assert f"No effect was added to the law, which leaves {number(diagnosis.base.rmse, 3)} N rms." in Page(text).text
+    assert "fieldset>" not in text and text.count("<figure>") == 4
+    assert "<dd>8.30 N</dd>" in text and "<dd>8.30 N → 0.550 N</dd>" in render(Story("x", (section,)))
 
 
 def test_a_static_table_can_be_reported(table):

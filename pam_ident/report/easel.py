@@ -1,0 +1,54 @@
+"""What a page is put together from: parts with text, figures and tables."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from matplotlib.figure import Figure
+
+from .tables import Table
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure with a name that no other on the page has, a label that is read out, and a caption.
+
+    `tips` are texts by the ids of parts of the figure, shown where a pointer rests on them.
+    """
+
+    name: str
+    figure: Figure
+    label: str
+    caption: str
+    tips: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A heading with, in this order, text, facts, figures, tables and notes; `id` is its anchor.
+
+    `steps` are parts of which a screen shows one at a time, each under a short name, and paper all.
+    """
+
+    id: str
+    heading: str
+    text: tuple[str, ...] = ()
+    pictures: tuple[Picture, ...] = ()
+    tables: tuple[Table, ...] = ()
+    notes: tuple[str, ...] = ()
+    badge: tuple[str, str] | None = None
+    facts: tuple[tuple[str, str], ...] = ()
+    steps: tuple[tuple[str, "Part"], ...] = ()
+
+
+@dataclass
+class Easel:
+    """Gives a record's figures names of their own; `points` is the most points of a cloud."""
+
+    prefix: str
+    points: int
+    count: int = field(default=0, init=False)
+
+    def hang(self, figure: Figure, label: str, caption: str, tips: Mapping[str, str] | None = None) -> Picture:
+        """The figure under the next free name."""
+        self.count += 1
+        return Picture(f"{self.prefix}f{self.count}", figure, label, caption, tips or {})

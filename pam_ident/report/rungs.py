@@ -1,0 +1,73 @@
+"""The ladder's story, a rung at a time: what was added and why, the error before and after, the trace of the effect."""
+
+from .. import plot
+from ..diagnosis.nouns import Ladder, Rung
+from . import tables
+from .easel import Easel, Part
+from .words import equation, named, newtons, titles
+
+SHARE = 4
+"""A rung's figure shows this part of the points of the others: there are many rungs."""
+
+
+def steps(ladder: Ladder, easel: Easel) -> tuple[tuple[str, Part], ...]:
+    """A part a rung under a short name."""
+    names = plot.ladder.data(ladder).names
+    found = [(f"0: {names[0]}", _first(ladder.rungs[0], easel))]
+    for k in range(1, len(ladder.rungs)):
+        step = _next(k, ladder.rungs[k - 1], ladder.rungs[k], easel)
+        found.append((f"{k}: {names[k]}".replace("\n", ", "), step))
+    return tuple(found)
+
+
+def _first(rung: Rung, easel: Easel) -> Part:
+    model = rung.fit.model
+    return Part(
+        f"{easel.prefix}-rung0",
+        f"Rung 0: {model.law.title}",
+        tuple(equation(model)),
+        tables=tables.fitted(rung.fit, "rung 0"),
+        facts=(
+            ("error", newtons(rung.fit.rmse) + " rms"),
+            ("held-out error", newtons(rung.heldout_rmse) + " rms"),
+            ("largest error", newtons(rung.fit.max_error)),
+            ("free parameters", str(len(model.params))),
+        ),
+    )
+
+
+def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
+    """Rung k over the one below it. The share of the squared error is the number that convinced, with the
+    probability, where the diagnosis is known."""
+    before, after, why = below.fit, rung.fit, rung.found
+    known = titles(after.model)
+    new = [label for label in after.model.labels if label not in before.model.labels]
+    what = ", ".join(named(label, known) for label in new) or "nothing"
+    facts = [
+        ("error", f"{newtons(before.rmse)} → {newtons(after.rmse)} rms"),
+        ("held-out error", f"{newtons(below.heldout_rmse)} → {newtons(rung.heldout_rmse)} rms"),
+        ("explained of the squared error", f"{1.0 - (after.rmse / before.rmse) ** 2:.1%}".replace("-", "−")),
+        ("free parameters", f"{len(before.model.params)} → {len(after.model.params)}"),
+    ]
+    if why is not None:
+        chances = {suspect.effect: suspect.probability for suspect in why.ranking}
+        facts += [
+            (f"probability of {name}", f"{chances[name]:.0%}")
+            for name in dict.fromkeys(label.partition(":")[0] for label in new)
+            if name in chances
+        ]
+    picture = easel.hang(
+        plot.signature.draw(before, after, max(easel.points // SHARE, 100)),
+        f"Error over the record before and after adding {what}",
+        f"Above: the error of rung {k - 1}, and through it what {what} changes in the modelled force. "
+        f"Below: what rung {k} leaves.",
+    )
+    return Part(
+        f"{easel.prefix}-rung{k}",
+        f"Rung {k}: + {what}",
+        (f"Why it was added: {why.sentence if why is not None else rung.why}",),
+        (picture,),
+        tables.fitted(after, f"rung {k}"),
+        tuple(equation(after.model)),
+        facts=tuple(facts),
+    )

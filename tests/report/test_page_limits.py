@@ -1,0 +1,56 @@
+"""What the page may weigh and what it may do, whatever the story."""
+
+from dataclasses import replace
+
+import pytest
+
+from pam_ident.diagnosis.compare import compare
+from pam_ident.diagnosis.nouns import Ladder, Rung
+from pam_ident.fitting import fit, fit_isobars, loop_energies
+from pam_ident.model import Model
+from pam_ident.report import Section, Story, render, render_markdown
+
+LAW = "modified_chou_hannaford"
+EFFECTS = ("coulomb_friction", "viscous_damping", "creep", "pressure_lag", "length_offset")
+
+
+@pytest.fixture(scope="module")
+def long(record, diagnosis):
+    """A section with every part, and a ladder of six rungs."""
+    fits = [fit(Model.build(LAW, EFFECTS[:k]), record) for k in range(6)]
+    ladder = Ladder(
+        tuple(Rung(one, one.rmse, "because", diagnosis if one.model.terms else None) for one in fits), 0.5, diagnosis
+    )
+    return Section(
+        record,
+        compare(fits[0]),
+        diagnosis,
+        compare(fits[-1]),
+        ladder,
+        (fit_isobars(Model.build(LAW), record, ("contraction", "extension")),),
+        loop_energies(record, record.force),
+    )
+
+
+def test_three_records_of_six_rungs_stay_below_three_megabytes(long):
+    page = render(Story("three", (long,) * 3))
+    assert page.count("<h4 ") == 18 and page.count("<figure>") == 3 * 11
+    assert len(page.encode()) < 3_000_000
+
+
+def test_the_page_forbids_itself_all_but_its_own_style(long):
+    page = render(Story("x", (replace(long, ladder=None),)))
+    policy = page.partition('http-equiv="Content-Security-Policy" content="')[2].partition('"')[0]
+    assert policy.split("; ") == [
+        "default-src 'none'",
+        "style-src 'unsafe-inline'",
+        "img-src data:",
+        "base-uri 'none'",
+        "form-action 'none'",
+    ]
+    assert page.index("Content-Security-Policy") < page.index("<style")
+
+
+def test_markdown_holds_all_six_rungs(long):
+    text, figures = render_markdown(Story("x", (long,)), "here")
+    assert text.count("\n#### Rung ") == 6 and len(figures) == 11
