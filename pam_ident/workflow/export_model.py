@@ -61,7 +61,8 @@ def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "t
     answer = fit_record(setup.read(source), setup, Wishes(branch=branch))
     fitted = Fitted.of(answer.fits)
     if to == "json":
-        return Exported((write_json(path, fit_json(source, setup.law, answer)),), (), fitted.problems)
+        write_json(path, fit_json(source, setup.law, answer))
+        return Exported((path,), (), fitted.problems)
     return _write(fitted, to, path)
 
 
