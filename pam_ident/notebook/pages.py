@@ -1,7 +1,7 @@
 """Results as HTML: a sentence, tables, a figure. Every text is escaped; figures are inline and load nothing."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
@@ -49,9 +49,9 @@ def _cells(row: Sequence[str], numeric: Sequence[int]) -> Markup:
     return Markup("").join(cells)
 
 
-def picture(figure: Figure, label: str) -> Markup:
-    """A figure, its ids unlike those of any other cell."""
-    inline = embed(figure, f"pam-{uuid4().hex[:10]}", label, MOST_BYTES)
+def picture(figure: Figure, label: str, tips: Mapping[str, str] | None = None) -> Markup:
+    """A figure, its ids unlike those of any other cell; `tips` are texts by the ids of its parts."""
+    inline = embed(figure, f"pam-{uuid4().hex[:10]}", label, MOST_BYTES, tips)
     return Markup('<div style="max-width:60em;background:white">{}</div>').format(inline)
 
 
@@ -101,7 +101,7 @@ def _interval(low: float, high: float) -> str:
 
 def _comparison(one: "Comparison") -> Markup:
     label = "Mean error over pressure and contraction, by branch"
-    return _said(one.sentence) + picture(plot.failure_map.draw(one), label)
+    return _said(one.sentence) + picture(plot.failure_map.draw(one), label, plot.failure_map.tips(one))
 
 
 def _diagnosis(one: "Diagnosis") -> Markup:

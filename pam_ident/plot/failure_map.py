@@ -124,6 +124,11 @@ def cells(shown: FailureMap) -> tuple[Cell, ...]:
     return tuple(found)
 
 
+def tips(comparison: Comparison) -> dict[str, str]:
+    """The numbers of each cell by its id in the drawing, for a pointer to bring up."""
+    return {cell.gid: cell.text for cell in cells(data(comparison))}
+
+
 @styled
 def draw(comparison: Comparison) -> Figure:
     """Mean error in each cell as colour and number; the worst cells framed, with their share of the squared error."""

@@ -72,7 +72,7 @@ def _failure(section: Section, easel: Easel) -> Part:
             "Mean error (N) in each cell of pressure and contraction. Framed: the cells with the largest share of the "
             "squared error, the share below the number. Grey: no sample. A pointer on a cell brings up its numbers; "
             "the table has all of them.",
-            {cell.gid: cell.text for cell in cells},
+            plot.failure_map.tips(comparison),
         )
     ]
     if plot.profiles.data(comparison):

@@ -1,7 +1,7 @@
 """The bench in pictures: the figures of the report, as SVG for the page."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import count
 
 from markupsafe import Markup
@@ -23,8 +23,8 @@ def pictures(bench: Bench) -> dict[str, Markup]:
     before, after = bench.law_alone, bench.fit if bench.fit.model.terms else None
     found: dict[str, Markup] = {}
 
-    def hang(name: str, label: str, draw: Callable[[], Figure]) -> None:
-        found[name] = embed(draw(), f"w{next(_numbers)}", label)
+    def hang(name: str, label: str, draw: Callable[[], Figure], tips: Mapping[str, str] | None = None) -> None:
+        found[name] = embed(draw(), f"w{next(_numbers)}", label, tips=tips)
 
     with _drawing:
         if ladder is not None and len(ladder.rungs) > 1:
@@ -32,7 +32,7 @@ def pictures(bench: Bench) -> dict[str, Markup]:
         hang("measured", "Measured and modelled force over contraction, and the error below",
              lambda: plot.measured_against_model.draw(before, after, POINTS))  # fmt: skip
         hang("where", "Mean error over pressure and contraction, by branch",
-             lambda: plot.failure_map.draw(bench.comparison))  # fmt: skip
+             lambda: plot.failure_map.draw(bench.comparison), plot.failure_map.tips(bench.comparison))  # fmt: skip
         if plot.profiles.data(bench.comparison):
             hang("along", "Error along each coordinate of the test", lambda: plot.profiles.draw(bench.comparison))
         if after is not None:

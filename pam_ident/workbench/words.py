@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from ..core import Specimen, UsageError
 from ..core.progress import Stage
 from ..diagnosis.nouns import Diagnosis, Suspect
+from ..notebook.pages import table
 from ..records import Record, build_record
 from ..report import tables
-from ..report.tables import Table
 from ..report.words import STATUS, VERDICTS, equation, groups, newtons, titles
 from .bench import Bench
 
@@ -119,23 +119,6 @@ def command(bench: Bench | None) -> Markup:
     if bench is None:
         return Markup("")
     return Markup('<p class="soft">The same on the command line:</p><pre tabindex="0">{}</pre>').format(bench.command)
-
-
-def table(shown: Table) -> Markup:
-    """A table of the report."""
-
-    def cells(tag: str, row: tuple[str, ...]) -> Markup:
-        kinds = [' class="n"' if k in shown.numeric else "" for k in range(len(row))]
-        scope = ' scope="col"' if tag == "th" else ""
-        return Markup("").join(
-            Markup(f"<{tag}{scope}{kind}>") + escape(cell) + Markup(f"</{tag}>")
-            for kind, cell in zip(kinds, row, strict=True)
-        )
-
-    rows = Markup("").join(Markup("<tr>{}</tr>").format(cells("td", row)) for row in shown.rows)
-    return Markup("<table><caption>{}</caption><thead><tr>{}</tr></thead><tbody>{}</tbody></table>").format(
-        shown.caption, cells("th", shown.head), rows
-    )
 
 
 def length(label: str, text: str) -> float:
