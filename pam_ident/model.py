@@ -239,7 +239,7 @@ def _solve(step: Callable[[Array], Array], force: Array, rounds: int) -> Array:
         second = step(first)
         if xp is np:
             miss = float(np.max(np.abs(second - first)))
-            if not miss > 1e-9 * (1.0 + float(np.max(np.abs(second)))):
+            if not miss > 1e-11 * (1.0 + float(np.max(np.abs(second)))):
                 return second
         change = first - force
         moves = xp.abs(change) > 1e-12

@@ -51,7 +51,7 @@ def c_forces(tmp_path_factory, inputs) -> dict[str, np.ndarray]:
 
 @EACH_CASE
 def test_c_agrees_with_numpy_at_ten_thousand_samples(case, c_forces, numpy_forces, inputs):
-    assert_agrees(case, c_forces[case.name], numpy_forces[case.name], inputs)
+    assert_agrees(c_forces[case.name], numpy_forces[case.name])
 
 
 @pytest.mark.parametrize("name", ["2nd", "a-b", "double", "", "größe", "a" * 60])
