@@ -199,14 +199,14 @@ def nominal(values: Array, counts: Array) -> Array:
         return values
     edges = np.flatnonzero(np.diff(values) > 0.005) + 1
     parts = zip(np.split(values, edges), np.split(counts, edges), strict=True)
-    return np.concatenate([np.full(len(v), _median(v, c).round(4)) for v, c in parts])
+    return np.concatenate([np.full(len(v), round(_median(v, c), 4)) for v, c in parts])
 
 
-def _median(values: Array, counts: Array) -> np.float64:
+def _median(values: Array, counts: Array) -> float:
     """Median of values, ascending, that occur `counts` times."""
     last = np.cumsum(counts)
     middle = np.searchsorted(last, [(last[-1] - 1) // 2, last[-1] // 2], side="right")
-    return np.mean(values[middle])
+    return float(np.mean(values[middle]))
 
 
 def _segments(time: Array, level: Array) -> Array:

@@ -16,11 +16,15 @@ PIECE = 1 << 20
 def pieces(x: Array, begin: int, end: int, threshold: float) -> Iterator[tuple[int, int]]:
     """Parts (begin, end) of a run x[begin:end] of no more than PIECE samples each, cut where the motion turns."""
     while end - begin > PIECE:
-        turns = [p for p in pivots(x[begin : begin + PIECE], threshold)[:-1] if p >= PIECE // 2]
-        cut = begin + (turns[0] if turns else PIECE)
+        cut = begin + cut_at_turn(x[begin : begin + PIECE], threshold)
         yield begin, cut
         begin = cut
     yield begin, end
+
+
+def cut_at_turn(x: Array, threshold: float) -> int:
+    """Index at which PIECE samples are parted: the first turn in their second half, their end where there is none."""
+    return next((turn for turn in pivots(x, threshold) if turn >= len(x) // 2 and turn < len(x) - 1), len(x))
 
 
 def pivots(x: Array, threshold: float) -> list[int]:
