@@ -51,10 +51,15 @@ class LongRecord:
         return np.unique(self.nominal)
 
     @property
+    def timed(self) -> bool:
+        """Whether the rows have a time, and so strokes and turns."""
+        return self.on_disk.has("turn")
+
+    @property
     def last_run(self) -> int:
-        """The number of the last turn or stroke."""
+        """The number of the last turn or stroke of a record with time."""
         ends = [int(self.on_disk.read(k, self.n - 1, self.n, KINDS[k])[0]) for k in ("turn", "stroke")]
-        return max(ends) if self.on_disk.has("turn") else 0
+        return max(ends)
 
     def level(self, begin: int, end: int) -> Array:
         """Nominal pressure in MPa of rows begin … end."""

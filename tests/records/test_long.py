@@ -111,7 +111,7 @@ def test_time_that_runs_backwards_from_one_block_to_the_next_is_named(text, monk
     monkeypatch.setattr(text_table, "BLOCK_BYTES", len(lines[1]) + 1)  # about a row a block
     lines[500], lines[501] = lines[501], lines[500]
     (folder / "other.csv").write_text("\n".join(lines))
-    with pytest.raises(DataError, match="row 502.*time runs backwards"), open_long(folder / "other.csv"):
+    with pytest.raises(DataError, match=r"row 502.*time runs backwards"), open_long(folder / "other.csv"):
         pass
 
 
