@@ -13,6 +13,7 @@ from ..fitting.covariance import student
 from ..fitting.fit import Estimate, branch_names
 from ..fitting.floor import LackOfFit, NoiseFloor
 from ..fitting.identifiability import PINNED, StandIn
+from ..fitting.long import LongFit
 from ..fitting.profile import Profile, profile
 from ..fitting.weigh import LOSSES, Weighing
 from ..records import Record
@@ -96,6 +97,11 @@ class FitAnswer:
     def passive(self) -> bool | None:
         """Whether the modelled loop takes up energy at every pressure; None without two modelled branches."""
         return passive(self.loops)
+
+    @property
+    def in_chunks(self) -> bool:
+        """Whether the record was read in chunks, so that `record` is a sample of it."""
+        return any(isinstance(one, LongFit) for one in self.fits.values())
 
     @property
     def problems(self) -> list[str]:
