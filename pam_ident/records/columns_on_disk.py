@@ -29,7 +29,7 @@ class Columns:
         except OSError as error:
             raise UsageError(
                 f"{self.folder}: {error.strerror or error}; a record that is read in chunks keeps its numbers there "
-                "meanwhile, about as many bytes as it has itself: set TMPDIR to a folder with that much room"
+                "meanwhile, about twice as many bytes as its text has: set TMPDIR to a folder with that much room"
             ) from None
 
     def shift(self, name: str, begin: int, end: int, by: float) -> None:

@@ -21,7 +21,7 @@ def test_the_answer_is_that_of_the_record_in_memory(answer, rubbing, branch):
         np.testing.assert_allclose(mine["covariance"]["matrix"], whole["covariance"]["matrix"], rtol=1e-5)
         for key, found in mine["parameters"].items():
             # Both stop within a millionth of a standard error of the minimum.
-            near = {"rel": 1e-9, "abs": 1e-6 * whole["parameters"][key]["stderr"]}
+            near = {"rel": 1e-9, "abs": 1e-6 * (whole["parameters"][key]["stderr"] or 0.0)}
             assert found["value"] == pytest.approx(whole["parameters"][key]["value"], **near)
     assert one[1]["passive"] == other[1]["passive"]
     for mine, whole in zip(one[1]["loops"], other[1]["loops"], strict=True):
