@@ -31,6 +31,7 @@ def challenge(
     workers: Annotated[
         int | None, typer.Option("--workers", metavar="N", help="Cases at a time; default: the cores.")
     ] = None,
+    scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Show no progress.")] = False,
 ) -> None:
@@ -55,7 +56,7 @@ def challenge(
         if answers is not None:
             found = score_answers(str(out), answers)
         else:
-            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers, tell)
+            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers, tell, scheduler)
         pictures = _draw(found) if out is not None else []
     if json is not None:
         write_json(json, challenge_json(found))

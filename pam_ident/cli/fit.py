@@ -49,6 +49,8 @@ def fit(
     intervals: Annotated[
         str, typer.Option("--intervals", metavar="HOW", help="linear, profile (likelihood) or bootstrap (by cycles).")
     ] = "linear",
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
     chunked: Annotated[
         bool, typer.Option("--chunked", help="Read the record in chunks, as is done where memory is short.")
     ] = False,
@@ -76,8 +78,9 @@ def fit(
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..records.files import share_of_memory
     from ..workflow.fit_record import Wishes, fit_record
+    from ..workflow.intervals import Crew
 
-    wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals)
+    wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals, crew=Crew(workers, scheduler))
     if chunked or share_of_memory(record) > MOST_OF_MEMORY:
         from ..workflow.fit_long_record import fit_long_record
 
