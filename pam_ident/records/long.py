@@ -92,8 +92,9 @@ class LongRecord:
         stride = (self.n - 1) // most | 1
 
         def read(name: str, kind: type) -> Array:
-            stretches = ((b, min(b + STRETCH, self.n)) for b in range(0, self.n, STRETCH))
-            return np.concatenate([self.on_disk.read(name, b, e, kind)[-b % stride :: stride] for b, e in stretches])
+            ends = ((begin, min(begin + STRETCH, self.n)) for begin in range(0, self.n, STRETCH))
+            # A copy each, lest the slice keep its whole stretch.
+            return np.concatenate([self.on_disk.read(name, *ab, kind)[-ab[0] % stride :: stride].copy() for ab in ends])
 
         return self._take(read, True)[0]
 
