@@ -3,8 +3,8 @@
     python benchmarks/load_rate.py [ROWS] [FOLDER]     rows (default 10 million, about 1 GB), folder for the file
 
 Each way of reading runs in a process of its own, so that its peak of memory is its own: pandas.read_csv of the whole
-file; the columns of a record in internal units, whole; and the same columns block by block, none of them kept. The
-file is deleted afterwards.
+file; the columns of a record in internal units, whole; the same columns block by block, none of them kept; and, with
+strokes, cycles and isobars found, the record in memory and the record on disk. The file is deleted afterwards.
 """
 
 import os
@@ -44,7 +44,15 @@ found = join_runs(read_columns(table, find_sources(table), 200.0), str(path))["f
 sources = find_sources(table)
 wanted = [source.position for source in sources.values()]
 found = range(sum(len(block) for block in table.read(wanted)))""",
+    "record, whole, with its strokes": """
+from pam_ident.records import read_record
+found = read_record(path)""",
+    "record on disk, in chunks": """
+from pam_ident.records.long import open_long
+with open_long(path) as found:
+    pass""",
 }
+SPECIMEN = '[specimen]\nname = "long"\ninitial_length_mm = 200.0\ninitial_radius_mm = 10.0\nbraid_angle_deg = 25.4\n'
 
 
 def write(path: Path, rows: int) -> None:
@@ -68,6 +76,7 @@ def main(rows: int = 10_000_000, folder: str | None = None) -> None:
     path = where / "record.csv"
     try:
         write(path, rows)
+        (where / "specimen.toml").write_text(SPECIMEN)
         size = path.stat().st_size
         print(f"{rows} rows, {size / 1e9:.3f} GB")
         times: dict[str, list[float]] = {name: [] for name in WAYS}

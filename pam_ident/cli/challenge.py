@@ -30,6 +30,7 @@ def challenge(
     workers: Annotated[
         int | None, typer.Option("--workers", metavar="N", help="Cases at a time; default: the cores.")
     ] = None,
+    scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
 ) -> None:
     """Hide effects in simulated records, diagnose them, and score the answers.
@@ -51,7 +52,7 @@ def challenge(
         if answers is not None:
             found = score_answers(str(out), answers)
         else:
-            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers)
+            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers, scheduler)
         pictures = _draw(found) if out is not None else []
     options.give_json(json, lambda: challenge_json(found))
     text.say(*describe(found))

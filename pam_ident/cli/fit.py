@@ -11,6 +11,13 @@ if TYPE_CHECKING:
     from ..workflow.compare_methods import MethodRow
     from ..workflow.fit_record import FitAnswer
 
+MOST_OF_MEMORY = 1 / 8
+"""Share of the free memory from which a record's text is read in chunks."""
+IN_CHUNKS = (
+    "read in chunks: these samples are an even part of it, from which the energies and the sensors' faults are found; "
+    "parameters, errors and n are of all; noise floor and lack of fit are not tested"
+)
+
 
 def fit(
     record: options.Record,
@@ -42,6 +49,11 @@ def fit(
     intervals: Annotated[
         str, typer.Option("--intervals", metavar="HOW", help="linear, profile (likelihood) or bootstrap (by cycles).")
     ] = "linear",
+    workers: options.Workers = None,
+    scheduler: options.Scheduler = None,
+    chunked: Annotated[
+        bool, typer.Option("--chunked", help="Read the record in chunks, as is done where memory is short.")
+    ] = False,
     effect: options.Effects = None,
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
@@ -64,14 +76,20 @@ def fit(
 
         make_folder(figures)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    from ..records.files import share_of_memory
     from ..workflow.fit_record import Wishes, fit_record
+    from ..workflow.intervals import Crew
     from ..workflow.to_json import fit_json
 
-    wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals)
-    measured = setup.read(record)
-    answer = fit_record(measured, setup, wishes)
+    wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals, crew=Crew(workers, scheduler))
+    if chunked or share_of_memory(record) > MOST_OF_MEMORY:
+        from ..workflow.fit_long_record import fit_long_record
+
+        answer = fit_long_record(record, setup, wishes)
+    else:
+        answer = fit_record(setup.read(record), setup, wishes)
     options.give_json(json, lambda: fit_json(record, law, answer))
-    text.say(text.title(record, measured), *text.equation(setup.model))
+    text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.equation(setup.model))
     _print(answer)
     if figures is not None:
         from ..workflow.paper_figures import paper_figures, write_figures

@@ -81,6 +81,24 @@ JsonFile = Annotated[
         show_default=False,
     ),
 ]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        metavar="N",
+        help="Share profiles or a bootstrap out among so many processes; same answer.",
+        show_default=False,
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="The workers of a Dask scheduler instead, tcp://HOST:PORT.",
+        show_default=False,
+    ),
+]
 
 
 def setup(

@@ -45,6 +45,15 @@ def rig(
             show_default=False,
         ),
     ] = None,
+    repeat: Annotated[
+        int | None,
+        typer.Option(
+            "--repeat",
+            metavar="N",
+            help="With --protocol: the run N times over, each of the rested muscle, with fresh noise (1).",
+            show_default=False,
+        ),
+    ] = None,
     json: options.JsonFile = None,
 ) -> None:
     """Write simulated records with hidden physics.
@@ -56,7 +65,11 @@ def rig(
     from ..core import UsageError
 
     if protocol is None:
-        given = [name for name, value in (("--law", law), ("--effect", effect), ("--size", size)) if value]
+        given = [
+            name
+            for name, value in (("--law", law), ("--effect", effect), ("--size", size), ("--repeat", repeat))
+            if value
+        ]
         if given:
             raise UsageError(f"{', '.join(given)} without --protocol FILE.toml; add it, or leave {given[0]} out")
         from ..workflow.write_challenge import write_challenge
@@ -69,6 +82,7 @@ def rig(
         raise UsageError("--protocol makes one record of one muscle: give its --law, and no --only")
     from ..workflow.run_protocol import run_protocol
 
-    truth = run_protocol(folder, protocol, law, effect or (), seed, 3.0 if size is None else size)
+    times = 1 if repeat is None else repeat
+    truth = run_protocol(folder, protocol, law, effect or (), seed, 3.0 if size is None else size, times)
     options.give_json(json, lambda: {"schema": "pam-ident/rig/1", "folder": folder, "cases": 1})
     text.say(f"{folder}/record.csv: {truth['n']} samples, answers in truth.json")

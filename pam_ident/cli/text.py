@@ -106,10 +106,7 @@ def in_order(estimates: "Sequence[Estimate]") -> "list[Estimate]":
 
 def quality(fit: "Fit") -> str:
     """The fit's errors in one line."""
-    return (
-        f"rmse {newtons(fit.rmse)}, largest error {newtons(fit.max_error)}, R² {number(fit.r2, 6)}, "
-        f"n {int(fit.rows.sum())}"
-    )
+    return f"rmse {newtons(fit.rmse)}, largest error {newtons(fit.max_error)}, R² {number(fit.r2, 6)}, n {fit.n}"
 
 
 def equation(model: "Model") -> list[str]:

@@ -83,7 +83,7 @@ class Clock:
     def line(self, stage: "Stage", now: float) -> str | None:
         """What to show at the time `now` in s; None where it is too early."""
         self.begin = now if self.begin is None else self.begin
-        counted = next((one for one in stage.line if one.of), None)
+        counted = next((one for one in stage.line if one.of or one.done), None)
         if counted is not None:
             began, first, last = self.counts.get(counted.what, (now, counted.done, counted.done))
             if counted.done < last:  # the same once more
@@ -98,11 +98,12 @@ class Clock:
     def count(self, stage: "Stage", now: float) -> str:
         """How much is done, how fast, and how long the rest will take."""
         began, first, _ = self.counts[stage.what]
-        words = f"{stage.what}: {stage.done} of {stage.of}"
-        if stage.done == first or now == began or stage.of is None:
+        words = f"{stage.what}: {stage.done}" + (f" of {stage.of}" if stage.of else "")
+        if stage.done == first or now == began:
             return words
         rate = (stage.done - first) / (now - began)
-        return f"{words}, {text.number(rate, 2)}/s, {duration((stage.of - stage.done) / rate)} left"
+        left = f", {duration((stage.of - stage.done) / rate)} left" if stage.of else ""
+        return f"{words}, {text.number(rate, 2)}/s{left}"
 
 
 def duration(seconds: float) -> str:

@@ -1,5 +1,6 @@
 """Bootstrap: how the parameters scatter over records drawn again from this one."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,8 @@ from .fit import Fit
 from .refit import refit_forces, refit_weights
 
 Array = np.ndarray
+PART = 250
+"""Draws that are refitted together, whoever does it, because sums round by what they are summed with."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +37,18 @@ class Bootstrap:
         return {n: (float(a), float(b)) for n, a, b in zip(self.names, *ends, strict=True)}
 
 
-def bootstrap(fit: Fit, n: int = 1000, by: str = "cycle", seed: int = 0) -> Bootstrap:
+Draws = tuple[Array, Array]
+"""Number of the cycle of each fitted row, shape (m,), and how often each cycle is drawn, shape (draws, cycles)."""
+Refit = Callable[[list[Draws]], list[tuple[Array, int]]]
+"""What `refit_weights` says of each of some parts of the draws."""
+
+
+def bootstrap(fit: Fit, n: int = 1000, by: str = "cycle", seed: int = 0, refit: Refit | None = None) -> Bootstrap:
     """Refit to `n` records drawn from the fitted one: whole cycles with replacement, or residuals put back shuffled.
 
     By cycle is right where residuals are correlated along a stroke (Cameron, Gelbach & Miller 2008, Rev. Economics and
     Statistics 90, 414–427); by residual only where they are white. In a static table its lengths or isobars take the
-    place of cycles.
+    place of cycles, which are refitted PART at a time, by `refit` if given.
 
     Raises UsageError for an unknown way to draw or a count below 2, FitError when a parameter is not determined or
     there are fewer than four cycles to draw from.
@@ -60,5 +69,7 @@ def bootstrap(fit: Fit, n: int = 1000, by: str = "cycle", seed: int = 0) -> Boot
             kind = fit.record.block_kind
             raise FitError(f"{len(names)} {kind}s to draw from; a bootstrap by {kind}s needs four or more")
         counts = rng.multinomial(len(names), np.full(len(names), 1.0 / len(names)), n).astype(float)
-        values, singly = refit_weights(fit, block, counts)
+        parts = [(block, counts[k : k + PART]) for k in range(0, n, PART)]
+        found = [refit_weights(fit, *part) for part in parts] if refit is None else refit(parts)
+        values, singly = np.concatenate([part for part, _ in found]), sum(alone for _, alone in found)
     return Bootstrap(tuple(e.name for e in fit.estimates if e.name not in fit.held), values, by, seed, singly)

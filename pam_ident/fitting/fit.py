@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from .solvers import Solver
 from .weigh import PLAIN, Weighing
 
 Array = np.ndarray
+OneFit = TypeVar("OneFit", bound="Fit")
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
 
@@ -74,6 +76,11 @@ class Fit:
     def residual(self) -> Array:
         """Measured minus modelled force in N, shape (n,)."""
         return self.record.force - self.force
+
+    @property
+    def n(self) -> int:
+        """How many rows were fitted."""
+        return int(self.rows.sum())
 
     @property
     def rmse(self) -> float:
@@ -160,17 +167,16 @@ def fit(
     Raises FitError when the record cannot identify the law at all, DataError when an effect lacks a column,
     UsageError when a parameter to hold is unknown or out of its bounds.
     """
-    rows = np.ones(len(record), bool) if rows is None else rows
-    held = dict(held or {})
-    _check(model, record, rows, held)
+    rows, held = np.ones(len(record), bool) if rows is None else rows, dict(held or {})
+    check(model, record, rows, held)
     tell("fitting")
     if is_large(model, record, rows) and weighing == PLAIN and not held and solver is None:
         found = solve_large(model, record, start or {}, detail and not white)
         if found is not None:
-            return _with_estimates(Fit(model, record, rows, (), True, "by ever more samples"), *found)
+            return with_estimates(Fit(model, record, rows, (), True, "by ever more samples"), *found)
     solution, weights = _in_turns(model, record, rows, start or {}, held, weighing, solver)
     one = Fit(model, record, rows, (), solution.converged, solution.message, weights, held, weighing)
-    return _with_estimates(one, solution.values, _sums(one, solution.values, white) if detail else None)
+    return with_estimates(one, solution.values, _sums(one, solution.values, white) if detail else None)
 
 
 def _in_turns(
@@ -214,7 +220,11 @@ def branch_names(branch: str) -> tuple[str, ...]:
     return ("contraction", "extension") if branch == "separate" else (branch,)
 
 
-def _check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) -> None:
+def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) -> None:
+    """Refuse a fit to `rows` (mask, shape (n,)) that cannot be asked for.
+
+    Raises FitError, DataError and UsageError where `fit` does.
+    """
     where = record.source or record.name
     known = {p.name: p for p in model.params}
     for name, value in held.items():
@@ -252,7 +262,7 @@ def _sums(one: Fit, values: Mapping[str, float], white: bool) -> Sums:
     return replace(found, squares=found.squares * factor, scores=found.scores * math.sqrt(factor))
 
 
-def _with_estimates(one: Fit, values: Mapping[str, float], known: Sums | None) -> Fit:
+def with_estimates(one: OneFit, values: Mapping[str, float], known: Sums | None) -> OneFit:
     """The fit with an estimate of each parameter, in the model's order; what stands at a bound is taken as given."""
     params = one.model.bounded(one.record.inputs)
     stuck = {p.name for p in params if p.name not in one.held and at_bound(p, values[p.name])}

@@ -65,7 +65,7 @@ class Problem:
         columns, fixed = self.design(point)
         packed = self.whiten(np.column_stack([columns, self.target - fixed]))
         triangle: Array = np.linalg.qr(packed, mode="r")  # pyright: ignore
-        sizes = _within_bounds(triangle, self.linear) if np.all(np.abs(triangle) < HUGE) else np.array([np.inf])
+        sizes = within_bounds(triangle, *bounds(self.linear)) if np.all(np.abs(triangle) < HUGE) else np.array([np.inf])
         if not np.all(np.isfinite(sizes)):
             sizes = np.array([p.start for p in self.linear])
             return Projection(self, q, point, np.zeros_like(packed[:, :-1]), sizes, np.full(len(packed), HUGE))
@@ -208,15 +208,14 @@ def bounds(params: Sequence[Param]) -> tuple[Array, Array]:
 
 def bounded_lstsq(columns: Array, target: Array, params: Sequence[Param]) -> Array:
     """x that minimises |columns · x − target| within the parameters' bounds, shape (k,); minimum norm if flat."""
-    return _within_bounds(np.linalg.qr(np.column_stack([columns, target]), mode="r"), params)  # pyright: ignore
+    return within_bounds(np.linalg.qr(np.column_stack([columns, target]), mode="r"), *bounds(params))  # pyright: ignore
 
 
-def _within_bounds(triangle: Array, params: Sequence[Param]) -> Array:
-    """Bounded least squares from R of the QR decomposition of [columns, target]."""
-    if not params:
+def within_bounds(triangle: Array, lower: Array, upper: Array) -> Array:
+    """Least squares within bounds (k,), from R (·, k + 1) of the QR decomposition of [columns, target]."""
+    if not len(lower):
         return np.empty(0)
-    x = _lstsq(triangle, len(params))[:, 0]
-    lower, upper = bounds(params)
+    x = _lstsq(triangle, len(lower))[:, 0]
     if np.all((x >= lower) & (x <= upper)):
         return x
     from scipy.optimize import lsq_linear

@@ -19,27 +19,38 @@ Values = dict[str, Array]
 
 
 def read_columns(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[Values]:
-    """Each run of a table: a file whose header comes again, or whose clock begins anew with another pressure_set,
-    holds several. `length_mm` is the muscle's initial length. Raises DataError for what is no number, for time that
-    runs backwards, and for values beyond reason.
-    """
+    """Each run of a table, whole; what a run is, and what is raised, as `read_pieces` says."""
     run: Values = {}
+    for begins, values in read_pieces(table, sources, length_mm):
+        if begins and run:
+            yield run
+            run = {}
+        _append(run, values)
+    if run:
+        yield run
+
+
+def read_pieces(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[tuple[bool, Values]]:
+    """The rows of a table piece by piece, and whether a run begins with each: a file whose header comes again, or whose
+    clock begins anew with another pressure_set, holds several.
+
+    `length_mm` is the muscle's initial length. Raises DataError for what is no number, for time that runs backwards,
+    and for values beyond reason.
+    """
     last: dict[str, float] = {}
+    begins = True
     for block in table.read([s.position for s in sources.values() if s.position is not None]):
         values = {key: _column(table, block, source, key) for key, source in sources.items()}
         _check_ranges(table, block, sources, values, length_mm)
         cuts = _cuts(table, block, sources, values, last)
         for begin, end in pairwise([0, *cuts, len(block)]):
-            if begin in cuts and run:
-                yield run
-                run = {}
+            begins = begins or begin in cuts
             if end > begin:
-                _append(run, {key: column[begin:end] for key, column in values.items()})
+                yield begins, {key: column[begin:end] for key, column in values.items()}
+                begins = False
         if len(block):
             last = {key: float(values[key][-1]) for key in ("time", "pressure_set") if key in values}
-    if run:
-        yield run
-    elif not last:
+    if begins and not last:
         raise DataError(f"{table.place}: a header but no rows of numbers; expected one row a sample")
 
 
@@ -139,24 +150,33 @@ def _check_ranges(table: Table, block: Block, sources: dict[str, Source], values
         )
 
 
+def same_quantities(first: Iterable[str], other: Iterable[str], place: str) -> None:
+    """Raises DataError where two runs of a test hold other quantities."""
+    if odd := set(first) ^ set(other):
+        raise DataError(
+            f"{place}: {', '.join(sorted(odd))} is in some files of this record and not in others; expected the "
+            "same columns in all"
+        )
+
+
+def pause_between(usual_steps: Iterable[float]) -> float:
+    """Seconds from one run to the next whose clock began anew: enough to be told from the runs' usual steps."""
+    return max(60.0, 10.0 * max(usual_steps, default=0.0))
+
+
 def join_runs(runs: Iterable[Values], place: str) -> Values:
     """One set of arrays from the runs of a test; a run whose clock began anew is put a pause after the one before.
 
-    The pause is long enough to be told from a step of the clock. Raises DataError where runs hold other quantities.
+    Raises DataError where runs hold other quantities.
     """
     found = list(runs)
     if len(found) == 1:
         return found[0]
     for values in found[1:]:
-        if odd := set(values) ^ set(found[0]):
-            raise DataError(
-                f"{place}: {', '.join(sorted(odd))} is in some files of this record and not in others; expected the "
-                "same columns in all"
-            )
+        same_quantities(found[0], values, place)
     if "time" in found[0]:
-        steps = [np.quantile(np.diff(v["time"]), 0.95) for v in found if len(v["time"]) > 1]
-        pause = max(60.0, 10.0 * max(steps, default=0.0))
+        pause = pause_between(np.quantile(np.diff(v["time"]), 0.95) for v in found if len(v["time"]) > 1)
         for before, values in pairwise(found):
             if values["time"][0] <= before["time"][-1]:
-                values["time"] = values["time"] - values["time"][0] + before["time"][-1] + pause
+                values["time"] = values["time"] + (before["time"][-1] + pause - values["time"][0])
     return {key: np.concatenate([values.pop(key) for values in found]) for key in list(found[0])}

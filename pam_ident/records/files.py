@@ -1,5 +1,6 @@
 """Which files are a record, and which loader reads each."""
 
+import os
 import re
 from dataclasses import dataclass
 from glob import glob, has_magic
@@ -42,6 +43,29 @@ class Files:
         mark = "comma" if layout.decimal == "," else "point"
         between = names.get(layout.delimiter, repr(layout.delimiter))
         return f"as text ({layout.encoding}), {between} between cells, decimal {mark}, {header}"
+
+    @property
+    def text_bytes(self) -> int:
+        """Size of the files that are text."""
+        return sum(path.stat().st_size for path in self.paths if _ending(path) not in LOADERS)
+
+
+def share_of_memory(path: str | Path) -> float:
+    """Size of a record's text as a share of the memory that this process may still take. Raises DataError where there
+    are no files."""
+    return find_files(path).text_bytes / free_memory()
+
+
+def free_memory() -> int:
+    """Bytes that the system has left, or that the process's control group is granted."""
+    found = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        found += [1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable")]
+        found.append(int(Path("/sys/fs/cgroup/memory.max").read_text(encoding="ascii")))
+    except (OSError, ValueError):
+        pass  # another system, or no limit
+    return min(found)
 
 
 def find_files(path: str | Path) -> Files:

@@ -1,6 +1,7 @@
 """Read a record, one file or several, and its specimen. Every refusal names file, row and column."""
 
 import hashlib
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..core import DataError, Specimen
@@ -25,19 +26,44 @@ def read_record(
     Raises DataError naming file, row and column, UsageError where a format needs a package that is not installed.
     """
     files = find_files(path)
-    if not isinstance(specimen, Specimen):
-        specimen = read_specimen(specimen if specimen is not None else files.folder / "specimen.toml", Path(path))
-    mapping = read_mapping(columns) if columns is not None else files.mapping
+    specimen = specimen_of(files, specimen)
     where: dict[str, str] = {}
     runs: list[Values] = []
-    for file in files.paths:
-        for table, sources in _chosen(read_tables(file, mapping), mapping):
-            runs += read_columns(table, sources, specimen.initial_length_mm)
-            where = where or {key: source.header for key, source in sources.items()}
+    for table, sources in tables_of(files, columns):
+        runs += read_columns(table, sources, specimen.initial_length_mm)
+        where = where or headers(sources)
     values = join_runs(runs, str(path))
     del runs
-    name = specimen.name if files.name in ("", "record") else files.name
-    return build_loaded(name, files.given, _sha256(files), specimen, values, where)
+    return build_loaded(record_name(files, specimen), files.given, files_sha256(files), specimen, values, where)
+
+
+def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
+    """The specimen given, or of the file given, or of `specimen.toml` beside the record. Raises DataError."""
+    if isinstance(given, Specimen):
+        return given
+    return read_specimen(given if given is not None else files.folder / "specimen.toml", Path(files.given))
+
+
+def tables_of(files: Files, columns: str | Path | None) -> Iterator[tuple[Table, dict[str, Source]]]:
+    """The tables of a record's files with their columns, as `columns` or `columns.toml` says. Raises DataError."""
+    mapping = read_mapping(columns) if columns is not None else files.mapping
+    for file in files.paths:
+        yield from _chosen(read_tables(file, mapping), mapping)
+
+
+def headers(sources: dict[str, Source]) -> dict[str, str]:
+    """What was read as what: header by quantity."""
+    return {key: source.header for key, source in sources.items()}
+
+
+def record_name(files: Files, specimen: Specimen) -> str:
+    """The file's name, or the specimen's where the file has none that says anything."""
+    return specimen.name if files.name in ("", "record") else files.name
+
+
+def nothing_left(given: str) -> DataError:
+    """The error of a record whose rows are all slack."""
+    return DataError(f"{given}: every row is marked as slack; nothing is left to fit")
 
 
 def build_loaded(
@@ -50,7 +76,7 @@ def build_loaded(
     if slack is not None:
         keep = slack == 0.0
         if not keep.any():
-            raise DataError(f"{given}: every row is marked as slack; nothing is left to fit")
+            raise nothing_left(given)
         values = {key: column[keep] for key, column in values.items()}
         masked = int((~keep).sum())
     return build_record(
@@ -88,7 +114,7 @@ def file_sha256(path: str | Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _sha256(files: Files) -> str:
+def files_sha256(files: Files) -> str:
     """Hash of the file, or of the several files' hashes in order."""
     hashes = [file_sha256(path) for path in files.paths]
     return hashes[0] if len(hashes) == 1 else hashlib.sha256("".join(hashes).encode()).hexdigest()

@@ -1,9 +1,11 @@
 """Strokes, reversals and holds, found from the motion alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
+
+from .turning import pieces, pivots, thinned_holds
 
 Array = np.ndarray
 SLOPE_NOISE = 0.01
@@ -23,6 +25,10 @@ class Motion:
     stroke_speed: Array
     position: Array
 
+    def part(self, begin: int, end: int) -> "Motion":
+        """The same of some samples, as views."""
+        return Motion(*(getattr(self, f.name)[begin:end] for f in fields(self)))
+
 
 def position_noise(x: Array) -> float:
     """Standard deviation of the noise on a smooth track (n,), in its unit, from the median of second differences."""
@@ -38,103 +44,41 @@ def find_motion(time: Array, x: Array, segment: Array) -> Motion:
     stays within the noise for far longer than the stroke around it would take to cross it.
     """
     n = len(x)
-    velocity, direction = np.zeros(n), np.zeros(n)
-    moving, stroke, speed, position = np.zeros(n, bool), np.zeros(n, int), np.zeros(n), x.copy()
-    span = float(np.ptp(x)) if n else 0.0
-    noise = position_noise(x)
-    edges = np.flatnonzero(np.diff(segment)) + 1
+    found = Motion(np.zeros(n), np.zeros(n), np.zeros(n, bool), np.zeros(n, int), np.zeros(n), x.copy())
+    noise, span = position_noise(x), float(np.ptp(x)) if n else 0.0
+    edges = [0, *(np.flatnonzero(np.diff(segment)) + 1).tolist(), n]
     count = 0
-    for part in np.split(np.arange(n), edges):
-        pivots = _pivots(x[part], max(6.0 * noise, 0.004 * span)) if span else [0, len(part) - 1]
-        held = _thinned_holds(time[part], x[part], pivots, noise, span)
-        for begin, end in pairwise(pivots):
-            inside = np.arange(begin, end + 1)
-            inside = inside[~held[begin : end + 1] & ~moving[part[begin : end + 1]]]
-            if len(inside) < 2:
-                continue
-            count += 1
-            rows = part[_square_ends(time[part], x[part], inside, moving[part], noise)]
-            position[rows], slope = _smooth_stroke(time[rows], x[rows], noise)
-            velocity[rows], moving[rows], stroke[rows] = slope, True, count
-            direction[rows] = np.sign(x[part[end]] - x[part[begin]])
-            speed[rows] = np.median(np.abs(slope))
-        _carry(direction, moving, stroke, speed, part)
-        _smooth_holds(position, x, part[~moving[part]], noise)
-    return Motion(velocity, direction, moving, stroke, speed, position)
+    for begin, end in pairwise(edges):
+        for first, last in pieces(x, begin, end, reversal(noise, span)):
+            count = move_piece(found.part(first, last), time[first:last], x[first:last], noise, span, count)
+    return found
 
 
-def _pivots(x: Array, threshold: float) -> list[int]:
-    """Indices of the turning points of x, ends included, ignoring reversals below the threshold."""
-    pivots, low, high, heading = [0], 0, 0, 0
-    for i in range(1, len(x)):
-        if x[i] > x[high]:
-            high = i
-        if x[i] < x[low]:
-            low = i
-        if heading >= 0 and x[high] - x[i] > threshold:
-            if heading > 0 or x[high] - x[0] > threshold:
-                pivots.append(high)
-            heading, low, high = -1, i, i
-        elif heading <= 0 and x[i] - x[low] > threshold:
-            if heading < 0 or x[0] - x[low] > threshold:
-                pivots.append(low)
-            heading, low, high = 1, i, i
-    if pivots[-1] != len(x) - 1:
-        pivots.append(len(x) - 1)
-    return pivots
+def reversal(noise: float, span: float) -> float:
+    """Way in mm against the heading from which a track has turned, for its noise and range in mm."""
+    return max(6.0 * noise, 0.004 * span)
 
 
-def _thinned_holds(time: Array, x: Array, pivots: list[int], noise: float, span: float) -> Array:
-    """Mask of the samples at rest, shape of x, on means of so many samples that each moves beyond the noise."""
-    travel = float(np.sum(np.abs(np.diff(x[pivots])))) / len(x)
-    m = int(np.clip(4.0 * noise / max(travel, 1e-12), 1, max(1, len(x) // (60 * len(pivots)))))
-    starts = np.arange(0, len(x) - m + 1, m)
-    counts = np.diff(np.r_[starts, len(x)])
-    coarse_time, coarse_x = np.add.reduceat(time, starts) / counts, np.add.reduceat(x, starts) / counts
-    coarse_pivots = sorted({min(pivot // m, len(starts) - 1) for pivot in pivots})
-    held = _holds(coarse_time, coarse_x, coarse_pivots, max(6.0 * noise / np.sqrt(m), 5e-4 * span))
-    return np.repeat(held, counts)
-
-
-def _holds(time: Array, x: Array, pivots: list[int], band: float) -> Array:
-    """Mask of the samples at rest, shape of x."""
-    held = np.zeros(len(x), bool)
-    if band <= 0.0:
-        return held
-    pace = np.zeros(len(x))
-    for begin, end in pairwise(pivots):
-        fast = _pace(time[begin : end + 1], x[begin : end + 1])
-        pace[begin : end + 1] = np.maximum(pace[begin : end + 1], fast)
-    start = 0
-    while start < len(x):
-        low = high = x[start]
-        stop = start + 1
-        while stop < len(x):
-            low, high = min(low, x[stop]), max(high, x[stop])
-            if high - low > band:
-                break
-            stop += 1
-        lasts = time[stop - 1] - time[start]
-        middle = (start + stop) // 2
-        if (
-            stop - start >= 4
-            and lasts * max(pace[start:stop].min(), 1e-12) > 3.0 * band
-            and abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0
-        ):
-            held[start:stop] = True
-            start = stop
-        else:
-            start += 1
-    return held
-
-
-def _pace(time: Array, x: Array) -> float:
-    """Speed of a stroke while it moves, in mm/s: from at most 40 chords, so that noise between samples adds nothing."""
-    at = np.unique(np.linspace(0, len(x) - 1, min(len(x), 41)).astype(int))
-    seconds, travel = np.diff(time[at]), np.diff(x[at]) * np.sign(x[-1] - x[0])
-    speeds = travel / np.maximum(seconds, 1e-12)
-    live = speeds > 0.3 * max(float(np.quantile(speeds, 0.9)), 0.0)
-    return float(travel[live].sum() / max(float(seconds[live].sum()), 1e-12)) if live.any() else 0.0
+def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, count: int) -> int:
+    """Find the strokes and holds of a piece (n,) of a track, number them from `count` + 1, and write them into `into`,
+    whose arrays (n,) are zero and x; the number of the last. `noise` and `span` in mm are those of the whole track."""
+    direction, moving, stroke, speed = into.direction, into.moving, into.stroke, into.stroke_speed
+    turns = pivots(x, reversal(noise, span)) if span else [0, len(x) - 1]
+    held = thinned_holds(time, x, turns, noise, span)
+    for begin, end in pairwise(turns):
+        inside = np.arange(begin, end + 1)
+        inside = inside[~held[begin : end + 1] & ~moving[begin : end + 1]]
+        if len(inside) < 2:
+            continue
+        count += 1
+        rows = _square_ends(time, x, inside, moving, noise)
+        into.position[rows], slope = _smooth_stroke(time[rows], x[rows], noise)
+        into.velocity[rows], moving[rows], stroke[rows] = slope, True, count
+        direction[rows] = np.sign(x[end] - x[begin])
+        speed[rows] = np.median(np.abs(slope))
+    _carry(direction, moving, stroke, speed)
+    _smooth_holds(into.position, x, np.flatnonzero(~moving), noise)
+    return count
 
 
 def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: float) -> Array:
@@ -231,12 +175,12 @@ def _smooth_holds(position: Array, x: Array, rest: Array, noise: float) -> None:
             position[hold] = x[hold].mean()
 
 
-def _carry(direction: Array, moving: Array, stroke: Array, speed: Array, part: Array) -> None:
-    """Give each hold to the stroke before it; a hold that begins a segment to the opposite branch of the next."""
-    active = np.flatnonzero(moving[part])
+def _carry(direction: Array, moving: Array, stroke: Array, speed: Array) -> None:
+    """Give each hold to the stroke before it; a hold that begins a piece to the opposite branch of the next."""
+    active = np.flatnonzero(moving)
     if not len(active):
         return
-    previous = np.searchsorted(active, np.arange(len(part)), side="right") - 1
-    source = part[active[np.maximum(previous, 0)]]
-    direction[part], stroke[part], speed[part] = direction[source], stroke[source], speed[source]
-    direction[part[: active[0]]] *= -1.0
+    previous = np.searchsorted(active, np.arange(len(moving)), side="right") - 1
+    source = active[np.maximum(previous, 0)]
+    direction[:], stroke[:], speed[:] = direction[source], stroke[source], speed[source]
+    direction[: active[0]] *= -1.0

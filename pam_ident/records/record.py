@@ -1,7 +1,9 @@
 """A measured record, ready to be fitted."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -9,6 +11,8 @@ from ..core import DataError, Inputs, Specimen
 from .motion import find_motion
 
 Array = np.ndarray
+SHORT_LIST = 200
+"""Most pressures that may each be an isobar's own value; more are one sensor's noise about fewer."""
 
 
 @dataclass(frozen=True)
@@ -57,13 +61,7 @@ class Record:
         """
         if self.inputs.segment is None:
             return np.zeros(len(self), int)
-        cut = np.r_[False, np.diff(self.inputs.segment) != 0]
-        x = self.inputs.displacement_mm
-        edges = np.flatnonzero(np.diff(self.stroke) != 0) + 1
-        for rows in np.split(np.arange(len(self)), edges):
-            gone = np.abs(x[rows] - x[rows[0]])
-            cut[rows[int(np.argmax(gone >= 0.5 * gone.max()))]] = True
-        return np.cumsum(cut)
+        return np.cumsum(turns(self.inputs.displacement_mm, self.stroke, self.inputs.segment))
 
     def take(self, rows: Array) -> "Record":
         """Some of the samples, by index, in order."""
@@ -135,11 +133,27 @@ def build_record(
     return Record(name, inputs, force, level, motion.stroke, block, calm, **origin)  # type: ignore[arg-type]
 
 
+def turns(x: Array, stroke: Array, segment: Array) -> Array:
+    """Mask (n,) of the samples that begin a turn: first half across a stroke, x (n,) in mm, or first in a segment."""
+    run = np.r_[0, np.cumsum(np.diff(stroke) != 0)]
+    begins = np.flatnonzero(np.diff(run, prepend=-1))
+    gone = np.abs(x - x[begins[run]])
+    across = np.flatnonzero(gone >= 0.5 * np.maximum.reduceat(gone, begins)[run])
+    found = np.r_[False, np.diff(segment) != 0]
+    found[across[np.searchsorted(run[across], np.arange(len(begins)))]] = True
+    return found
+
+
+def _runs(segment: Array) -> Iterator[slice]:
+    """The samples of each segment."""
+    edges = [0, *(np.flatnonzero(np.diff(segment)) + 1).tolist(), len(segment)]
+    return (slice(begin, end) for begin, end in pairwise(edges))
+
+
 def _calm_pressure(pressure: Array, segment: Array) -> Array:
     """Pressure with each run's mean where its deviations are white, so that they are the sensor's own noise."""
     calm = pressure.copy()
-    for k in np.unique(segment):
-        rows = segment == k
+    for rows in _runs(segment):
         off = pressure[rows] - pressure[rows].mean()
         square = float(np.mean(off**2))
         if len(off) > 20 and square > 0 and np.mean(off[1:] * off[:-1]) < 4.0 / np.sqrt(len(off)) * square:
@@ -175,20 +189,36 @@ def _table(
 
 def _levels(pressure: Array) -> Array:
     """Nominal pressure of each sample: its own value in a short list, else the median of its cluster (5 kPa gaps)."""
-    values, inverse = np.unique(np.round(pressure, 6), return_inverse=True)
-    if len(values) <= max(2, len(pressure) // 8):
-        return values[inverse]
+    values, inverse, counts = np.unique(np.round(pressure, 6), return_inverse=True, return_counts=True)
+    return nominal(values, counts)[inverse]
+
+
+def nominal(values: Array, counts: Array) -> Array:
+    """Nominal pressure in MPa of each of the pressures `values` (m,), ascending, that are read `counts` (m,) times."""
+    if len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST):
+        return values
     edges = np.flatnonzero(np.diff(values) > 0.005) + 1
-    cluster = np.searchsorted(edges, np.arange(len(values)), side="right")[inverse]
-    return np.array([np.median(pressure[cluster == k]) for k in range(len(edges) + 1)])[cluster].round(4)
+    parts = zip(np.split(values, edges), np.split(counts, edges), strict=True)
+    return np.concatenate([np.full(len(v), round(_median(v, c), 4)) for v, c in parts])
+
+
+def _median(values: Array, counts: Array) -> float:
+    """Median of values, ascending, that occur `counts` times."""
+    last = np.cumsum(counts)
+    middle = np.searchsorted(last, [(last[-1] - 1) // 2, last[-1] // 2], side="right")
+    return float(np.mean(values[middle]))
 
 
 def _segments(time: Array, level: Array) -> Array:
     """Number of the run a sample belongs to: a new one at each change of isobar and each long gap in time."""
     steps = np.diff(time)
     usual = np.quantile(steps, 0.95) if len(steps) else 0.0
-    breaks = (np.diff(level) != 0.0) | (steps > max(5.0 * usual, 2.0))
-    return np.r_[0, np.cumsum(breaks)]
+    return np.r_[0, np.cumsum((np.diff(level) != 0.0) | (steps > long_pause(usual)))]
+
+
+def long_pause(usual: float) -> float:
+    """Step of the clock in s from which a new segment begins, where `usual` is the 0.95 quantile of all steps."""
+    return max(5.0 * usual, 2.0)
 
 
 def _count_cycles(direction: Array, moving: Array, segment: Array) -> Array:
@@ -197,9 +227,8 @@ def _count_cycles(direction: Array, moving: Array, segment: Array) -> Array:
     The rest before the first stroke is part of the first cycle.
     """
     cycle = np.ones(len(direction))
-    for k in np.unique(segment):
-        rows = np.flatnonzero(segment == k)
-        rows = rows[int(np.argmax(moving[rows])) :]
+    for rows in _runs(segment):
+        rows = slice(rows.start + int(np.argmax(moving[rows])), rows.stop)
         reversals = np.r_[0, np.cumsum(np.diff(direction[rows]) != 0.0)]
         cycle[rows] = reversals // 2 + 1
     return cycle

@@ -12,6 +12,7 @@ from typing import BinaryIO
 import pandas as pd
 
 from ..core import DataError
+from ..core.progress import tell
 from .mapping import Mapping
 from .table import Block, Table
 from .text_layout import HEAD_BYTES, Layout, cells_of, find_layout
@@ -61,6 +62,7 @@ def _blocks(place: str, file: BinaryIO, layout: Layout, wanted: Sequence[int]) -
         if first < layout.first_line:
             text = text.split(b"\n", layout.first_line - first)[-1]
             first = layout.first_line
+        tell("reading rows", first)
         if text.strip():
             yield _parse(place, text, first, layout, wanted)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,6 +25,8 @@ COLUMNS = (
 )
 DECIMALS = (4, 0, 3, 5, 4, 3, 2)
 ATTEMPTS = 8
+PIECE = 10_000
+"""Rows that are written at a time."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ class Record:
     """A finished record: table (n, 7) in the order of COLUMNS, muscle, what was hidden, key figures (N).
 
     noise_rms is what the true model leaves at the measured pressure and length, rmse_base what the law
-    alone leaves at its best fit.
+    alone leaves at its best fit; `course` is the run, `added` (n,) what is hidden in its rows.
     """
 
     plan: Plan
@@ -75,6 +78,8 @@ class Record:
     hidden: tuple[Hidden, ...]
     noise_rms: float
     rmse_base: float
+    course: Course
+    added: Array
 
     def column(self, name: str) -> Array:
         """One column by its name."""
@@ -117,24 +122,10 @@ def make_record(plan: Plan) -> Record:
         sized_on = _run(plan, PROTOCOLS["standard"], muscle, True)
     secrets = plan.secrets + ((plan.unknown,) if plan.unknown else ())
     hidden = tuple(_hide(s, i, plan, sized_on, course, muscle) for i, s in enumerate(secrets))
-
-    rows, rng = course.rows, _stream(plan.seed, 5)
-    time, p, eps = course.time[rows], course.pressure[rows], course.eps[rows]
-    sensors = Sensors(plan.sigma_N, plan.noise)
-    added = np.zeros(len(rows))
+    added = np.zeros(len(course.rows))
     for h in hidden:
-        added += h.force[rows]
-    force = muscle.force(p, eps) + added + sensors.force_noise(time, rng)
-    columns = (
-        time,
-        course.cycle[rows],
-        p,
-        p + sensors.pressure_MPa * rng.standard_normal(len(p)),
-        eps * course.length_mm + sensors.displacement_mm * rng.standard_normal(len(p)),
-        force,
-        course.temperature[rows] + 0.01 * rng.standard_normal(len(p)),
-    )
-    table = np.column_stack([np.round(c, d) for c, d in zip(columns, DECIMALS, strict=True)])
+        added += h.force[course.rows]
+    table = _log(plan, course, muscle, added, _stream(plan.seed, 5))
     p_seen, eps_seen, force_seen = table[:, 3], table[:, 4] / course.length_mm, table[:, 5]
     return Record(
         plan,
@@ -143,16 +134,62 @@ def make_record(plan: Plan) -> Record:
         hidden,
         rms(force_seen - muscle.force(p_seen, eps_seen) - added),
         rms(law_residual(muscle, p_seen, eps_seen, force_seen)),
+        course,
+        added,
     )
 
 
-def write_case(folder: str | Path, record: Record) -> dict[str, object]:
-    """Writes FOLDER/record.csv and FOLDER/specimen.toml; returns the line for truth.json."""
+def _log(plan: Plan, course: Course, muscle: Muscle, added: Array, rng: np.random.Generator) -> Array:
+    """What the sensors make of a run in which `added` (n,) is hidden, N: the table."""
+    time, p, eps = course.time[course.rows], course.pressure[course.rows], course.eps[course.rows]
+    sensors = Sensors(plan.sigma_N, plan.noise)
+    force = muscle.force(p, eps) + added + sensors.force_noise(time, rng)
+    columns = (
+        time,
+        course.cycle[course.rows],
+        p,
+        p + sensors.pressure_MPa * rng.standard_normal(len(p)),
+        eps * course.length_mm + sensors.displacement_mm * rng.standard_normal(len(p)),
+        force,
+        course.temperature[course.rows] + 0.01 * rng.standard_normal(len(p)),
+    )
+    return np.column_stack([np.round(c, d) for c, d in zip(columns, DECIMALS, strict=True)])
+
+
+def repeats(record: Record, times: int) -> Iterator[Array]:
+    """The tables (n, columns) of the same run `times` over, the record's own first: the muscle rested, the noise fresh.
+
+    The clock goes on, with the protocol's gap between two runs.
+    """
+    plan, course = record.plan, record.course
+    protocol = PROTOCOLS[plan.protocol] if isinstance(plan.protocol, str) else plan.protocol
+    lasts = course.time[-1] - course.time[0] + protocol.gap_s
+    yield record.table
+    for k in range(1, times):
+        table = _log(plan, course, record.muscle, record.added, _stream(plan.seed, 5, k))
+        table[:, 0] = np.round(table[:, 0] + k * lasts, DECIMALS[0])
+        yield table
+
+
+def write_case(folder: str | Path, record: Record, times: int = 1) -> dict[str, object]:
+    """Writes FOLDER/record.csv and FOLDER/specimen.toml; returns the line for truth.json.
+
+    The run is written `times` over, one at a time, so that a record may be larger than memory.
+    """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    formats = ",".join(f"%.{d}f" for d in DECIMALS)
-    lines = [",".join(COLUMNS)] + [formats % tuple(row) for row in record.table.tolist()]
-    (folder / "record.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    line = ",".join(f"%.{d}f" for d in DECIMALS) + "\n"
+    unfinished = folder / ".record.csv"
+    try:
+        with unfinished.open("w", encoding="utf-8", newline="\n") as file:
+            file.write(",".join(COLUMNS) + "\n")
+            for table in repeats(record, times):
+                for begin in range(0, len(table), PIECE):
+                    piece = table[begin : begin + PIECE]
+                    file.write(line * len(piece) % tuple(piece.ravel().tolist()))
+        unfinished.replace(folder / "record.csv")
+    finally:
+        unfinished.unlink(missing_ok=True)
     s, plan = record.muscle.specimen, record.plan
     (folder / "specimen.toml").write_text(
         f'[specimen]\nname = "{folder.name}"\ninitial_length_mm = {s.initial_length_mm}\n'
@@ -170,7 +207,8 @@ def write_case(folder: str | Path, record: Record) -> dict[str, object]:
         "sigma": plan.sigma_N,
         "noise_rms": record.noise_rms,
         "rmse_base": record.rmse_base,
-        "n": len(record.table),
+        "n": times * len(record.table),
+        "repeats": times,
         "forms": {h.name: h.form for h in record.hidden},
         "noise": plan.noise,
         "size_ratio": {h.name: h.left_N / plan.sigma_N for h in record.hidden},

@@ -1,11 +1,10 @@
 """A batch's unit of work, and the crew of processes on this machine that does it."""
 
 import multiprocessing
-import os
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -16,13 +15,10 @@ from ..core import UsageError
 from .batch_question import Item, Question
 from .batch_record import Changed, answer
 from .batch_store import Store
+from .one_thread import one_thread
 
 TRIES = 2
 """How many workers may die of one record before it is given up."""
-ONE_THREAD = {
-    **dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1"),
-    "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false",
-}
 LOST = "its worker was killed {} times (out of memory?); nothing is kept of it, the same command tries it again"
 
 
@@ -135,15 +131,3 @@ def _serve(line: Connection, work: Work) -> None:
     with suppress(EOFError, OSError, MemoryError):
         while True:
             line.send(work(line.recv()))
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Processes started inside compute on one thread: more would only get into each other's way."""
-    before = dict(os.environ)
-    os.environ.update(ONE_THREAD)
-    try:
-        yield
-    finally:
-        os.environ.clear()
-        os.environ.update(before)

@@ -1,19 +1,18 @@
 """A sealed set, its answers, and the envelope that is opened only when all of them are there."""
 
 import json
-import multiprocessing
 import os
 import time
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..core import DataError, PamError, UsageError
-from ..core.progress import steps, tell
 from ..diagnosis.calibration import Reliability, reliability
 from ..effects import catalogue
+from .crew import check_crew, do_all
 from .diagnose_records import diagnose_records
 from .files import write_json_lines
 from .score import Score, Tally, confusion, score, tally
@@ -61,6 +60,7 @@ def sit_challenge(
     seed: int = 1,
     only: str | None = None,
     workers: int | None = None,
+    scheduler: str | None = None,
 ) -> Challenge:
     """Write a set into `folder`, let the program answer (answers.jsonl), then open the envelope and score.
 
@@ -71,11 +71,10 @@ def sit_challenge(
         raise UsageError(
             f"{folder}: holds a set already; name another folder, or score your answers to it by --answers"
         )
-    if workers is not None and workers < 1:
-        raise UsageError(f"workers = {workers}: expected 1 or more")
+    check_crew(workers, scheduler)
     write_challenge(str(folder), n, seed, only)
     start = time.perf_counter()
-    answers = answer_all(folder, workers)
+    answers = answer_all(folder, workers, scheduler)
     seconds = time.perf_counter() - start
     write_json_lines(folder / "answers.jsonl", answers.values())
     return open_envelope(folder, answers, seconds)
@@ -95,24 +94,21 @@ def questions(folder: Path) -> dict[str, str]:
     return {one["case"]: one["law"] for one in _read(folder, "questions.json")}
 
 
-def answer_all(folder: Path, workers: int | None = None) -> dict[str, Json]:
-    """The program's answers by case, in the order of the cases, several at a time; truth.json is not read."""
+def answer_all(folder: Path, workers: int | None = None, scheduler: str | None = None) -> dict[str, Json]:
+    """The program's answers by case, in the order of the cases, several at a time; truth.json is not read.
+
+    By `workers` processes, default the cores, or by the Dask cluster at `scheduler`, which must see the folder.
+    """
     asked = questions(folder)
-    workers = min(workers or os.cpu_count() or 1, len(asked))
-    answers: dict[str, Json] = {}
-    if workers == 1:
-        for case, law in steps(asked.items(), "cases"):
-            answers[case] = answer_case(folder, case, law)
-        return answers
-    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
-    try:
-        futures = {pool.submit(answer_case, folder, case, law): case for case, law in asked.items()}
-        for future in as_completed(futures):
-            answers[futures[future]] = future.result()
-            tell("cases", len(answers), len(asked))
-    finally:
-        pool.shutdown(cancel_futures=True)
-    return {case: answers[case] for case in asked}
+    if scheduler is None:
+        workers = workers or os.cpu_count() or 1
+    seen = folder if scheduler is None else folder.resolve()
+    answers = do_all(partial(_answer, seen), list(asked.items()), "cases", workers, scheduler)
+    return dict(zip(asked, answers, strict=True))
+
+
+def _answer(folder: Path, question: tuple[str, str]) -> Json:
+    return answer_case(folder, *question)
 
 
 def answer_case(folder: Path, case: str, law: str) -> Json:

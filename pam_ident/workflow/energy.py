@@ -74,6 +74,6 @@ def _doubt(up: Fit, down: Fit, level: float) -> float:
     record = up.record
     here = record.level == level
     stroke = float(np.ptp(record.inputs.displacement_mm[here])) * 1e-3
-    errors = [one.rmse * math.sqrt(len(one.model.params) / int(one.rows.sum())) for one in (up, down)]
+    errors = [one.rmse * math.sqrt(len(one.model.params) / one.n) for one in (up, down)]
     work = float(np.mean(np.abs(record.force[here]))) * stroke
     return max(5e-4, 1e-4 * work, 2.0 * math.hypot(*errors) * stroke)

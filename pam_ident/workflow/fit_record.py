@@ -7,31 +7,30 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..core import UsageError
-from ..core.progress import steps
 from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, noise_floor
-from ..fitting.bootstrap import bootstrap
 from ..fitting.covariance import student
 from ..fitting.fit import Estimate, branch_names
 from ..fitting.floor import LackOfFit, NoiseFloor
 from ..fitting.identifiability import PINNED, StandIn
-from ..fitting.profile import Profile, profile
+from ..fitting.long import LongFit
+from ..fitting.profile import Profile
 from ..fitting.weigh import LOSSES, Weighing
 from ..records import Record
 from .compare_methods import MethodRow, compare_methods
+from .crew import check_crew
 from .energy import energy_warning, model_loops, passive
+from .intervals import NOBODY, Crew, bootstrap_of, profiles_of
 from .setup import Setup
 
 BRANCHES = ("together", "separate", "contraction", "extension")
 METHODS = ("global", "two-stage", "both")
 INTERVALS = ("linear", "profile", "bootstrap")
 WEIGHTS = ("equal", "sensors")
-DRAWS = 2000
-"""Refits of a bootstrap."""
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """How a fit is to be done: parameters `held` at values, what samples weigh, and how its intervals are found.
+    """How a fit is to be done: parameters `held` at values, what samples weigh, how its intervals are found, by whom.
 
     Raises UsageError for an unknown word.
     """
@@ -43,6 +42,7 @@ class Wishes:
     loss: str = "linear"
     intervals: str = "linear"
     seed: int = 0
+    crew: Crew = NOBODY
 
     def __post_init__(self) -> None:
         for what, given, known in (
@@ -54,6 +54,9 @@ class Wishes:
         ):
             if given not in known:
                 raise UsageError(f"{what} {given!r}: expected one of {', '.join(known)}")
+        check_crew(self.crew.workers, self.crew.scheduler)
+        if self.crew != NOBODY and self.intervals == "linear":
+            raise UsageError("--workers and --scheduler are for --intervals profile or bootstrap; ask for one of them")
 
     @property
     def weighing(self) -> Weighing:
@@ -99,6 +102,11 @@ class FitAnswer:
         return passive(self.loops)
 
     @property
+    def in_chunks(self) -> bool:
+        """Whether the record was read in chunks, so that `record` is a sample of it."""
+        return any(isinstance(one, LongFit) for one in self.fits.values())
+
+    @property
     def problems(self) -> list[str]:
         """Why a fit is not valid, branch by branch; empty when all are."""
         return [f"{branch}: {problem}" for branch, one in self.fits.items() for problem in one.problems]
@@ -125,7 +133,7 @@ def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> Fi
     profiles: dict[str, tuple[Profile, ...]] = {}
     for name, one in fits.items():
         if name not in straight and one.valid:
-            fits[name], profiles[name] = _with_intervals(one, wishes)
+            fits[name], profiles[name] = _with_intervals(one, setup, wishes)
     loops = model_loops(fits)
     warnings = [f"{term.effect.name}: {term.effect.warning}" for term in setup.model.terms if term.effect.warning]
     energy = energy_warning(loops)
@@ -144,15 +152,15 @@ def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> Fi
     )
 
 
-def _with_intervals(one: Fit, wishes: Wishes) -> tuple[Fit, tuple[Profile, ...]]:
+def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[Profile, ...]]:
     """The fit with its intervals found as was asked for, and the profiles that gave them."""
     if wishes.intervals == "linear":
         return one, ()
     if wishes.intervals == "profile":
-        found = {name: profile(one, name) for name in steps(one.free, "profiles")}
+        found = profiles_of(one, setup, wishes.crew)
         ends = {name: (p.low, p.high) for name, p in found.items()}
     else:
-        found, ends = {}, bootstrap(one, DRAWS, "cycle", wishes.seed).intervals
+        found, ends = {}, bootstrap_of(one, setup, wishes.seed, wishes.crew).intervals
     estimates = tuple(
         replace(e, low=ends[e.name][0], high=ends[e.name][1]) if e.name in ends else e for e in one.estimates
     )

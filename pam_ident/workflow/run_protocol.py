@@ -13,13 +13,22 @@ from .files import write_whole
 
 
 def run_protocol(
-    folder: str | Path, protocol: str | Path, law: str, effects: Sequence[str] = (), seed: int = 1, size: float = 3.0
+    folder: str | Path,
+    protocol: str | Path,
+    law: str,
+    effects: Sequence[str] = (),
+    seed: int = 1,
+    size: float = 3.0,
+    times: int = 1,
 ) -> dict[str, Any]:
     """Run a protocol file; write record.csv, specimen.toml and truth.json into `folder` and return what is hidden.
 
     `effects` are rig effects, NAME or NAME:FORM; `size` is what each leaves in the standard protocol, in multiples of
-    the noise. The same seed is the same muscle under any protocol. Raises UsageError for what the rig cannot do.
+    the noise; the run is written `times` over, with fresh noise. The same seed is the same muscle under any protocol.
+    Raises UsageError for what the rig cannot do.
     """
+    if times < 1:
+        raise UsageError(f"--repeat {times}: expected 1 or more")
     secrets, unknown = [], []
     for word in effects:
         name, _, form = word.partition(":")
@@ -29,7 +38,7 @@ def run_protocol(
     read = read_protocol(protocol)
     try:
         plan = Plan(seed, law, tuple(secrets), next(iter(unknown), None), read)
-        truth = write_case(folder, make_record(plan))
+        truth = write_case(folder, make_record(plan), times)
     except ValueError as error:
         raise UsageError(f"{protocol}: {error}") from None
     write_whole(Path(folder) / "truth.json", json.dumps([truth], indent=1) + "\n")

@@ -5,10 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from ..core import Specimen
+from ..core import Specimen, UsageError
 from ..effects import Effect, load_effect_file
 from ..model import Model
 from ..records import Record, read_record, read_specimen
+from ..records.files import share_of_memory
+
+MOST_OF_MEMORY = 0.5
+"""Share of the free memory from which a record's text will not fit into it as numbers."""
 
 
 def load(record: str | Path, specimen: str | Path | Specimen | None = None) -> Record:
@@ -50,7 +54,12 @@ class Setup:
         return read_specimen(self.specimen) if self.specimen is not None else None
 
     def read(self, record: str | Path) -> Record:
-        """The record with its specimen. Raises DataError."""
+        """The record with its specimen. Raises DataError, UsageError for one that memory cannot hold."""
+        if share_of_memory(record) > MOST_OF_MEMORY:
+            raise UsageError(
+                f"{record}: its text is more than half of the memory that is free, and only `fit` reads a record in "
+                "chunks; take a part of it, or a larger machine"
+            )
         return load(record, self._specimen)
 
     def command(self, verb: str, record: str, *more: str) -> str:

@@ -110,7 +110,7 @@ def _branch(one: "Fit") -> Json:
         "rmse_N": one.rmse,
         "max_error_N": one.max_error,
         "r2": one.r2,
-        "n": int(one.rows.sum()),
+        "n": one.n,
     }
 
 

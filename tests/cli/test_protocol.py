@@ -37,6 +37,7 @@ def test_where_nothing_is_open_no_protocol_is_written(ask, clean, tmp_path):
         (("diagnose", "a.csv", "b.csv", *LAW, "--protocol", "next.toml"), "give one record"),
         (("diagnose", "a.csv", *LAW, "--protocol", "next.txt"), "expected a file name ending in .toml"),
         (("rig", "x", "--size", "2"), "--size without --protocol"),
+        (("rig", "x", "--repeat", "3"), "--repeat without --protocol"),
         (("rig", "x", "--effect", "creep"), "--effect without --protocol"),
         (("rig", "x", "--protocol", "none.toml"), "give its --law"),
         (("rig", "x", "--protocol", "none.toml", *LAW, "--only", "blunt"), "no --only"),

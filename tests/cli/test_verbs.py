@@ -39,6 +39,8 @@ def test_a_line_of_progress_waits_two_seconds_and_tells_pace_and_time_left():
     assert clock.line(inner, 131.0) == "records: 50 of 100, 0.32/s, 3 min left · weighing · 31 s"
     assert clock.line(Stage("records", 0, 10), 140.0) == "records: 0 of 10 · 40 s"  # the same once more
     assert clock.line(Stage("records", 1, 10), 142.0) == "records: 1 of 10, 0.50/s, 18 s left · 42 s"
+    assert clock.line(Stage("reading rows", 1000), 150.0) == "reading rows: 1000 · 50 s"
+    assert clock.line(Stage("reading rows", 4000), 152.0) == "reading rows: 4000, 1500/s · 52 s"
 
 
 def test_every_command_has_quiet_and_json():

@@ -140,3 +140,25 @@ def test_a_pressure_without_a_stroke_is_refused(written, tmp_path):
     path = written(LEAST.replace("0.2", "0.02") + "stroke_mm = [20, 40]\n")
     with pytest.raises(UsageError, match=str(path)):
         run_protocol(tmp_path / "x", path, "exponential_law")
+
+
+def test_a_run_is_written_many_times_over_with_fresh_noise_and_a_clock_that_goes_on(written, tmp_path):
+    protocol = written(LEAST)
+    once = run_protocol(tmp_path / "once", protocol, "exponential_law", ["coulomb_friction"], 4)
+    thrice = run_protocol(tmp_path / "thrice", protocol, "exponential_law", ["coulomb_friction"], 4, times=3)
+    n = once["n"]
+    assert thrice["n"] == 3 * n and thrice["repeats"] == 3 and thrice["sizes"] == once["sizes"]
+    one, three = (np.loadtxt(tmp_path / k / "record.csv", delimiter=",", skiprows=1) for k in ("once", "thrice"))
+    np.testing.assert_array_equal(three[:n], one)
+    assert (tmp_path / "thrice" / "record.csv").read_bytes().startswith((tmp_path / "once" / "record.csv").read_bytes())
+    assert np.all(np.diff(three[:, 0]) > 0.0) and three[n, 0] - three[n - 1, 0] >= 20.0
+    for k in (1, 2):
+        off = three[k * n : (k + 1) * n, 5] - one[:, 5]
+        assert np.std(off) == pytest.approx(2.0 * np.sqrt(2.0), rel=0.15)  # noise of 2 N, twice
+        np.testing.assert_array_equal(three[k * n : (k + 1) * n, 1:3], one[:, 1:3])
+    again = run_protocol(tmp_path / "again", protocol, "exponential_law", ["coulomb_friction"], 4, times=3)
+    assert again == thrice | {"case": "again"}
+    assert (tmp_path / "again" / "record.csv").read_bytes() == (tmp_path / "thrice" / "record.csv").read_bytes()
+    with pytest.raises(UsageError, match="--repeat 0"):
+        run_protocol(tmp_path / "none", protocol, "exponential_law", times=0)
+    assert not (tmp_path / "none").exists()

@@ -1,0 +1,147 @@
+"""Where a displacement track turns, and where it rests."""
+
+from bisect import bisect_left
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+Array = np.ndarray
+BLOCK = 64
+"""Samples that are passed over at once where none of them can be a turn."""
+PIECE = 1 << 20
+"""Samples of a run that are looked at together at most; a longer run is parted at a turn past its half."""
+
+
+def pieces(x: Array, begin: int, end: int, threshold: float) -> Iterator[tuple[int, int]]:
+    """Parts (begin, end) of a run x[begin:end] of no more than PIECE samples each, cut where the motion turns."""
+    while end - begin > PIECE:
+        cut = begin + cut_at_turn(x[begin : begin + PIECE], threshold)
+        yield begin, cut
+        begin = cut
+    yield begin, end
+
+
+def cut_at_turn(x: Array, threshold: float) -> int:
+    """Index at which PIECE samples x (n,) are parted: the first turn in the second half, or the end."""
+    return next((turn for turn in pivots(x, threshold) if turn >= len(x) // 2 and turn < len(x) - 1), len(x))
+
+
+def pivots(x: Array, threshold: float) -> list[int]:
+    """Indices of the turning points of x (n,), ends included, ignoring reversals below the threshold."""
+    found, low, high, heading = [0], 0, 0, 0
+    whole = len(x) // BLOCK
+    blocks = x[: whole * BLOCK].reshape(whole, BLOCK)
+    falls = (np.maximum.accumulate(blocks, axis=1) - blocks).max(axis=1, initial=0.0)
+    rises = (blocks - np.minimum.accumulate(blocks, axis=1)).max(axis=1, initial=0.0)
+    tops, bottoms = ((np.arange(whole) * BLOCK + at(axis=1)).tolist() for at in (blocks.argmax, blocks.argmin))
+    quiet_down, quiet_up = (falls <= threshold).tolist(), (rises <= threshold).tolist()
+    for b in range(whole + 1):
+        if b < whole:
+            top, bottom = tops[b], bottoms[b]
+            stays_up = quiet_down[b] and x[high] - x[bottom] <= threshold
+            stays_down = quiet_up[b] and x[top] - x[low] <= threshold
+            if (heading < 0 or stays_up) and (heading > 0 or stays_down):
+                high = top if x[top] > x[high] else high
+                low = bottom if x[bottom] < x[low] else low
+                continue
+        for i in range(max(b * BLOCK, 1), min((b + 1) * BLOCK, len(x))):
+            if x[i] > x[high]:
+                high = i
+            if x[i] < x[low]:
+                low = i
+            if heading >= 0 and x[high] - x[i] > threshold:
+                if heading > 0 or x[high] - x[0] > threshold:
+                    found.append(high)
+                heading, low, high = -1, i, i
+            elif heading <= 0 and x[i] - x[low] > threshold:
+                if heading < 0 or x[0] - x[low] > threshold:
+                    found.append(low)
+                heading, low, high = 1, i, i
+    if found[-1] != len(x) - 1:
+        found.append(len(x) - 1)
+    return found
+
+
+def thinned_holds(time: Array, x: Array, turns: list[int], noise: float, span: float) -> Array:
+    """Mask of the samples at rest, shape of x, on means of so many samples that each moves beyond the noise."""
+    travel = float(np.sum(np.abs(np.diff(x[turns])))) / len(x)
+    m = int(np.clip(4.0 * noise / max(travel, 1e-12), 1, max(1, len(x) // (60 * len(turns)))))
+    starts = np.arange(0, len(x) - m + 1, m)
+    counts = np.diff(np.r_[starts, len(x)])
+    coarse_time, coarse_x = np.add.reduceat(time, starts) / counts, np.add.reduceat(x, starts) / counts
+    coarse_turns = sorted({min(turn // m, len(starts) - 1) for turn in turns})
+    held = _holds(coarse_time, coarse_x, coarse_turns, max(6.0 * noise / np.sqrt(m), 5e-4 * span))
+    return np.repeat(held, counts)
+
+
+def _holds(time: Array, x: Array, turns: list[int], band: float) -> Array:
+    """Mask of the samples at rest, shape of x."""
+    held = np.zeros(len(x), bool)
+    if band <= 0.0:
+        return held
+    pace = np.zeros(len(x))
+    for begin, end in pairwise(turns):
+        fast = _pace(time[begin : end + 1], x[begin : end + 1])
+        pace[begin : end + 1] = np.maximum(pace[begin : end + 1], fast)
+    candidates = _still_after(time, x, 3.0 * band / np.maximum(pace, 1e-12), band).tolist()
+    total = np.r_[0.0, np.cumsum(x - x.mean())]
+    start = 0
+    while (k := bisect_left(candidates, start)) < len(candidates):
+        start = candidates[k]
+        stop = _leaves(x, start, band)
+        middle = (start + stop) // 2
+        drift = _mean(total, middle, stop) - _mean(total, start, middle) if stop - start >= 4 else 0.0
+        if abs(drift) > 0.5 * band:  # more than it may be, whatever the rounding of the sums
+            start += 1
+            continue
+        lasts = time[stop - 1] - time[start]
+        if (
+            stop - start >= 4
+            and lasts * max(pace[start:stop].min(), 1e-12) > 3.0 * band
+            and abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0
+        ):
+            held[start:stop] = True
+            start = stop
+        else:
+            start += 1
+    return held
+
+
+def _mean(total: Array, begin: int, end: int) -> float:
+    return (total[end] - total[begin]) / (end - begin)
+
+
+def _still_after(time: Array, x: Array, seconds: Array, band: float) -> Array:
+    """Indices of the samples that, some seconds (n,) on and half that time on, the track is still within the band of:
+    only from these can a hold begin that lasts longer."""
+    later = np.searchsorted(time, time + (1.0 - 1e-9) * seconds, side="right")
+    reached = np.flatnonzero(later < len(x))
+    for share in (1, 2):
+        at = reached + (later[reached] - reached) // share
+        reached = reached[np.abs(x[at] - x[reached]) <= band]
+    return reached
+
+
+def _leaves(x: Array, start: int, band: float) -> int:
+    """Index of the first sample at which the range of x since `start` exceeds the band, len(x) where none does."""
+    low = high = x[start]
+    begin, size = start + 1, 32
+    while begin < len(x):
+        highs = np.maximum(np.maximum.accumulate(x[begin : begin + size]), high)
+        lows = np.minimum(np.minimum.accumulate(x[begin : begin + size]), low)
+        beyond = highs - lows > band
+        first = int(beyond.argmax())
+        if beyond[first]:
+            return begin + first
+        low, high, begin, size = lows[-1], highs[-1], begin + size, 2 * size
+    return len(x)
+
+
+def _pace(time: Array, x: Array) -> float:
+    """Speed of a stroke while it moves, in mm/s: from at most 40 chords, so that noise between samples adds nothing."""
+    at = np.unique(np.linspace(0, len(x) - 1, min(len(x), 41)).astype(int))
+    seconds, travel = np.diff(time[at]), np.diff(x[at]) * np.sign(x[-1] - x[0])
+    speeds = travel / np.maximum(seconds, 1e-12)
+    live = speeds > 0.3 * max(float(np.quantile(speeds, 0.9)), 0.0)
+    return float(travel[live].sum() / max(float(seconds[live].sum()), 1e-12)) if live.any() else 0.0

@@ -1,0 +1,103 @@
+"""Turning points and holds found many samples at a time are those found sample by sample; long runs are parted."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Specimen
+from pam_ident.records import build_record, turning
+from pam_ident.rig import PROTOCOLS, Plan, make_record
+
+
+def plain_pivots(x, threshold):
+    found, low, high, heading = [0], 0, 0, 0
+    for i in range(1, len(x)):
+        high = i if x[i] > x[high] else high
+        low = i if x[i] < x[low] else low
+        if heading >= 0 and x[high] - x[i] > threshold:
+            if heading > 0 or x[high] - x[0] > threshold:
+                found.append(high)
+            heading, low, high = -1, i, i
+        elif heading <= 0 and x[i] - x[low] > threshold:
+            if heading < 0 or x[0] - x[low] > threshold:
+                found.append(low)
+            heading, low, high = 1, i, i
+    return found if found[-1] == len(x) - 1 else [*found, len(x) - 1]
+
+
+def plain_holds(time, x, pace, band):
+    held, start = np.zeros(len(x), bool), 0
+    while start < len(x):
+        stop = start + 1
+        while stop < len(x) and np.ptp(x[start : stop + 1]) <= band:
+            stop += 1
+        middle = (start + stop) // 2
+        still = stop - start >= 4 and (time[stop - 1] - time[start]) * pace[start:stop].min() > 3.0 * band
+        if still and abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0:
+            held[start:stop] = True
+        start = stop if still and held[start] else start + 1
+    return held
+
+
+def tracks():
+    rng = np.random.default_rng(11)
+    for k in range(24):
+        n = int(rng.integers(3, 1500))
+        clipped = np.clip(1.4 * np.sin(np.arange(n) * (0.01, 0.05, 0.3)[k % 3]), -1.0, 1.0)
+        yield np.cumsum(rng.choice([0.01, 0.02], n)), 10.0 * clipped + (0.0, 0.01, 1.0)[k // 8] * rng.standard_normal(n)
+
+
+def test_pivots_are_those_of_a_plain_loop():
+    for _, x in tracks():
+        for threshold in (0.0, 0.04, 2.0):
+            assert turning.pivots(x, threshold) == plain_pivots(x, threshold)
+
+
+def test_holds_are_those_of_a_plain_loop():
+    found = 0
+    for time, x in tracks():
+        turns, band, pace = plain_pivots(x, 0.5), 0.1, np.zeros(len(x))
+        for begin, end in pairwise(turns):
+            part = slice(begin, end + 1)
+            pace[part] = np.maximum(pace[part], turning._pace(time[part], x[part]))
+        held = turning._holds(time, x, turns, band)
+        np.testing.assert_array_equal(held, plain_holds(time, x, pace, band))
+        found += int(held.sum())
+    assert found > 1000
+
+
+def test_a_run_longer_than_a_piece_is_parted_where_it_turns(monkeypatch):
+    monkeypatch.setattr(turning, "PIECE", 1000)
+    x = 20.0 - 20.0 * np.cos(2.0 * np.pi * np.arange(5000) / 300.0)
+    parts = list(turning.pieces(x, 0, 5000, 0.2))
+    assert parts[0][0] == 0 and parts[-1][1] == 5000 and all(a[1] == b[0] for a, b in pairwise(parts))
+    assert all(end - begin <= 1000 for begin, end in parts)
+    assert all(cut % 150 == 0 for _, cut in parts[:-1])
+
+
+def test_strokes_and_cycles_are_the_same_whole_and_in_pieces(monkeypatch):
+    n = 20_000
+    t = 0.01 * np.arange(n)
+    x = 20.0 - 20.0 * np.cos(0.4 * np.pi * t) + 0.005 * np.random.default_rng(3).standard_normal(n)
+
+    def record():
+        return build_record("r", Specimen(), np.full(n, 0.3), x / 200.0, 900.0 - x, time=t)
+
+    whole = record()
+    monkeypatch.setattr(turning, "PIECE", 2000)
+    parted = record()
+    near = np.abs(np.sin(0.4 * np.pi * t)) < 0.1  # where noise says which sample is the turn
+    for name in ("direction", "cycle"):
+        np.testing.assert_array_equal(getattr(parted.inputs, name)[~near], getattr(whole.inputs, name)[~near])
+    assert parted.inputs.cycle.max() == whole.inputs.cycle.max() == 40
+
+
+@pytest.mark.parametrize("name", ["standard", "six_pressures", "long_holds"])
+def test_isobars_are_found_where_noise_makes_many_pressures(name):
+    made = make_record(Plan(3, protocol=name))
+    column, length = made.column, made.muscle.specimen.initial_length_mm
+    given = column("pressure_MPa"), column("displacement_mm") / length, column("force_N")
+    found = build_record("r", Specimen(initial_length_mm=length), *given, time=column("time_s"))
+    np.testing.assert_allclose(found.levels, PROTOCOLS[name].pressures_MPa, atol=2e-4)
+    np.testing.assert_allclose(found.level, column("pressure_set_MPa"), atol=2e-4)
