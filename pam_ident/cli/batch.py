@@ -27,14 +27,15 @@ def batch(
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
     ] = "together",
     workers: Annotated[
-        int | None, typer.Option("--workers", metavar="N", help="Records at a time; default: the cores.")
-    ] = None,
-    scheduler: Annotated[
-        str | None,
+        int | None,
         typer.Option(
-            "--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://HOST:PORT, instead.", show_default=False
+            "--workers",
+            metavar="N",
+            help="A Dask cluster of so many on this machine; default: a process for each core.",
+            show_default=False,
         ),
     ] = None,
+    scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
 ) -> None:
     """Fit many muscles: a table and a page that compares them.
@@ -42,10 +43,6 @@ def batch(
     Killed at any moment, the same command goes on where it stopped. Needs the extra `cluster`.
     """
     options.check_json(json)
-    from ..core import UsageError
-
-    if scheduler is not None and workers is not None:
-        raise UsageError("--workers with --scheduler: the cluster has its own workers; give one of the two")
     setup = options.setup(law, effect, effect_file, free_geometry, None)
     from ..workflow.batch import run_batch
 

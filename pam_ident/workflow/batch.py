@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from ..core import UsageError
@@ -12,6 +13,7 @@ from .batch_question import Item, Plan, Question, plan
 from .batch_store import Store
 from .batch_table import require_arrow, table
 from .batch_work import Done, FitAndKeep, work_here
+from .crew import check_crew, cluster
 from .files import write_whole
 from .setup import Setup
 
@@ -50,15 +52,17 @@ def run_batch(
     scheduler: str | None = None,
     note: Callable[[str], None] = lambda line: None,
 ) -> Batch:
-    """Answer every record under `folder`, by processes here or by the Dask cluster at `scheduler`; results in `out`.
+    """Answer every record under `folder`; results in `out`.
+
+    By a process for each core, or where `workers` are asked for by a Dask cluster of so many on this machine, or by the
+    one at `scheduler`.
 
     Each answer is a file of its own as soon as it is found, so that the same call goes on where an earlier one was
     killed. The table is the same, byte for byte, whoever did the work and however often it was interrupted. A bad
     record is an error in its rows. Raises UsageError for what cannot be asked, and where the results cannot be written.
     """
     require_arrow()
-    if workers is not None and workers < 1:
-        raise UsageError(f"workers = {workers}: expected 1 or more")
+    check_crew(workers, scheduler)
     question = Question(setup, branch, diagnose)
     _ = setup.model
     folder, out = Path(folder), Path(out)
@@ -67,10 +71,7 @@ def run_batch(
     waiting = [item for item in asked.items if store.get(item.key) is None]
     kept = len(asked.items) - len(waiting)
     work = FitAndKeep(question.bare(), store)
-    if scheduler is None:
-        doing = work_here(work, waiting, min(workers or os.cpu_count() or 1, max(len(waiting), 1)))
-    else:
-        doing = work_on_cluster(work, waiting, _known(scheduler), note)
+    doing = _doing(work, waiting, workers, scheduler, note)
     done = len(asked) - len(waiting)
     tell("records", done, len(asked))
     lost = {}
@@ -84,6 +85,16 @@ def run_batch(
     return Batch(out, len(asked), kept, _errors(asked, store, lost))
 
 
+def _doing(
+    work: FitAndKeep, items: list[Item], workers: int | None, scheduler: str | None, note: Callable[[str], None]
+) -> Iterator[tuple[Item, Done]]:
+    if scheduler is None and (workers is None or min(workers, len(items)) < 2 or find_spec("distributed") is None):
+        yield from work_here(work, items, min(workers or os.cpu_count() or 1, max(len(items), 1)))
+        return
+    with cluster(min(workers or 1, len(items)), scheduler) as address:
+        yield from work_on_cluster(work, items, address, note)
+
+
 def _make(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -91,14 +102,6 @@ def _make(folder: Path) -> Path:
     except OSError as error:
         raise UsageError(f"{folder}: cannot be written to ({error.strerror}); name another folder by --out") from None
     return folder
-
-
-def _known(address: str) -> str:
-    try:
-        import distributed  # noqa: F401
-    except ImportError:
-        raise UsageError("--scheduler needs Dask; pip install 'pam-ident[cluster]'") from None
-    return address
 
 
 def _until_stopped(doing: Iterator[tuple[Item, Done]], out: Path, kept: int) -> Iterator[tuple[Item, Done]]:
