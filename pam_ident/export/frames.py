@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 
 from ..core import UsageError
+from ..records import Record
 
 if TYPE_CHECKING:
     from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
     from ..fitting import Fit
     from ..leg.track import Track
-    from ..records import Record
 
 BRANCHES = {1.0: "contraction", -1.0: "extension"}
 
@@ -26,7 +26,7 @@ def to_frame(result: Any) -> pd.DataFrame:
     return table(result)
 
 
-def samples(record: "Record") -> pd.DataFrame:
+def samples(record: Record) -> pd.DataFrame:
     """A row a sample; `record_from_frame` reads it back."""
     inputs = record.inputs
     columns = {
