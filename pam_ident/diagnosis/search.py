@@ -33,14 +33,13 @@ class Choice:
 class Compressed:
     """Gram matrix of the atoms' signatures after projection off the law, and their products with the residual.
 
-    `residual` and each signature are whitened, shape (m,) and (m, k); `law` spans what the base model can follow.
+    `residual` (m,) and `matrix` (m, k), all signatures side by side, are whitened; `law` spans what the base model can
+    follow.
     """
 
-    def __init__(self, atoms: Sequence[Atom], signatures: Sequence[Array], law: Array, residual: Array) -> None:
+    def __init__(self, atoms: Sequence[Atom], matrix: Array, law: Array, residual: Array) -> None:
         self.atoms = tuple(atoms)
-        widths = [s.shape[1] for s in signatures]
-        self.starts = np.r_[0, np.cumsum(widths)].astype(int)
-        matrix = np.hstack(signatures) if signatures else np.empty((len(residual), 0))
+        self.starts = np.r_[0, np.cumsum([a.columns.shape[1] for a in atoms])].astype(int)
         before = self.before = np.linalg.norm(matrix, axis=0)
         basis = orthonormal(law)
         matrix = matrix - basis @ (basis.T @ matrix)
@@ -48,7 +47,7 @@ class Compressed:
         norm = np.linalg.norm(matrix, axis=0)
         self.left = np.divide(norm, before, out=np.zeros_like(before), where=before > 0)
         self.scale = np.where(norm > 1e-7 * np.maximum(before, 1e-300), norm, np.inf)
-        matrix = matrix / self.scale
+        matrix /= self.scale
         self.gram = matrix.T @ matrix
         self.product = matrix.T @ residual
         self.total = float(residual @ residual)

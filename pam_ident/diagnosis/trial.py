@@ -7,12 +7,12 @@ from functools import lru_cache
 import numpy as np
 
 from ..core.progress import steps, tell
-from ..effects import Effect
+from ..effects import AddsForce, Effect, Form
 from ..fitting import Fit
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
-from .dictionary import Atom, Slopes, atoms_of, slopes
+from .dictionary import Atom, Slopes, atoms_at, grid, slopes
 from .noise import Noise, estimate_noise
 from .search import Choice, Compressed, Price, orthonormal
 
@@ -95,6 +95,7 @@ class Trial:
             min(FORM_TOLERANCE * self.excess, MOST_TOLERANCE * len(self.record)),
         )
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
+        self.known: dict[tuple[str, ...], dict[str, float]] = {} if before is None else before.known
         self.refits = 0
 
     def _excess(self) -> float:
@@ -121,7 +122,7 @@ class Trial:
         self.refits += 1
         tell("weighing sets of effects", self.refits)
         model = self.base.model.adding(*terms)
-        begin = self.base.values | dict(start or {})
+        begin = self.base.values | dict(start or {}) | self.known.get(key, {})
         solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin, quick=True)
         squares = self.squares(model, solution.values)
         if price is None:
@@ -131,6 +132,7 @@ class Trial:
         if known is not None and known.squares < squares:  # another start led further
             verdict = replace(known, cost=known.squares + price)
         self.cache[key] = verdict
+        self.known.setdefault(key, verdict.values)  # near what the set will be against any other noise
         return verdict
 
     def weight(self, verdict: Verdict, term: Term) -> float:
@@ -167,7 +169,7 @@ class Trial:
     @lru_cache(maxsize=4)  # noqa: B019 - a trial lives as long as one diagnosis
     def view(self, verdict: Verdict) -> "View":
         """A set's model with its slopes."""
-        return View(self.record, self.base.model.adding(*verdict.terms), verdict.values)
+        return View(self.record, self.base.model.adding(*verdict.terms), verdict.values, self.law.kept)
 
     def noise_left_by(self, verdict: Verdict, white: bool = False) -> Noise:
         """Noise as it must be if a set is the whole truth."""
@@ -204,25 +206,37 @@ class Trial:
 
 
 class View:
-    """A fitted model with its slopes: the place around which signatures are taken."""
+    """A fitted model with its slopes: the place around which signatures are taken.
 
-    def __init__(self, record: Record, model: Model, values: Mapping[str, float]) -> None:
+    Views of one record share what is `kept`: atoms that are the same around any model.
+    """
+
+    def __init__(
+        self, record: Record, model: Model, values: Mapping[str, float], kept: dict[str, list[Atom]] | None = None
+    ) -> None:
         self.record = record
         self.around: Slopes = slopes(model, record.inputs, values)
         self.law = jacobian(model, record.inputs, values, record.force)
         self.residual = record.force - self.around.force
+        self.kept = {} if kept is None else kept
 
     def atoms(self, effect: Effect) -> list[Atom]:
         """Signatures of all forms of an effect."""
-        return atoms_of(effect, self.record.inputs, self.around)
+        return [a for form in effect.forms for a in self._atoms_in(effect, form)]
+
+    def _atoms_in(self, effect: Effect, form: Form) -> list[Atom]:
+        if not isinstance(form, AddsForce) or form.uses_force:
+            return atoms_at(effect, form, grid(form), self.record.inputs, self.around)
+        key = f"{effect.name}:{form.name}"
+        if key not in self.kept:
+            self.kept[key] = atoms_at(effect, form, grid(form), self.record.inputs, self.around)
+        return self.kept[key]
 
     def compress(self, atoms: Sequence[Atom], noise: Noise) -> Compressed:
         """Whitened Gram matrix of some atoms, free of what the model itself can follow."""
         whole = noise.whiten(np.hstack([self.law, self.residual[:, None], *[a.columns for a in atoms]]))
         k = self.law.shape[1]
-        edges = np.cumsum([a.columns.shape[1] for a in atoms])
-        parts = np.split(whole[:, k + 1 :], edges[:-1], axis=1) if atoms else []
-        return Compressed(atoms, parts, whole[:, :k], whole[:, k])
+        return Compressed(atoms, whole[:, k + 1 :], whole[:, :k], whole[:, k])
 
 
 def _free_curves(record: Record) -> Array:
