@@ -14,7 +14,7 @@ from ..model import Model, Term
 from ..records import Record
 from .dictionary import Atom, Slopes, atoms_at, grid, slopes
 from .noise import Noise, estimate_noise
-from .search import Choice, Compressed, Price, orthonormal
+from .search import Choice, Compressed, Price, remainder
 
 Array = np.ndarray
 NAME_MARGIN = 12.0
@@ -181,10 +181,9 @@ class Trial:
         """Noise is what the law, all suspects together and free curves over contraction still leave."""
         free = [] if self.record.inputs.time is None else [a.columns for a in atoms]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
-        basis = orthonormal(columns if columns.shape[1] < len(self.record) // 2 else view.law)
-        left = view.residual - basis @ (basis.T @ view.residual)
+        left, rank = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
         slope = view.around.contraction / self.record.specimen.initial_length_mm
-        return estimate_noise(self.record, left, slope, basis.shape[1])
+        return estimate_noise(self.record, left, slope, rank)
 
     def _drop_unseen(self, data: Compressed) -> None:
         """Note effects that the law absorbs or the record does not excite."""
