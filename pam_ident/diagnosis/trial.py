@@ -95,7 +95,7 @@ class Trial:
             min(FORM_TOLERANCE * self.excess, MOST_TOLERANCE * len(self.record)),
         )
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
-        self.known: dict[tuple[str, ...], dict[str, float]] = {} if before is None else before.known
+        self.known: dict[tuple[str, ...], Verdict] = {} if before is None else before.known
         self.refits = 0
 
     def _excess(self) -> float:
@@ -122,7 +122,9 @@ class Trial:
         self.refits += 1
         tell("weighing sets of effects", self.refits)
         model = self.base.model.adding(*terms)
-        begin = self.base.values | dict(start or {}) | self.known.get(key, {})
+        begin = self.base.values | dict(start or {})
+        if key in self.known:
+            begin |= self.known[key].values  # not far from it, whatever the noise
         solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin, quick=True)
         squares = self.squares(model, solution.values)
         if price is None:
@@ -132,8 +134,18 @@ class Trial:
         if known is not None and known.squares < squares:  # another start led further
             verdict = replace(known, cost=known.squares + price)
         self.cache[key] = verdict
-        self.known.setdefault(key, verdict.values)  # near what the set will be against any other noise
+        self.known.setdefault(key, verdict)
         return verdict
+
+    def weighed(self) -> list[Verdict]:
+        """All sets that were fitted, those of suspects against another noise with the values they had there."""
+        found = dict(self.cache)
+        suspects = {e.name for e in self.suspects}
+        for key, other in self.known.items():
+            if key not in found and other.names <= suspects:
+                squares = self.squares(self.base.model.adding(*other.terms), other.values)
+                found[key] = replace(other, squares=squares, cost=squares + self.price.total(other.terms))
+        return list(found.values())
 
     def weight(self, verdict: Verdict, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""

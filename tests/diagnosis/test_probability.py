@@ -12,14 +12,14 @@ from pam_ident.diagnosis.probability import LAPSE, TEMPER, probabilities
 
 def trial(costs, names=("a", "b", "c", "d")):
     return SimpleNamespace(
-        cache={labels: SimpleNamespace(cost=cost) for labels, cost in costs.items()},
+        weighed=lambda: [SimpleNamespace(names=frozenset(names), cost=cost) for names, cost in costs.items()],
         suspects=[SimpleNamespace(name=name) for name in names],
     )
 
 
 def test_weights_of_the_sets_that_hold_a_suspect_are_summed():
     step = 2.0 * TEMPER * math.log(2.0)  # halves a weight
-    found = probabilities(trial({(): 100.0 + 2 * step, ("a:rich",): 100.0, ("a", "b"): 100.0 + step}), ())
+    found = probabilities(trial({(): 100.0 + 2 * step, ("a",): 100.0, ("a", "b"): 100.0 + step}), ())
     expected = {"a": 1.5 / 1.75, "b": 0.5 / 1.75, "c": 0.0, "d": 0.0}
     assert found == pytest.approx({k: (1 - LAPSE) * v + LAPSE / 4 for k, v in expected.items()})
 
