@@ -96,6 +96,7 @@ class Trial:
         )
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
         self.known: dict[tuple[str, ...], Verdict] = {} if before is None else before.known
+        self.borrowed: dict[tuple[str, ...], Verdict] = {}
         self.refits = 0
 
     def _excess(self) -> float:
@@ -139,13 +140,12 @@ class Trial:
 
     def weighed(self) -> list[Verdict]:
         """All sets that were fitted, those of suspects against another noise with the values they had there."""
-        found = dict(self.cache)
         suspects = {e.name for e in self.suspects}
         for key, other in self.known.items():
-            if key not in found and other.names <= suspects:
+            if key not in self.cache and key not in self.borrowed and other.names <= suspects:
                 squares = self.squares(self.base.model.adding(*other.terms), other.values)
-                found[key] = replace(other, squares=squares, cost=squares + self.price.total(other.terms))
-        return list(found.values())
+                self.borrowed[key] = replace(other, squares=squares, cost=squares + self.price.total(other.terms))
+        return list((self.borrowed | self.cache).values())
 
     def weight(self, verdict: Verdict, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
