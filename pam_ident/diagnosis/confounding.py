@@ -26,6 +26,7 @@ def groups(trial: Trial, verdict: Verdict) -> tuple[tuple[str, ...], ...]:
         rest = trial.refit(verdict.without(term), verdict.values)
         twins = _same_form(trial, term)
         twins += [n for n in _close(trial, verdict, rest, term.effect) if n not in twins]
+        twins += [n for n in _fitted(trial, verdict, term.effect) if n not in twins]
         if one_speed(trial.record):
             twins += [n for n in _same_at_one_speed(trial, rest, term.effect) if n not in twins]
         twins = [n for n in twins if n not in verdict.names]
@@ -66,6 +67,15 @@ def _close(trial: Trial, verdict: Verdict, rest: Verdict, effect: Effect) -> lis
             if rival.cost < verdict.cost + CLOSE:
                 found.append((rival.cost, name))
     return [name for _, name in sorted(found)]
+
+
+def _fitted(trial: Trial, verdict: Verdict, effect: Effect) -> list[str]:
+    """Effects that cost nearly as little in the place of `effect` in a set that was fitted, in whatever form."""
+    rest = verdict.names - {effect.name}
+    rivals = [v for v in trial.weighed() if rest < v.names and len(v.names) == len(verdict.names)]
+    close = sorted((v for v in rivals if v.cost < verdict.cost + CLOSE), key=lambda v: v.cost)
+    names = dict.fromkeys(name for v in close for name in v.names - rest)
+    return [e.name for name in names for e in trial.suspects if e.name == name != effect.name]
 
 
 def _same_at_one_speed(trial: Trial, rest: Verdict, effect: Effect) -> list[str]:

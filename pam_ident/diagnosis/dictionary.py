@@ -51,11 +51,6 @@ def slopes(model: Model, inputs: Inputs, values: Mapping[str, float]) -> Slopes:
     return Slopes(force, over_c / (2 * dc), over_p / (2 * dp))
 
 
-def atoms_of(effect: Effect, inputs: Inputs, around: Slopes) -> list[Atom]:
-    """All forms of an effect at all combinations of their shapes' grids."""
-    return [a for form in effect.forms for a in atoms_at(effect, form, grid(form), inputs, around)]
-
-
 def atoms_at(
     effect: Effect, form: Form, points: Iterable[Mapping[str, float]], inputs: Inputs, around: Slopes
 ) -> list[Atom]:

@@ -1,19 +1,20 @@
 """Where patterns are looked for: what sets of effects leave, with many atoms tried on it one by one."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
+from ..core import Inputs
 from ..core.progress import tell
 from ..effects import AddsForce, Effect, Form
-from .dictionary import Atom, atoms_at, closer, grid, signature
+from .dictionary import Atom, Slopes, atoms_at, closer, grid, signature
 from .search import orthonormal
 from .trial import Trial, Verdict
 
 Array = np.ndarray
-TOGETHER = 1 << 19
+TOGETHER = 1 << 20
 """Numbers in the columns that are made and whitened in one go: so many stay in the processor's cache."""
 Point = Mapping[str, float]
 
@@ -38,6 +39,29 @@ class Ground:
         residual = trial.noise.whiten(self.view.residual)
         self.residual = residual - self.basis @ (self.basis.T @ residual)
         self.frame = np.ascontiguousarray(np.column_stack([self.basis, self.residual]).T)
+        self.precise = _Sight(self.view.record.inputs, self.view.around, self.frame, 1e-10)
+        self.rough = self.precise.rough()
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """What atoms are made and judged from; the `ridge`, as a share of an atom's squares, hides what rounding does."""
+
+    inputs: Inputs
+    around: Slopes
+    frame: Array
+    ridge: float
+
+    def rough(self) -> "_Sight":
+        """In single precision, all but the time, of which little may differ."""
+        inputs = replace(_single(self.inputs), time=self.inputs.time)
+        return _Sight(inputs, _single(self.around), self.frame.astype(np.float32), 1e-4)
+
+
+def _single(one: Any) -> Any:
+    """The arrays of numbers in a dataclass in single precision."""
+    arrays = {f.name: value for f in fields(one) if isinstance(value := getattr(one, f.name), np.ndarray)}
+    return replace(one, **{name: value.astype(np.float32) for name, value in arrays.items() if value.dtype == float})
 
 
 @dataclass(frozen=True)
@@ -53,7 +77,8 @@ class _Best:
 def scan(effect: Effect, grounds: Sequence[Ground]) -> list[Lead]:
     """On each ground the atom of an effect that explains most, its shapes zoomed in on twice.
 
-    What does not depend on the model is made and whitened once for all grounds, which share their noise.
+    The grids are looked over in single precision, and what is best there is judged in double. What does not depend on
+    the model is made and whitened once for all grounds, which share their noise.
     """
     found: list[_Best | None] = [None] * len(grounds)
     tried = 0
@@ -63,7 +88,7 @@ def scan(effect: Effect, grounds: Sequence[Ground]) -> list[Lead]:
         shared = isinstance(form, AddsForce) and not form.uses_force
         parts = [range(len(grounds))] if shared else [range(k, k + 1) for k in range(len(grounds))]
         for part in parts:
-            for k, best in zip(part, _best(form, points, [grounds[k] for k in part]), strict=True):
+            for k, best in zip(part, _found(form, points, [grounds[k] for k in part]), strict=True):
                 found[k] = _better(found[k], best)
     return [_zoom(effect, ground, best, tried) for ground, best in zip(grounds, found, strict=True) if best is not None]
 
@@ -74,7 +99,7 @@ def _zoom(effect: Effect, ground: Ground, best: _Best, tried: int) -> Lead:
     for _ in range(2):
         points = closer(atom)
         if points:
-            best = _better(best, _best(best.form, points, [ground])[0])
+            best = _better(best, _found(best.form, points, [ground])[0])
             atom = atoms_at(effect, best.form, [best.point], inputs, around)[0]
     start = dict(ground.onto.values) | {f"{effect.name}.{k}": v for k, v in best.point.items()}
     start |= {f"{effect.name}.{p.name}": p.clip(float(x)) for p, x in zip(atom.sizes, best.sizes, strict=True)}
@@ -85,22 +110,31 @@ def _better(one: "_Best | None", other: _Best) -> _Best:
     return other if one is None or other.gain > one.gain else one
 
 
-def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> list[_Best]:
+def _found(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> list[_Best]:
+    """On each ground the best of some points, looked for in single precision and judged in double."""
+    if len(points) > 1:
+        rough = _best(form, points, grounds, True)
+        return [_best(form, [one.point], [ground])[0] for one, ground in zip(rough, grounds, strict=True)]
+    return _best(form, points, grounds)
+
+
+def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground], rough: bool = False) -> list[_Best]:
     """On each ground the point of a form with the largest gain in whitened squares."""
-    view, noise, width = grounds[0].view, grounds[0].noise, len(form.sizes)
+    sights = [ground.rough if rough else ground.precise for ground in grounds]
+    noise, width = grounds[0].noise, len(form.sizes)
     found: list[_Best | None] = [None] * len(grounds)
-    many = max(1, TOGETHER // (len(view.record) * width))
+    many = max(1, TOGETHER // (len(sights[0].inputs) * width))
     for begin in range(0, len(points), many):
         tell("looking for patterns")
         some = points[begin : begin + many]
         shapes: dict[str, Any] = {p.name: np.array([point[p.name] for point in some]) for p in form.shapes}
-        matrix = noise.whiten(signature(form, view.record.inputs, shapes, view.around))
+        matrix = noise.whiten(signature(form, sights[0].inputs, shapes, sights[0].around))
         own = _grams(matrix, width)
         size = np.trace(own, axis1=1, axis2=2)
         bad = ~np.isfinite(size)
-        ridge = np.where(bad, 1.0, 1e-10 * size + 1e-300)
-        for k, ground in enumerate(grounds):
-            seen = ground.frame @ matrix
+        ridge = np.where(bad, 1.0, sights[0].ridge * size + 1e-300)
+        for k, sight in enumerate(sights):
+            seen = (sight.frame @ matrix).astype(float)
             gram, product = own - _grams(seen[:-1], width), seen[-1].reshape(width, -1).T
             gram[bad], product[bad] = 0.0, 0.0
             gram += ridge[:, None, None] * np.eye(width)

@@ -54,11 +54,15 @@ class Noise:
         return same and abs(self.sigma - other.sigma) < ALIKE * other.sigma
 
     def whiten(self, columns: Array) -> Array:
-        """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same shape."""
+        """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same, as precise."""
         flat = columns.ndim == 1
         table = columns[:, None] if flat else columns
         filtered = self.coloured and table.size > 0  # a law without parameters has no columns
-        out = self._blocks.filter(table) if filtered else table * self._weight[:, None]
+        single = table.dtype == np.float32
+        if filtered:
+            out = (self._single_blocks if single else self._blocks).filter(table)
+        else:
+            out = table * self._weight[:, None].astype(table.dtype)
         return out[:, 0] if flat else out
 
     @cached_property
@@ -69,6 +73,11 @@ class Noise:
     @cached_property
     def _blocks(self) -> "_Blocks":
         return _Blocks.of(self.decay, self.gain, self._weight)
+
+    @cached_property
+    def _single_blocks(self) -> "_Blocks":
+        whole = self._blocks
+        return _Blocks(*(part.astype(np.float32) for part in (whole.rows, whole.first, whole.onward, whole.kept)))
 
 
 @dataclass(frozen=True)
@@ -105,10 +114,10 @@ class _Blocks:
         """Columns (n, k) → (n, k)."""
         n, k = z.shape
         short = -n % BLOCK
-        parts = (np.vstack([z, np.zeros((short, k))]) if short else z).reshape(-1, BLOCK, k)
+        parts = (np.vstack([z, np.zeros((short, k), z.dtype)]) if short else z).reshape(-1, BLOCK, k)
         out = self.rows @ parts
         begun = decaying_sum(self.kept[:-1], (self.onward @ parts)[:-1, 0])
-        out += self.first[:, :, None] * begun[:, None, :]
+        out += self.first[:, :, None] * begun.astype(z.dtype)[:, None, :]
         return out.reshape(-1, k)[:n]
 
 

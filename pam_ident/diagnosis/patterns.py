@@ -2,7 +2,7 @@
 
 They are written as effects so that they are fitted and priced like the suspects, but they carry no physics and are
 never selected by name: they describe what is left. Their columns take arrays (m,) of shapes, too, and are then (n, k m)
-of k sizes, all of the first size first.
+of k sizes, all of the first size first; where the contraction is given in single precision, so are they.
 """
 
 import math
@@ -31,9 +31,11 @@ def _wave(along: Array, period: Array | float) -> Array:
     Of wave numbers in even steps few are turned, by the angles of a coarse and of a fine step, into all others.
     """
     numbers = 1.0 / np.atleast_1d(period)
+    even = len(numbers) > 8 and np.ptp(np.diff(numbers)) < 1e-9 * np.max(np.abs(np.diff(numbers)))
+    numbers = numbers.astype(along.dtype)
     turn, m = 2.0 * np.pi * along[:, None], len(numbers)
-    found = np.empty((len(along), 2, m))
-    if m > 8 and np.ptp(np.diff(numbers)) < 1e-9 * np.max(np.abs(np.diff(numbers))):
+    found = np.empty((len(along), 2, m), along.dtype)
+    if even:
         fine = math.isqrt(m)
         coarse = _circle(turn * numbers[::fine])[:, :, None]
         wave = (coarse * _circle(turn * (numbers[:fine] - numbers[0]))[:, None, :]).reshape(len(along), -1)[:, :m]
@@ -43,6 +45,16 @@ def _wave(along: Array, period: Array | float) -> Array:
         np.cos(phase, out=found[:, 0])
         np.sin(phase, out=found[:, 1])
     return found.reshape(len(along), -1)
+
+
+def _like(inputs: Inputs, values: Array | float) -> Array:
+    """Values in the precision of the inputs."""
+    return np.asarray(values, inputs.contraction.dtype)
+
+
+def _beyond(inputs: Inputs, shape: Shape) -> Array:
+    """Millimetres beyond the places, shape (n, m)."""
+    return inputs.displacement_mm[:, None] - _like(inputs, shape["place"])
 
 
 def _circle(angle: Array) -> Array:
@@ -63,11 +75,11 @@ def _odd_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _beat(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.time is not None
-    return _wave(inputs.time - inputs.time[0], shape["period"])
+    return _wave((inputs.time - inputs.time[0]).astype(inputs.contraction.dtype), shape["period"])
 
 
 def _even_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return np.exp(-0.5 * ((inputs.displacement_mm[:, None] - shape["place"]) / shape["width"]) ** 2)
+    return np.exp(-0.5 * (_beyond(inputs, shape) / _like(inputs, shape["width"])) ** 2)
 
 
 def _odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -90,8 +102,8 @@ def _pressed_odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _box(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Constant within the width, with soft edges a fifth of it wide, so that place and width can be searched."""
-    off = np.abs(inputs.displacement_mm[:, None] - shape["place"])
-    return 0.5 - 0.5 * np.tanh((off - shape["width"]) / (0.2 * np.asarray(shape["width"])))
+    off, width = np.abs(_beyond(inputs, shape)), _like(inputs, shape["width"])
+    return 0.5 - 0.5 * np.tanh((off - width) / (0.2 * width))
 
 
 def _odd_box(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -99,18 +111,18 @@ def _odd_box(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _stop(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return np.maximum(inputs.displacement_mm[:, None] - shape["place"], 0.0)
+    return np.maximum(_beyond(inputs, shape), 0.0)
 
 
 def _force_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.time is not None
-    return (inputs.time[:, None] >= shape["moment"]).astype(float)
+    return _like(inputs, inputs.time[:, None] >= shape["moment"])
 
 
 def _pulse(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.time is not None
     time, begin = inputs.time[:, None], np.asarray(shape["moment"])
-    return ((time >= begin) & (time < begin + shape["length"])).astype(float)
+    return _like(inputs, (time >= begin) & (time < begin + shape["length"]))
 
 
 def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:

@@ -18,11 +18,9 @@ def probabilities(trial: Trial, groups: Sequence[Sequence[str]]) -> dict[str, fl
     member of its `groups`, are summed. With chance LAPSE nothing was learned, and each suspect is as likely as another.
     TEMPER and LAPSE were fitted to simulated records: docs/diagnosis.md.
     """
-    least = min(v.cost for v in trial.cache.values())
-    sets = [
-        ({label.partition(":")[0] for label in labels}, math.exp(-(v.cost - least) / (2.0 * TEMPER)))
-        for labels, v in trial.cache.items()
-    ]
+    fitted = trial.weighed()
+    least = min(v.cost for v in fitted)
+    sets = [(v.names, math.exp(-(v.cost - least) / (2.0 * TEMPER))) for v in fitted]
     total = sum(weight for _, weight in sets)
     chance = {}
     for suspect in trial.suspects:

@@ -16,6 +16,8 @@ from .dictionary import Atom
 Array = np.ndarray
 
 
+FLAT = 1e-9
+"""Singular value, relative to the largest, below which columns of unit norm count as dependent."""
 SPECIAL = -1.0
 """What a special case costs beyond the effect that it is a case of: where it is needed, it has the nearer name."""
 
@@ -33,24 +35,23 @@ class Choice:
 class Compressed:
     """Gram matrix of the atoms' signatures after projection off the law, and their products with the residual.
 
-    `residual` and each signature are whitened, shape (m,) and (m, k); `law` spans what the base model can follow.
+    `residual` (m,) and `matrix` (m, k), all signatures side by side, are whitened; `law` spans what the base model can
+    follow.
     """
 
-    def __init__(self, atoms: Sequence[Atom], signatures: Sequence[Array], law: Array, residual: Array) -> None:
+    def __init__(self, atoms: Sequence[Atom], matrix: Array, law: Array, residual: Array) -> None:
         self.atoms = tuple(atoms)
-        widths = [s.shape[1] for s in signatures]
-        self.starts = np.r_[0, np.cumsum(widths)].astype(int)
-        matrix = np.hstack(signatures) if signatures else np.empty((len(residual), 0))
-        before = self.before = np.linalg.norm(matrix, axis=0)
+        self.starts = np.r_[0, np.cumsum([a.columns.shape[1] for a in atoms])].astype(int)
+        before = self.before = np.sqrt(np.einsum("mk,mk->k", matrix, matrix))
         basis = orthonormal(law)
         matrix = matrix - basis @ (basis.T @ matrix)
         residual = residual - basis @ (basis.T @ residual)
-        norm = np.linalg.norm(matrix, axis=0)
+        gram = matrix.T @ matrix
+        norm = np.sqrt(np.diag(gram))
         self.left = np.divide(norm, before, out=np.zeros_like(before), where=before > 0)
         self.scale = np.where(norm > 1e-7 * np.maximum(before, 1e-300), norm, np.inf)
-        matrix = matrix / self.scale
-        self.gram = matrix.T @ matrix
-        self.product = matrix.T @ residual
+        self.gram = gram / self.scale / self.scale[:, None]
+        self.product = (matrix.T @ residual) / self.scale
         self.total = float(residual @ residual)
         bounds = [(p.lower - p.neutral, p.upper - p.neutral) for a in self.atoms for p in a.sizes]
         self.lower = np.array([b[0] for b in bounds]) if bounds else np.empty(0)
@@ -113,19 +114,29 @@ def orthonormal(matrix: Array) -> Array:
         return np.empty((len(matrix), 0))
     norm = np.linalg.norm(matrix, axis=0)
     u, s, _ = np.linalg.svd(matrix / np.where(norm > 0, norm, 1.0), full_matrices=False)
-    return u[:, s > 1e-9 * s[0]]
+    return u[:, s > FLAT * s[0]]
+
+
+def remainder(matrix: Array, target: Array) -> tuple[Array, int]:
+    """What of a target (m,) no combination of columns (m, k) reaches, and the rank of the columns."""
+    norm = np.linalg.norm(matrix, axis=0)
+    matrix = matrix / np.where(norm > 0, norm, 1.0)
+    triangle: Array = np.linalg.qr(np.column_stack([matrix, target]), mode="r")  # pyright: ignore
+    x, _, rank, _ = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=FLAT)
+    return target - matrix @ x, int(rank)
 
 
 def beam_search(data: Compressed, price: "Price", most: int, width: int = 24) -> list[Choice]:
     """Best sets of up to `most` effects, cheapest first; the empty set is among them."""
     front = [Choice((), 0.0, 0.0)]
     seen: dict[tuple[int, ...], Choice] = {(): front[0]}
+    prices = np.array([price.of(atom) for atom in data.atoms])
     for _ in range(most):
         grown: dict[tuple[int, ...], Choice] = {}
         for choice in front:
             names = {data.atoms[a].effect for a in choice.atoms}
             bound = data.gains_beyond(choice.atoms)
-            promise = bound - np.array([price.of(atom) for atom in data.atoms])
+            promise = bound - prices
             taken: dict[str, int] = {}
             for a in np.argsort(-promise)[: 12 * width]:
                 effect = data.atoms[a].effect

@@ -7,14 +7,14 @@ from functools import lru_cache
 import numpy as np
 
 from ..core.progress import steps, tell
-from ..effects import Effect
+from ..effects import AddsForce, Effect, Form
 from ..fitting import Fit
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
-from .dictionary import Atom, Slopes, atoms_of, slopes
+from .dictionary import Atom, Slopes, atoms_at, grid, slopes
 from .noise import Noise, estimate_noise
-from .search import Choice, Compressed, Price, orthonormal
+from .search import Choice, Compressed, Price, remainder
 
 Array = np.ndarray
 NAME_MARGIN = 12.0
@@ -95,6 +95,8 @@ class Trial:
             min(FORM_TOLERANCE * self.excess, MOST_TOLERANCE * len(self.record)),
         )
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
+        self.known: dict[tuple[str, ...], Verdict] = {} if before is None else before.known
+        self.borrowed: dict[tuple[str, ...], Verdict] = {}
         self.refits = 0
 
     def _excess(self) -> float:
@@ -122,6 +124,8 @@ class Trial:
         tell("weighing sets of effects", self.refits)
         model = self.base.model.adding(*terms)
         begin = self.base.values | dict(start or {})
+        if key in self.known:
+            begin |= self.known[key].values  # not far from it, whatever the noise
         solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin, quick=True)
         squares = self.squares(model, solution.values)
         if price is None:
@@ -131,7 +135,17 @@ class Trial:
         if known is not None and known.squares < squares:  # another start led further
             verdict = replace(known, cost=known.squares + price)
         self.cache[key] = verdict
+        self.known.setdefault(key, verdict)
         return verdict
+
+    def weighed(self) -> list[Verdict]:
+        """All sets that were fitted, those of suspects against another noise with the values they had there."""
+        suspects = {e.name for e in self.suspects}
+        for key, other in self.known.items():
+            if key not in self.cache and key not in self.borrowed and other.names <= suspects:
+                squares = self.squares(self.base.model.adding(*other.terms), other.values)
+                self.borrowed[key] = replace(other, squares=squares, cost=squares + self.price.total(other.terms))
+        return list((self.borrowed | self.cache).values())
 
     def weight(self, verdict: Verdict, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
@@ -167,7 +181,7 @@ class Trial:
     @lru_cache(maxsize=4)  # noqa: B019 - a trial lives as long as one diagnosis
     def view(self, verdict: Verdict) -> "View":
         """A set's model with its slopes."""
-        return View(self.record, self.base.model.adding(*verdict.terms), verdict.values)
+        return View(self.record, self.base.model.adding(*verdict.terms), verdict.values, self.law.kept)
 
     def noise_left_by(self, verdict: Verdict, white: bool = False) -> Noise:
         """Noise as it must be if a set is the whole truth."""
@@ -179,10 +193,9 @@ class Trial:
         """Noise is what the law, all suspects together and free curves over contraction still leave."""
         free = [] if self.record.inputs.time is None else [a.columns for a in atoms]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
-        basis = orthonormal(columns if columns.shape[1] < len(self.record) // 2 else view.law)
-        left = view.residual - basis @ (basis.T @ view.residual)
+        left, rank = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
         slope = view.around.contraction / self.record.specimen.initial_length_mm
-        return estimate_noise(self.record, left, slope, basis.shape[1])
+        return estimate_noise(self.record, left, slope, rank)
 
     def _drop_unseen(self, data: Compressed) -> None:
         """Note effects that the law absorbs or the record does not excite."""
@@ -204,25 +217,37 @@ class Trial:
 
 
 class View:
-    """A fitted model with its slopes: the place around which signatures are taken."""
+    """A fitted model with its slopes: the place around which signatures are taken.
 
-    def __init__(self, record: Record, model: Model, values: Mapping[str, float]) -> None:
+    Views of one record share what is `kept`: atoms that are the same around any model.
+    """
+
+    def __init__(
+        self, record: Record, model: Model, values: Mapping[str, float], kept: dict[str, list[Atom]] | None = None
+    ) -> None:
         self.record = record
         self.around: Slopes = slopes(model, record.inputs, values)
         self.law = jacobian(model, record.inputs, values, record.force)
         self.residual = record.force - self.around.force
+        self.kept = {} if kept is None else kept
 
     def atoms(self, effect: Effect) -> list[Atom]:
         """Signatures of all forms of an effect."""
-        return atoms_of(effect, self.record.inputs, self.around)
+        return [a for form in effect.forms for a in self._atoms_in(effect, form)]
+
+    def _atoms_in(self, effect: Effect, form: Form) -> list[Atom]:
+        if not isinstance(form, AddsForce) or form.uses_force:
+            return atoms_at(effect, form, grid(form), self.record.inputs, self.around)
+        key = f"{effect.name}:{form.name}"
+        if key not in self.kept:
+            self.kept[key] = atoms_at(effect, form, grid(form), self.record.inputs, self.around)
+        return self.kept[key]
 
     def compress(self, atoms: Sequence[Atom], noise: Noise) -> Compressed:
         """Whitened Gram matrix of some atoms, free of what the model itself can follow."""
         whole = noise.whiten(np.hstack([self.law, self.residual[:, None], *[a.columns for a in atoms]]))
         k = self.law.shape[1]
-        edges = np.cumsum([a.columns.shape[1] for a in atoms])
-        parts = np.split(whole[:, k + 1 :], edges[:-1], axis=1) if atoms else []
-        return Compressed(atoms, parts, whole[:, :k], whole[:, k])
+        return Compressed(atoms, whole[:, k + 1 :], whole[:, :k], whole[:, k])
 
 
 def _free_curves(record: Record) -> Array:

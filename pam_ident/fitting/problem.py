@@ -218,12 +218,38 @@ def within_bounds(triangle: Array, lower: Array, upper: Array) -> Array:
     x = _lstsq(triangle, len(lower))[:, 0]
     if np.all((x >= lower) & (x <= upper)):
         return x
-    from scipy.optimize import lsq_linear
-
     scale = norms(triangle[:, :-1])
-    limits = (lower * scale, upper * scale)
-    result = lsq_linear(triangle[:, :-1] / scale, triangle[:, -1], limits, method="bvls", lsmr_tol="auto")
-    return np.clip(result.x / scale, lower, upper)
+    found = _bounded(triangle[:, :-1] / scale, triangle[:, -1], x * scale, lower * scale, upper * scale)
+    return np.clip(found / scale, lower, upper)
+
+
+def _bounded(matrix: Array, goal: Array, x: Array, lower: Array, upper: Array) -> Array:
+    """Least |matrix · x − goal| within bounds, from the free solution x (k,).
+
+    Stark & Parker 1995, Computational Statistics 10, 129–141.
+    """
+    at = np.where(x <= lower, -1.0, np.where(x >= upper, 1.0, 0.0))
+    x = np.clip(x, lower, upper)
+    for _ in range(10 * len(x)):
+        free = at == 0.0
+        wish = x.copy()
+        wish[free] = np.linalg.lstsq(matrix[:, free], goal - matrix[:, ~free] @ x[~free], rcond=1e-12)[0]
+        over = (wish < lower) | (wish > upper)
+        if over.any():  # as far as the first bound
+            room = np.where(wish < lower, lower, upper) - x
+            share = np.divide(room, wish - x, out=np.full(len(x), np.inf), where=over)
+            first = int(np.argmin(share))
+            x = x + share[first] * (wish - x)
+            at[first] = 1.0 if wish[first] > upper[first] else -1.0
+            x[first] = upper[first] if at[first] > 0.0 else lower[first]
+            continue
+        x = wish
+        pull = matrix.T @ (goal - matrix @ x) * -at  # positive where letting go would help
+        pull[free] = 0.0
+        if np.max(pull) <= 1e-12 * np.linalg.norm(goal):
+            break
+        at[int(np.argmax(pull))] = 0.0
+    return x
 
 
 def _lstsq(triangle: Array, k: int) -> Array:

@@ -9,15 +9,14 @@ import numpy as np
 
 from ..core import Param, UsageError
 from ..core.lmfit_names import from_lmfit_names, to_parameters
-from .problem import Problem, Projection, Solution, bounds
+from .descent import descend
+from .problem import Problem, Solution
 
 if TYPE_CHECKING:
     import jax
     import lmfit
 
 Array = np.ndarray
-FIRST_STEP = 0.3
-"""First radius of a trust region in units of typical sizes: a longer first step may cross a pole of the model."""
 
 
 class Solver(Protocol):
@@ -46,78 +45,11 @@ class VariableProjection:
             return Solution(problem.at(np.empty(0)).values, True, "linear")
         if not self.polish:
             problem = replace(problem, rough=True)
-        found = [_descend(trial, 2e-6, 1e-5, 25) for trial in problem.starts(self.max_starts)[: self.keep]]
+        found = [descend(trial, 2e-6, 1e-5, 25) for trial in problem.starts(self.max_starts)[: self.keep]]
         best, status, message = min(found, key=lambda one: one[0].cost)
         if self.polish:
-            best, status, message = _descend(best, 1e-15, 1e-9, 200)
+            best, status, message = descend(best, 1e-15, 1e-9, 200)
         return Solution(best.values, status > 0, message)
-
-
-def _descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
-    """Follow a projection down in a trust region: where it ended, status (positive when it converged) and message.
-
-    It ends when the sum of squares changes by less than `ftol` or the parameters by less than `xtol`, both relative.
-    """
-    if len(start.q) == 1:
-        return _descend_line(start, ftol, xtol, evaluations)
-    from scipy.optimize import least_squares
-
-    problem, last = start.problem, start
-    unit = FIRST_STEP * np.array([p.typical(x) for p, x in zip(problem.curved, start.q, strict=True)])
-    lower, upper = bounds(problem.curved)
-    inside = 1e-9 * np.minimum(unit, upper - lower)
-    origin = np.clip(start.q, lower + inside, upper - inside)
-    begin = np.full(len(unit), len(unit) ** -0.5)  # its length, 1, is the first radius of scipy's trust region
-
-    def at(z: Array) -> Projection:
-        nonlocal last
-        q = np.clip(origin + (z - begin) * unit, lower, upper)
-        if not np.array_equal(last.q, q):
-            last = problem.at(q)
-        return last
-
-    result = least_squares(
-        lambda z: at(z).residual,
-        begin,
-        lambda z: at(z).jacobian * unit,  # pyright: ignore[reportArgumentType]
-        bounds=((lower - origin) / unit + begin, (upper - origin) / unit + begin),
-        ftol=ftol,
-        xtol=xtol,
-        gtol=float(np.finfo(float).eps),
-        max_nfev=evaluations,
-    )
-    return at(result.x), int(result.status), str(result.message)
-
-
-def _descend_line(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
-    """As `_descend` for one curved parameter: Newton's steps on the exact gradient, bend by secants, in a trust region.
-
-    Most laws have just one, and scipy's optimizers take longer to load than such a fit to do.
-    """
-    p, here = start.problem.curved[0], start
-    slopes = here.jacobian[:, 0]
-    gradient, bend = float(slopes @ here.residual), float(slopes @ slopes)
-    radius = FIRST_STEP * p.typical(float(start.q[0]))
-    for _ in range(evaluations):
-        q = float(here.q[0])
-        wish = -gradient / bend if bend > 0.0 else 0.0
-        step = p.clip(q + min(max(wish, -radius), radius)) - q
-        if abs(step) <= xtol * p.typical(q):
-            return here, 1, "the step is small"
-        trial = start.problem.at(np.array([q + step]))
-        fall = here.cost - trial.cost
-        if not fall > 0.0:
-            radius = 0.25 * abs(step)
-            continue
-        slopes = trial.jacobian[:, 0]
-        slope, bend = float(slopes @ trial.residual), float(slopes @ slopes)
-        secant = (slope - gradient) / step
-        bend = secant if 0.1 * bend < secant < 10.0 * bend else bend
-        radius = max(radius, 2.0 * abs(step))
-        here, gradient = trial, slope
-        if fall <= ftol * here.cost:
-            return here, 1, "the sum of squares falls no more"
-    return here, 0, "the maximum number of evaluations was reached"
 
 
 QUICK = VariableProjection(keep=1, polish=False)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..diagnosis.calibration import Reliability, reliability
+from ..diagnosis.calibration import EDGES, Reliability, reliability
 from .style import BLUE, GREY, canvas, styled
 
 Z = 1.96
@@ -27,9 +27,9 @@ class CalibrationData:
     brier: float
 
 
-def data(stated: Sequence[float], true: Sequence[bool]) -> CalibrationData:
-    """Points of the reliability diagram; intervals after Wilson 1927, JASA 22, 209–212."""
-    found: Reliability = reliability(stated, true)
+def data(stated: Sequence[float], true: Sequence[bool], edges: Sequence[float] = EDGES) -> CalibrationData:
+    """Points of the reliability diagram, in bins between `edges`; intervals after Wilson 1927, JASA 22, 209–212."""
+    found: Reliability = reliability(stated, true, edges)
     shares = [one.true / one.n for one in found.bins]
     ends = [_wilson(share, one.n) for share, one in zip(shares, found.bins, strict=True)]
     return CalibrationData(
@@ -49,9 +49,9 @@ def _wilson(share: float, n: int) -> tuple[float, float]:
 
 
 @styled
-def draw(stated: Sequence[float], true: Sequence[bool]) -> Figure:
+def draw(stated: Sequence[float], true: Sequence[bool], edges: Sequence[float] = EDGES) -> Figure:
     """Reliability diagram over the odds, for most statements are near 0 or 1; on the curve they mean what they say."""
-    shown = data(stated, true)
+    shown = data(stated, true, edges)
     figure = canvas(4.0, 6.4)
     axes = figure.subplots()
     axes.set_xscale("logit")

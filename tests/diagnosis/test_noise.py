@@ -92,6 +92,9 @@ def test_columns_are_whitened_by_blocks_as_by_the_full_covariance():
     white = noise.whiten(columns)
     np.testing.assert_allclose(white.T @ white, columns.T @ np.linalg.solve(covariance, columns), rtol=1e-9)
     np.testing.assert_allclose(noise.whiten(columns[:, 2]), white[:, 2], atol=1e-12)
+    single = noise.whiten(columns.astype(np.float32))
+    assert single.dtype == np.float32
+    np.testing.assert_allclose(single, white, atol=1e-5)
 
 
 def test_an_outlier_neither_counts_nor_spoils_its_neighbours():

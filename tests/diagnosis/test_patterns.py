@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.ground import Ground, _best
+from pam_ident.diagnosis.dictionary import grid
+from pam_ident.diagnosis.ground import Ground, _best, _found
 from pam_ident.diagnosis.patterns import patterns
 from pam_ident.diagnosis.trial import Trial
 from pam_ident.fitting import fit
@@ -49,3 +50,32 @@ def test_the_gain_of_a_ripple_is_the_fall_of_a_least_squares_fit(record):
     alone, whole = (np.linalg.lstsq(m / np.linalg.norm(m, axis=0), residual, rcond=None)[1][0] for m in (law, columns))
     assert found.point == {"period": 6.4}
     assert found.gain == pytest.approx(alone - whole, rel=1e-6)
+
+
+@pytest.mark.parametrize("begin_s", [0.0, 1.7e9], ids=["from zero", "from the epoch"])
+def test_what_single_precision_finds_is_as_good_as_what_double_finds(record, begin_s):
+    """A clock that counts seconds since 1970 has no digits to spare for single precision."""
+    inputs = record.inputs
+    later = build_record(
+        "later", inputs.specimen, inputs.pressure, inputs.contraction, record.force, time=inputs.time + begin_s
+    )
+    trial = Trial(fit(Model.build("polynomial"), later), [])
+    ground = Ground(trial, trial.empty)
+    for effect in patterns(later.inputs):
+        for form in effect.forms:
+            points = grid(form)
+            rough, precise = _found(form, points, [ground])[0], _best(form, points, [ground])[0]
+            assert 0.98 * precise.gain <= rough.gain <= (1.0 + 1e-9) * precise.gain
+
+
+def test_columns_are_made_and_whitened_in_the_precision_of_the_inputs(record):
+    trial = Trial(fit(Model.build("polynomial"), record), [])
+    ground = Ground(trial, trial.empty)
+    sight = ground.rough
+    for effect in patterns(record.inputs):
+        for form in effect.forms:
+            if form.shapes:
+                columns = form.columns(sight.inputs, grid(form)[0], sight.around.force)
+                assert columns.dtype == np.float32
+                exact = form.columns(record.inputs, grid(form)[0], ground.view.around.force)
+                np.testing.assert_allclose(trial.noise.whiten(columns), trial.noise.whiten(exact), atol=1e-4)

@@ -1,25 +1,32 @@
 """Stated probabilities: weights of fitted sets summed by hand, and reliability of made-up statements."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from pam_ident.core import Specimen
 from pam_ident.diagnosis.calibration import reliability
 from pam_ident.diagnosis.probability import LAPSE, TEMPER, probabilities
+from pam_ident.diagnosis.trial import Trial
+from pam_ident.effects import catalogue
+from pam_ident.fitting import fit
+from pam_ident.model import Model, Term
+from pam_ident.records import build_record
 
 
 def trial(costs, names=("a", "b", "c", "d")):
     return SimpleNamespace(
-        cache={labels: SimpleNamespace(cost=cost) for labels, cost in costs.items()},
+        weighed=lambda: [SimpleNamespace(names=frozenset(names), cost=cost) for names, cost in costs.items()],
         suspects=[SimpleNamespace(name=name) for name in names],
     )
 
 
 def test_weights_of_the_sets_that_hold_a_suspect_are_summed():
     step = 2.0 * TEMPER * math.log(2.0)  # halves a weight
-    found = probabilities(trial({(): 100.0 + 2 * step, ("a:rich",): 100.0, ("a", "b"): 100.0 + step}), ())
+    found = probabilities(trial({(): 100.0 + 2 * step, ("a",): 100.0, ("a", "b"): 100.0 + step}), ())
     expected = {"a": 1.5 / 1.75, "b": 0.5 / 1.75, "c": 0.0, "d": 0.0}
     assert found == pytest.approx({k: (1 - LAPSE) * v + LAPSE / 4 for k, v in expected.items()})
 
@@ -57,3 +64,21 @@ def test_honest_statements_lie_on_the_diagonal():
     for one in found.bins:
         assert one.true / one.n == pytest.approx(one.stated, abs=4.0 * math.sqrt(0.25 / one.n))
     assert found.brier == pytest.approx(1 / 6, abs=0.005)  # ∫ p (1 − p) dp
+
+
+def test_a_set_fitted_against_another_noise_is_weighed_with_what_it_costs_against_this_one():
+    time = np.arange(900) * 0.1
+    x = 20.0 - 20.0 * np.cos(2.0 * np.pi * time / 30.0)
+    force = 400.0 - 5.0 * x - 4.0 * np.sign(np.sin(2.0 * np.pi * time / 30.0))
+    force += np.random.default_rng(1).standard_normal(900)
+    pressure = np.where(time < 45.0, 0.3, 0.4)
+    record = build_record("loop", Specimen("bench", 200.0, 10.0, 25.4, 1.5), pressure, x / 200.0, force, time=time)
+    base, friction = fit(Model.build("polynomial"), record), catalogue()["coulomb_friction"]
+    first = Trial(base, [friction])
+    there = first.refit([Term(friction, friction.forms[0])])
+    trial = Trial(base, [friction], replace(first.noise, sigma=2.0 * first.noise.sigma), first)
+    here = next(v for v in trial.weighed() if v.names == {"coulomb_friction"})
+    assert here.squares == pytest.approx(0.25 * there.squares)
+    assert here.cost == pytest.approx(here.squares + trial.price.total(there.terms))
+    assert probabilities(trial, ())["coulomb_friction"] > 0.9
+    assert trial.refit(there.terms).squares == pytest.approx(here.squares)

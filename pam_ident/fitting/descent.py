@@ -1,0 +1,113 @@
+"""The way down from a projection to the nearest least sum of squares, in a trust region, within bounds."""
+
+import math
+
+import numpy as np
+
+from .problem import Projection, bounds
+
+Array = np.ndarray
+FIRST_STEP = 0.3
+"""First radius of a trust region in units of typical sizes: a longer first step may cross a pole of the model."""
+
+
+def descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
+    """Follow a projection down in a trust region: where it ended, status (positive when it converged) and message.
+
+    It ends when the sum of squares changes by less than `ftol` or the parameters by less than `xtol`, both relative.
+    """
+    if len(start.q) == 1:
+        return _descend_line(start, ftol, xtol, evaluations)
+    unit = FIRST_STEP * np.array([p.typical(x) for p, x in zip(start.problem.curved, start.q, strict=True)])
+    lower, upper = bounds(start.problem.curved)
+    here, radius = start, 1.0
+    for _ in range(evaluations):
+        slopes = here.jacobian * unit
+        triangle: Array = np.linalg.qr(slopes, mode="r")  # pyright: ignore
+        gradient = slopes.T @ here.residual
+        step = _trusted_step(triangle, gradient, (lower - here.q) / unit, (upper - here.q) / unit, radius)
+        length = float(np.linalg.norm(step))
+        if length <= xtol:
+            return here, 1, "the step is small"
+        trial = start.problem.at(np.clip(here.q + step * unit, lower, upper))
+        fall = here.cost - trial.cost
+        promised = -float(2.0 * gradient @ step + np.sum((triangle @ step) ** 2))
+        if fall < 0.25 * promised:
+            radius = 0.25 * length
+        elif fall > 0.75 * promised and length > 0.95 * radius:
+            radius *= 2.0
+        if not fall > 0.0:
+            continue
+        here = trial
+        if fall <= ftol * here.cost and fall >= 0.25 * promised:
+            return here, 1, "the sum of squares falls no more"
+    return here, 0, "the maximum number of evaluations was reached"
+
+
+def _trusted_step(triangle: Array, gradient: Array, low: Array, high: Array, radius: float) -> Array:
+    """s (k,) within `low` … `high` and no longer than `radius` for which gradient · s + |triangle · s|²/2 is least.
+
+    What would leave its bounds is put on them, one after the other; what stands there and is driven out stays.
+    """
+    step = np.zeros(len(gradient))
+    free = ~(((low >= 0.0) & (gradient > 0.0)) | ((high <= 0.0) & (gradient < 0.0)))
+    while free.any():
+        rest = math.sqrt(max(radius**2 - float(step @ step), 1e-12 * radius**2))
+        pull = gradient + triangle.T @ (triangle @ step)
+        wish = _step_within(triangle[:, free], pull[free], rest)
+        held = np.clip(wish, low[free], high[free])
+        out = held != wish
+        if not out.any():
+            step[free] = wish
+            break
+        places = np.flatnonzero(free)[out]
+        step[places] = held[out]
+        free[places] = False
+    return step
+
+
+def _step_within(triangle: Array, gradient: Array, radius: float) -> Array:
+    """The same without bounds: Moré & Sorensen 1983, SIAM J. Sci. Stat. Comput. 4, 553–572, in singular directions."""
+    _, sigma, axes = np.linalg.svd(triangle, full_matrices=False)
+    along = axes @ gradient
+    square = np.maximum(sigma**2, np.finfo(float).eps ** 2 * max(float(sigma[0]) ** 2, 1e-300))
+    damping = 0.0
+    for _ in range(50):
+        step = along / (square + damping)
+        length = float(np.linalg.norm(step))
+        if length <= (1.01 if damping > 0.0 else 1.0) * radius:
+            break
+        bend = float(np.sum(step**2 / (square + damping)))
+        damping += (length / max(radius, 1e-300) - 1.0) * length**2 / bend
+    return -(axes.T @ step) * min(1.0, radius / max(length, 1e-300))
+
+
+def _descend_line(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
+    """As `descend` for one curved parameter: Newton's steps on the exact gradient, bend by secants, in a trust region.
+
+    Most laws have just one.
+    """
+    p, here = start.problem.curved[0], start
+    slopes = here.jacobian[:, 0]
+    gradient, bend = float(slopes @ here.residual), float(slopes @ slopes)
+    radius = FIRST_STEP * p.typical(float(start.q[0]))
+    for _ in range(evaluations):
+        q = float(here.q[0])
+        wish = -gradient / bend if bend > 0.0 else 0.0
+        step = p.clip(q + min(max(wish, -radius), radius)) - q
+        if abs(step) <= xtol * p.typical(q):
+            return here, 1, "the step is small"
+        trial = start.problem.at(np.array([q + step]))
+        fall = here.cost - trial.cost
+        if not fall > 0.0:
+            radius = 0.25 * abs(step)
+            continue
+        slopes = trial.jacobian[:, 0]
+        slope, bend = float(slopes @ trial.residual), float(slopes @ slopes)
+        secant = (slope - gradient) / step
+        bend = secant if 0.1 * bend < secant < 10.0 * bend else bend
+        radius = max(radius, 2.0 * abs(step))
+        here, gradient = trial, slope
+        if fall <= ftol * here.cost:
+            return here, 1, "the sum of squares falls no more"
+    return here, 0, "the maximum number of evaluations was reached"

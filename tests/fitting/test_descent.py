@@ -1,0 +1,56 @@
+"""The descent within bounds and the small bounded least squares, beside scipy's."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares, lsq_linear
+
+from pam_ident.core import Param
+from pam_ident.fitting import Problem
+from pam_ident.fitting.descent import descend
+from pam_ident.fitting.problem import bounded_lstsq
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_bounded_least_squares_are_those_of_scipy(seed):
+    rng = np.random.default_rng(seed)
+    columns = rng.normal(size=(40, 7)) * 10.0 ** rng.uniform(-3, 3, 7)
+    target = columns @ rng.normal(size=7) + rng.normal(size=40)
+    free = np.linalg.lstsq(columns, target)[0]
+    lower = np.where(rng.random(7) < 0.5, free + np.abs(free) * rng.uniform(-1, 1, 7), -np.inf)
+    upper = np.where(rng.random(7) < 0.5, np.fmax(free, lower) + np.abs(free) * rng.uniform(0.01, 1, 7), np.inf)
+    inside = np.where(np.isfinite(lower), lower, np.where(np.isfinite(upper), upper, 0.0))
+    params = [Param(f"x{k}", "1", "", lower[k], upper[k], start=inside[k]) for k in range(7)]
+    found = bounded_lstsq(columns, target, params)
+    scale = np.linalg.norm(columns, axis=0)
+    other = lsq_linear(columns / scale, target, (lower * scale, upper * scale), method="bvls", tol=1e-14)
+    np.testing.assert_allclose(found * scale, other.x, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize(("top", "seed"), [(30.0, 1), (30.0, 2), (2.0, 3), (0.5, 4)])
+def test_two_decays_are_found_as_scipy_finds_them_also_at_a_bound(top, seed):
+    """Rates 0.3 and 3 of two decays; the second lies beyond its bound in the last two."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0.0, 10.0, 300)
+    y = 2.0 * np.exp(-0.3 * t) + 3.0 * np.exp(-3.0 * t) + 0.01 * rng.normal(size=300)
+    sizes = (Param("a", "1", "", -100.0, 100.0), Param("b", "1", "", -100.0, 100.0))
+    rates = (
+        Param("slow", "1/s", "", 0.01, 0.4, start=0.05),
+        Param("fast", "1/s", "", 0.45, top, start=min(8.0, 0.49 + 0.1 * (top > 1.0))),
+    )
+
+    def design(values):
+        return np.exp(-np.outer(t, [values["slow"], values["fast"]])), np.zeros_like(t)
+
+    problem = Problem(sizes, rates, design, y)
+    found, status, _ = descend(problem.starts(1)[0], 1e-15, 1e-9, 200)
+
+    def residual(x):
+        return np.exp(-np.outer(t, x[2:])) @ x[:2] - y
+
+    low, high = ([-100.0, -100.0, 0.01, 0.45], [100.0, 100.0, 0.4, top])
+    begin = [1.0, 1.0, 0.05, min(8.0, 0.5 * (0.45 + top))]
+    other = least_squares(residual, begin, bounds=(low, high), xtol=1e-14, ftol=1e-14, gtol=1e-14)
+    assert status > 0
+    assert found.cost == pytest.approx(2.0 * other.cost, rel=1e-7)
+    np.testing.assert_allclose(found.q, other.x[2:], rtol=1e-4)
+    assert (found.q[1] == top) == (top < 2.5)
