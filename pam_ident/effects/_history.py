@@ -67,6 +67,15 @@ def time_held(inputs: Inputs, held: Array) -> Array:
     return inputs.time - inputs.time[np.maximum.accumulate(np.where(begins, np.arange(len(inputs)), 0))]
 
 
+def greatest_so_far(inputs: Inputs, values: Array) -> Array:
+    """Greatest of the values (n,) up to each sample, since cycles were last counted anew, the rubber rested."""
+    assert inputs.cycle is not None
+    if inputs.live is not None:
+        return inputs.live.step((values,), lambda most: (inputs.xp.maximum(most, values),))[0]
+    anew = np.flatnonzero(np.diff(inputs.cycle) < 0) + 1
+    return np.concatenate([np.maximum.accumulate(part) for part in np.split(values, anew)])
+
+
 def cycles_of_test(inputs: Inputs) -> Array:
     """Cycles counted from the start of the test, not of the isobar, shape (n,); live there is one run only."""
     assert inputs.cycle is not None and inputs.segment is not None

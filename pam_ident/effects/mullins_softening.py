@@ -1,7 +1,7 @@
 """The rubber is stiffer in its first cycles."""
 
 from ..core import Inputs, Param
-from ._history import cycles_of_test
+from ._history import cycles_of_test, greatest_so_far
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
@@ -11,6 +11,8 @@ S_LATER = Param("s_later", "1", "the same on the isobars after the first", -1.0,
 E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", -200.0, 200.0, scale=1.0)
 F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.0, scale=10.0)
 G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)
+E_LOST = Param("E_lost", "MPa", "modulus that the bladder loses below its greatest stretch", -200.0, 200.0, scale=1.0)
+M = Param("m", "1", "way below the greatest energy at which it is lost", 0.003, 3.0, start=0.1, grid=(0.02, 0.1))
 N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 60.0, start=1.5, grid=(0.7, 1.5, 4.0))
 
 
@@ -50,10 +52,18 @@ def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return inputs.xp.column_stack([fading, -fading * inputs.contraction])
 
 
+def _pseudo_elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """The energy W = (r/r0 − 1)² is that of the hoop, over E/2."""
+    energy = (inputs.specimen.radius_ratio(inputs.contraction) - 1.0) ** 2
+    below = greatest_so_far(inputs, energy) - energy
+    return one(-hoop_force(inputs) * inputs.xp.tanh(below / shape["m"]))
+
+
 EFFECT = Effect(
     name="mullins_softening",
     title="Mullins softening",
-    source="Mullins 1969, Rubber Chemistry and Technology 42, 339–362",
+    source="Mullins 1969, Rubber Chemistry and Technology 42, 339–362; Dorfmann & Ogden 2003, Int. J. Solids and "
+    "Structures 40, 2699–2714 (below the greatest stretch so far)",
     forms=(
         ScalesForce("textbook", "F (1 + s exp(−(n−1)/n_0))", (EXTRA,), _whole, (N0,)),
         ScalesForce("shaped", "F (1 + (s + s_e ε) exp(−(n−1)/n_0))", (EXTRA, S_EXTRA), _shaped, (N0,)),
@@ -67,6 +77,13 @@ EFFECT = Effect(
         AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
         AddsForce("whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,)),
+        AddsForce(
+            "pseudo_elastic",
+            "E → E − E_lost tanh((W_max − W)/m) in the bladder's force, W_max the greatest W so far",
+            (E_LOST,),
+            _pseudo_elastic,
+            (M,),
+        ),
     ),
     test="at least three cycles, and a re-run of the first after rest",
     needs=("cycle", "time"),

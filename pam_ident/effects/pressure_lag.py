@@ -30,6 +30,12 @@ def _quasi_steady(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-_rate(inputs))
 
 
+def _mass_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """A line of fixed conductance loses pressure in proportion to the mass that flows, whatever the volume is."""
+    volume = inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
+    return one(-_rate(inputs) * volume)
+
+
 def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
     ratio = inputs.specimen.radius_ratio(inputs.contraction)
@@ -54,6 +60,7 @@ EFFECT = Effect(
     source="energy balance of a variable volume, ṗ = κ R T q/V − κ p V̇/V, with a resistance between sensor and muscle",
     forms=(
         TransformsPressure("textbook", "p → p − T_p p_abs V̇/V", (LAG,), _quasi_steady),
+        TransformsPressure("mass_flow", "p → p − T_p p_abs V̇/V0", (LAG,), _mass_flow),
         TransformsPressure("lagging", "p → p − κ p_abs q, q̇ = V̇/V − q/τ", (KAPPA,), _lagging, (TAU,)),
         TransformsPressure("conductance", "the same with τ V/V0 for τ", (KAPPA,), _conductance, (TAU,)),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),

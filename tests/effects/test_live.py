@@ -21,6 +21,7 @@ REMEMBER = {
     *(f"thermal_softening:{form}" for form in ("textbook", "quadratic", "elastic", "linear")),
     "pressure_lag:lagging",
     "pressure_lag:conductance",
+    "mullins_softening:pseudo_elastic",
 }
 
 

@@ -45,6 +45,20 @@ def test_softening_may_grow_with_contraction():
     np.testing.assert_allclose(found @ [0.05, 0.5], [0.05, (0.05 + 0.1) * np.exp(-1.0)], rtol=1e-12)
 
 
+def test_a_pseudo_elastic_bladder_is_itself_on_its_way_to_new_stretch_and_softer_on_every_way_below():
+    way = np.r_[np.linspace(0.0, 0.1, 5), 0.06, 0.02, 0.06, 0.1, 0.15]
+    found = columns("mullins_softening:pseudo_elastic", way, cycle=np.repeat([1.0, 2.0], 5), m=0.1)[:, 0]
+    np.testing.assert_array_equal(found[[0, 1, 2, 3, 4, 8, 9]], 0.0)
+    sine = np.sin(np.radians(25.0))
+    ratio = np.sqrt(1.0 - (1.0 - np.array([0.1, 0.02])) ** 2 * np.cos(np.radians(25.0)) ** 2) / sine
+    eta = np.tanh(((ratio[0] - 1.0) ** 2 - (ratio[1] - 1.0) ** 2) / 0.1)
+    whole = -columns("bladder_elasticity", 0.02)[0, 0]
+    assert found[6] == pytest.approx(whole * eta, rel=1e-12)
+    assert found[5] == found[7] > 0.0
+    rested = columns("mullins_softening:pseudo_elastic", way, cycle=[1] * 5 + [2, 2, 1, 1, 1], m=0.1)[:, 0]
+    np.testing.assert_array_equal(rested[7:], 0.0)
+
+
 @pytest.mark.parametrize("form", ["textbook", "dahl", "maxwell_slip_3"])
 def test_an_element_that_would_never_slip_still_opens_a_loop(form):
     """Without a limit on its travel it would be a spring, −W x/x_s on both branches, and pass for the bladder."""

@@ -218,6 +218,8 @@ def test_pressure_lags_by_the_rate_of_volume():
     assert got == pytest.approx(-(0.4 + 0.101325) * rate, rel=1e-6) and got < 0.0
     power = columns("pressure_lag:orifice", given, n=2.0)[0, 0]
     assert power == pytest.approx(-10.0 * got**2, rel=1e-9)
+    flow = columns("pressure_lag:mass_flow", given)[0, 0]
+    assert flow == pytest.approx(got * (radius(0.1) / radius(0.0)) ** 2 * 0.9, rel=1e-9)
 
 
 # --- friction and damping ----------------------------------------------------------------------------------------
