@@ -71,14 +71,15 @@ def _step_within(triangle: Array, gradient: Array, radius: float) -> Array:
     _, sigma, axes = np.linalg.svd(triangle, full_matrices=False)
     along = axes @ gradient
     square = np.maximum(sigma**2, np.finfo(float).eps ** 2 * max(float(sigma[0]) ** 2, 1e-300))
-    damping = 0.0
+    damping, step = 0.0, along / square
+    length = float(np.linalg.norm(step))
     for _ in range(50):
-        step = along / (square + damping)
-        length = float(np.linalg.norm(step))
         if length <= (1.01 if damping > 0.0 else 1.0) * radius:
             break
         bend = float(np.sum(step**2 / (square + damping)))
         damping += (length / max(radius, 1e-300) - 1.0) * length**2 / bend
+        step = along / (square + damping)
+        length = float(np.linalg.norm(step))
     return -(axes.T @ step) * min(1.0, radius / max(length, 1e-300))
 
 
