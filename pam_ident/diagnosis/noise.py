@@ -182,7 +182,7 @@ def estimate_noise(
         outlier = _isolated(np.abs(residual) > 5.0 * middle)
     extra = np.zeros(n)
     if record.inputs.time is not None:
-        extra = (SMOOTHED * position_noise(record.inputs.displacement_mm) * slope / middle) ** 2
+        extra = (SMOOTHED * position_noise(record.inputs.displacement_mm, record.inputs.time) * slope / middle) ** 2
     z = np.where(outlier, 0.0, residual / middle)
     share, memory, clock, decay = (0.0, 0.0, "samples", np.zeros(n)) if white else _colour(record, z, extra)
     gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share]), extra))

@@ -30,11 +30,27 @@ class Motion:
         return Motion(*(getattr(self, f.name)[begin:end] for f in fields(self)))
 
 
-def position_noise(x: Array) -> float:
-    """Standard deviation of the noise on a smooth track (n,), in its unit, from the median of second differences."""
-    if len(x) < 5:
+def position_noise(x: Array, time: Array | None = None) -> float:
+    """Standard deviation of the noise on a smooth track (n,), in its unit, from the median distance of a sample from
+    the cubic through its four neighbours; rows are evenly spaced where no `time` (n,), in any unit, is given."""
+    n = len(x) - 4
+    if n < 1:
         return 0.0
-    return float(np.median(np.abs(np.diff(x, 2))) / 0.6745 / np.sqrt(6.0))
+    t = np.arange(len(x), dtype=float) if time is None else time
+    near, shares = (0, 1, 3, 4), []
+    for j in near:
+        share = np.ones(n)
+        for k in near:
+            if k != j:
+                apart = t[j : j + n] - t[k : k + n]
+                share *= np.divide(t[2 : 2 + n] - t[k : k + n], apart, out=np.full(n, np.nan), where=apart != 0.0)
+        shares.append(share)
+    off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
+    off = np.abs(off) / np.sqrt(1.0 + sum(share**2 for share in shares))
+    known = np.isfinite(off)  # not where a clock is coarser than the rows
+    if not known.any():
+        return position_noise(x)
+    return float(np.median(off[known]) / 0.6745)
 
 
 def find_motion(time: Array, x: Array, segment: Array) -> Motion:
@@ -45,7 +61,7 @@ def find_motion(time: Array, x: Array, segment: Array) -> Motion:
     """
     n = len(x)
     found = Motion(np.zeros(n), np.zeros(n), np.zeros(n, bool), np.zeros(n, int), np.zeros(n), x.copy())
-    noise, span = position_noise(x), float(np.ptp(x)) if n else 0.0
+    noise, span = position_noise(x, time), float(np.ptp(x)) if n else 0.0
     edges = [0, *(np.flatnonzero(np.diff(segment)) + 1).tolist(), n]
     count = 0
     for begin, end in pairwise(edges):
@@ -112,9 +128,10 @@ def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: floa
 
 
 def _steps(x: Array, at: tuple[int, int, int], tolerance: float, noise: float) -> bool:
-    """Whether the last step of a stroke and the one beyond its end both exceed the noise."""
+    """Whether the last step of a stroke and the one beyond its end both exceed the noise, in one direction: behind a
+    turning point the next stroke begins, however round the turn."""
     inner, end, outer = x[list(at)]
-    return abs(end - inner) > 1.5 * tolerance and abs(outer - end) > 4.0 * noise
+    return abs(end - inner) > 1.5 * tolerance and (outer - end) * np.sign(end - inner) > 4.0 * noise
 
 
 def _bend(x: Array, begin: int, end: int) -> float:

@@ -13,6 +13,8 @@ from .motion import find_motion
 Array = np.ndarray
 SHORT_LIST = 200
 """Most pressures that may each be an isobar's own value; more are one sensor's noise about fewer."""
+CROWD = 3
+"""Most of them within 5 kPa, on average; more are the steps of a coarse sensor."""
 
 
 @dataclass(frozen=True)
@@ -195,9 +197,9 @@ def _levels(pressure: Array) -> Array:
 
 def nominal(values: Array, counts: Array) -> Array:
     """Nominal pressure in MPa of each of the pressures `values` (m,), ascending, that are read `counts` (m,) times."""
-    if len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST):
-        return values
     edges = np.flatnonzero(np.diff(values) > 0.005) + 1
+    if len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST, CROWD * (len(edges) + 1)):
+        return values
     parts = zip(np.split(values, edges), np.split(counts, edges), strict=True)
     return np.concatenate([np.full(len(v), round(_median(v, c), 4)) for v, c in parts])
 
