@@ -139,13 +139,18 @@ class Trial:
         return verdict
 
     def weighed(self) -> list[Verdict]:
-        """All sets that were fitted, those of suspects against another noise with the values they had there."""
+        """All sets that were fitted, those of suspects against another noise with the values they had there.
+
+        Of these the ones that would be cheapest of all here are left out: with the noise that they need they lost.
+        """
         suspects = {e.name for e in self.suspects}
         for key, other in self.known.items():
             if key not in self.cache and key not in self.borrowed and other.names <= suspects:
                 squares = self.squares(self.base.model.adding(*other.terms), other.values)
                 self.borrowed[key] = replace(other, squares=squares, cost=squares + self.price.total(other.terms))
-        return list((self.borrowed | self.cache).values())
+        least = min(v.cost for v in self.cache.values())
+        others = [v for key, v in self.borrowed.items() if key not in self.cache and v.cost >= least]
+        return [*self.cache.values(), *others]
 
     def weight(self, verdict: Verdict, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
