@@ -19,7 +19,7 @@ exclude_patterns = ["build", "_ext"]
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(?!pam_ident\.).*"),  # types of other packages: their pages are on the network
-    ("py:class", r"pam_ident\..*\.T"),  # type variables
+    ("py:class", r"pam_ident\..*\.(T|Task|Result)"),  # type variables
 ]
 suppress_warnings = ["config.cache"]
 
