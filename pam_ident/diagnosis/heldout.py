@@ -15,6 +15,8 @@ from ..records import Record
 
 Array = np.ndarray
 FOLDS = 5
+ALIKE = 1.01
+"""Ratio of held-out errors up to which forms foretell alike."""
 
 
 def folds(record: Record) -> list[Array]:
@@ -34,6 +36,7 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None) -> floa
     if len(masks) < 2:
         return math.nan
     whole = whole or fit(model, record, detail=False)
+    in_time = record.inputs.time is not None
     square = 0.0
     for mask in steps(masks, "holding data out"):
         rows = ~mask
@@ -42,7 +45,7 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None) -> floa
                 f"{record.name}: too few samples to hold a {record.block_kind} out for {len(model.params)} parameters"
             )
         values = solve(
-            model, record.inputs, record.force, lambda m, rows=rows: m[rows], whole.values, quick=True
+            model, record.inputs, record.force, lambda m, rows=rows: m[rows], whole.values, quick=in_time
         ).values
         square += float(np.sum((record.force - model.force(record.inputs, values))[mask] ** 2))
     return math.sqrt(square / len(record))
@@ -51,7 +54,8 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None) -> floa
 def in_best_forms(base: Fit, terms: Sequence[Term]) -> list[Term]:
     """The terms in the forms with which the blocks of a table are foretold best, each by a fit to the others.
 
-    A few lengths do not tell forms apart by the fit alone: the richest wins there and foretells worst.
+    A few lengths do not tell forms apart by the fit alone: the richest wins there and foretells worst. Of forms that
+    foretell alike the ones with the fewest parameters are taken.
     """
 
     def heldout(choice: tuple[Term, ...]) -> float:
@@ -60,7 +64,10 @@ def in_best_forms(base: Fit, terms: Sequence[Term]) -> list[Term]:
         except FitError:
             return math.inf  # too few samples for so rich a form
 
-    return list(min(product(*([Term(t.effect, form) for form in t.effect.forms] for t in terms)), key=heldout))
+    choices = list(product(*([Term(t.effect, form) for form in t.effect.forms] for t in terms)))
+    errors = [heldout(choice) for choice in choices]
+    alike = [choice for choice, error in zip(choices, errors, strict=True) if error <= ALIKE * min(errors)]
+    return list(min(alike, key=lambda choice: sum(len(t.form.params) for t in choice)))
 
 
 def linear_heldout(law: Array, columns: Array, residual: Array, masks: list[Array]) -> tuple[float, float]:

@@ -42,7 +42,7 @@ def _rungs(below: Rung, terms: list[Term], record: Record, found: Diagnosis) -> 
     left = list(terms)
     while left:
         base = rungs[-1] if rungs else below
-        trials = [(fit(base.fit.model.adding(t), record), t) for t in left]
+        trials = [(_added(base.fit, t, record, found.best), t) for t in left]
         best, term = min(trials, key=lambda pair: _merit(pair[0]))
         heldout = heldout_rmse(best.model, record, best)
         rungs.append(Rung(best, heldout, _why(base, best, heldout, found), found))
@@ -50,6 +50,15 @@ def _rungs(below: Rung, terms: list[Term], record: Record, found: Diagnosis) -> 
     while rungs and not _helps((below, *rungs)[-2], rungs[-1]):
         rungs.pop()
     return rungs
+
+
+def _added(base: Fit, term: Term, record: Record, found: Fit) -> Fit:
+    """The base with a term, from the values that it was `found` with; that fit itself where it holds no more."""
+    model = base.model.adding(term)
+    if model == found.model:
+        return found
+    one = fit(model, record, start=found.values)
+    return one if one.rmse <= base.rmse else fit(model, record, start=base.values)
 
 
 def _merit(one: Fit) -> float:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from .problem import Projection, bounds
+from .problem import FLAT, Projection, bounds
 
 Array = np.ndarray
 FIRST_STEP = 0.3
@@ -70,7 +70,8 @@ def _step_within(triangle: Array, gradient: Array, radius: float) -> Array:
     """The same without bounds: Moré & Sorensen 1983, SIAM J. Sci. Stat. Comput. 4, 553–572, in singular directions."""
     _, sigma, axes = np.linalg.svd(triangle, full_matrices=False)
     along = axes @ gradient
-    square = np.maximum(sigma**2, np.finfo(float).eps ** 2 * max(float(sigma[0]) ** 2, 1e-300))
+    along[sigma <= FLAT * sigma[0]] = 0.0
+    square = np.maximum(sigma**2, max(float(sigma[0]) ** 2 * FLAT**2, 1e-300))
     damping, step = 0.0, along / square
     length = float(np.linalg.norm(step))
     for _ in range(50):

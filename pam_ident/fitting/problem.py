@@ -18,6 +18,8 @@ Whiten = Callable[[Array], Array]
 """Selects rows and decorrelates noise: (n,) or (n, k) → (m,) or (m, k), linear."""
 HUGE = 1e60
 """Residual beyond which a trial point is simply bad: its square must stay a number."""
+FLAT = 1e-9
+"""Share of a slope that the linear parameters must leave: the rest is rounding, and a step along it chance."""
 STEP = 1e-5
 """Step of central differences in units of a parameter's typical size."""
 
@@ -179,7 +181,8 @@ class Projection:
         free = (self.sizes > lower) & (self.sizes < upper)
         columns = self.columns if np.all(free) else self.columns[:, free]
         triangle: Array = np.linalg.qr(np.column_stack([columns, slopes]), mode="r")  # pyright: ignore
-        return slopes - columns @ _lstsq(triangle, columns.shape[1])
+        left = slopes - columns @ _lstsq(triangle, columns.shape[1])
+        return left * (norms(left) > FLAT * np.linalg.norm(slopes, axis=0))
 
     def _slopes(self) -> Array:
         return self.problem.whiten(self.problem._slopes(self.point, self.sizes))

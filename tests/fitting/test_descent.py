@@ -54,3 +54,23 @@ def test_two_decays_are_found_as_scipy_finds_them_also_at_a_bound(top, seed):
     assert found.cost == pytest.approx(2.0 * other.cost, rel=1e-7)
     np.testing.assert_allclose(found.q, other.x[2:], rtol=1e-4)
     assert (found.q[1] == top) == (top < 2.5)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_the_data_leave_open_stays_where_it_began(seed):
+    """A size and three rates of one decay: only the rates' sum counts, and rounding must not move them apart."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0.0, 5.0, 200)
+    y = 2.0 * np.exp(-1.5 * t) + 0.01 * rng.normal(size=200)
+    rates = tuple(Param(f"r{k}", "1/s", "", 0.01, 10.0, start=0.1 * (k + 1)) for k in range(3))
+
+    def design(values):
+        return np.exp(-t * sum(values.values()))[:, None], np.zeros_like(t)
+
+    def found(target):
+        problem = Problem((Param("a", "1", "", -100.0, 100.0),), rates, design, target)
+        return descend(problem.starts(1)[0], 1e-15, 1e-9, 200)[0].q
+
+    whole = found(y)
+    np.testing.assert_allclose(found(y * (1.0 + 1e-10 * rng.normal(size=200))), whole, rtol=1e-7)
+    assert np.sum(whole) == pytest.approx(1.5, abs=0.02)

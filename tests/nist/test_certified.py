@@ -50,8 +50,8 @@ def test_six_digits_of_the_parameters_and_of_their_errors(nist, name, start):
 
 
 @pytest.mark.parametrize(("name", "start"), BOTH)
-def test_levenberg_marquardt_gets_seven_digits_but_for_one_start(nist, name, start):
+def test_levenberg_marquardt_gets_six_digits_but_for_one_start(nist, name, start):
     one = read_certified(nist / f"{name}.dat")
     found = LevenbergMarquardt().solve(one.problem(start))
     assert found.converged
-    assert (one.digits(found.values) >= 7.0) is ((name, start) != ELSEWHERE)
+    assert (one.digits(found.values) >= 6.0) is ((name, start) != ELSEWHERE)
