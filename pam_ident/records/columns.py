@@ -20,14 +20,20 @@ Values = dict[str, Array]
 
 def read_columns(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[Values]:
     """Each run of a table, whole; what a run is, and what is raised, as `read_pieces` says."""
-    run: dict[str, list[Array]] = {}
+    run: Values = {}
+    n = 0
     for begins, values in read_pieces(table, sources, length_mm):
         if begins and run:
-            yield _joined(run)
+            yield {key: column[:n] for key, column in run.items()}
+            run, n = {}, 0
+        more = len(next(iter(values.values())))
         for key, column in values.items():
-            run.setdefault(key, []).append(column)
+            if key not in run or n + more > len(run[key]):
+                run[key] = _with_room(run.get(key, column[:0]), n, n + more)
+            run[key][n : n + more] = column
+        n += more
     if run:
-        yield _joined(run)
+        yield {key: column[:n] for key, column in run.items()}
 
 
 def read_pieces(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[tuple[bool, Values]]:
@@ -54,9 +60,12 @@ def read_pieces(table: Table, sources: dict[str, Source], length_mm: float) -> I
         raise DataError(f"{table.place}: a header but no rows of numbers; expected one row a sample")
 
 
-def _joined(parts: dict[str, list[Array]]) -> Values:
-    """Whole columns; a column's parts are let go before the next is joined, lest all of them stand twice in memory."""
-    return {key: np.concatenate(parts.pop(key)) for key in list(parts)}
+def _with_room(column: Array, n: int, needed: int) -> Array:
+    """The first n rows of a column with room for `needed` and as many again, which take no memory until they are used;
+    to join all blocks at the end would take the memory twice."""
+    wider = np.empty(2 * needed)
+    wider[:n] = column[:n]
+    return wider
 
 
 def _column(table: Table, block: Block, source: Source, key: str) -> Array:
