@@ -2,6 +2,7 @@
 
 import asyncio
 import io
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from importlib.resources import files
@@ -148,7 +149,7 @@ class Workbench(Viewer):
             self.views["falling"], self.suspects, self.tabs,
             styles={"flex": "1 1 30rem", "min-width": "0"},
         )  # fmt: skip
-        self.page = pn.Column(
+        self.page = _Page(
             _html("<h1>pam-ident workbench</h1>"), pn.FlexBox(self.side, self.main, flex_wrap="wrap"), **wide
         )
 
@@ -166,6 +167,10 @@ class Workbench(Viewer):
 
     def look(self) -> None:
         """Show what the work has found since the last look, and how far it is."""
+        with self.page.turn:
+            self._look()
+
+    def _look(self) -> None:
         work = self.work
         if work is None:
             return
@@ -316,6 +321,22 @@ class Workbench(Viewer):
             shown.append(pn.Row(button, _html(words.suspect(suspect, known))))
         shown.append(_html(words.not_judged(found)))
         return shown
+
+
+class _Page(pn.Column):
+    """A column that hears the browser only while nobody else changes it.
+
+    A kernel of JupyterLab hears it in another thread than the one that looks for what the work has found, and what is
+    changed while Panel takes in a message never reaches the browser.
+    """
+
+    def __init__(self, *objects: Any, **options: Any) -> None:
+        self.turn = threading.RLock()
+        super().__init__(*objects, **options)
+
+    def _on_msg(self, ref: str, manager: Any, msg: Any) -> None:
+        with self.turn:
+            super()._on_msg(ref, manager, msg)
 
 
 def _told(bench: Bench) -> Iterator[Found]:

@@ -1,5 +1,7 @@
 """The page without a browser: its widgets are used as a person's clicks would use them."""
 
+import threading
+
 import pytest
 
 pn = pytest.importorskip("panel")
@@ -127,3 +129,18 @@ def test_examples_are_records(undrawn):
 def test_a_wrong_law_is_refused_before_the_page_is_made():
     with pytest.raises(UsageError, match="unknown law"):
         Workbench(law="no_such_law")
+
+
+def test_the_browser_is_heard_only_between_changes_of_the_page(monkeypatch):
+    page, heard = Workbench(), threading.Event()
+    monkeypatch.setattr("panel.viewable.MimeRenderMixin._on_msg", lambda *_: heard.set())
+    listener = threading.Thread(target=page.page._on_msg, args=("ref", None, None))
+
+    def change():
+        listener.start()
+        assert not heard.wait(0.3)
+
+    monkeypatch.setattr(page, "_look", change)
+    page.look()
+    assert heard.wait(30)
+    listener.join()
