@@ -5,6 +5,10 @@
 Each way of reading runs in a process of its own, so that its peak of memory is its own: pandas.read_csv of the whole
 file; the columns of a record in internal units, whole; the same columns block by block, none of them kept; and, with
 strokes, cycles and isobars found, the record in memory and the record on disk. The file is deleted afterwards.
+
+The ways take turns, ROUNDS times. Times are the least of each, on the clock and on the processor: another's work on the
+same machine makes either longer, never shorter. Ends with 1 where columns, whole or by blocks, come at less than LEAST
+of pandas' rate by the processor, or the record on disk takes more than MOST_GIB.
 """
 
 import os
@@ -20,6 +24,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 ROOT = Path(__file__).parents[1]
 HEADER = "time_s,pressure_MPa,displacement_mm,force_N,temperature_C,supply_MPa,valve_V,strain_1,strain_2"
 PIECE = 100_000
+ROUNDS, LEAST, MOST_GIB = 5, 0.6, 0.6
 READ = """
 import resource, sys, time
 import numpy as np, pandas as pd
@@ -28,18 +33,20 @@ from pam_ident.records.columns import join_runs, read_columns
 from pam_ident.records.quantities import find_sources
 from pam_ident.records.text_table import read_text
 path = Path(sys.argv[1])
-start = time.perf_counter()
+start = time.perf_counter(), time.process_time()
 {what}
-seconds = time.perf_counter() - start
+wall, processor = time.perf_counter() - start[0], time.process_time() - start[1]
 peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-print(len(found), seconds, peak / 2**20)
+print(len(found), wall, processor, peak / 2**20)
 """
+PANDAS, WHOLE, BLOCKS = "pandas.read_csv", "columns of a record, whole", "columns, block by block"
+ON_DISK = "record on disk, in chunks"
 WAYS = {
-    "pandas.read_csv": "found = pd.read_csv(path)",
-    "columns of a record, whole": """
+    PANDAS: "found = pd.read_csv(path)",
+    WHOLE: """
 (table,) = read_text(path)
 found = join_runs(read_columns(table, find_sources(table), 200.0), str(path))["force"]""",
-    "block by block": """
+    BLOCKS: """
 (table,) = read_text(path)
 sources = find_sources(table)
 wanted = [source.position for source in sources.values()]
@@ -47,7 +54,7 @@ found = range(sum(len(block) for block in table.read(wanted)))""",
     "record, whole, with its strokes": """
 from pam_ident.records import read_record
 found = read_record(path)""",
-    "record on disk, in chunks": """
+    ON_DISK: """
 from pam_ident.records.long import open_long
 with open_long(path) as found:
     pass""",
@@ -71,31 +78,33 @@ def write(path: Path, rows: int) -> None:
             np.savetxt(file, table, fmt="%.3f,%.8f,%.7f,%.6f,%.5f,%.7f,%.7f,%.9f,%.9f")
 
 
-def main(rows: int = 10_000_000, folder: str | None = None) -> None:
+def main(rows: int = 10_000_000, folder: str | None = None) -> int:
     where = Path(tempfile.mkdtemp(dir=folder))
     path = where / "record.csv"
     try:
         write(path, rows)
         (where / "specimen.toml").write_text(SPECIMEN)
         size = path.stat().st_size
-        print(f"{rows} rows, {size / 1e9:.3f} GB")
-        times: dict[str, list[float]] = {name: [] for name in WAYS}
-        peaks: dict[str, float] = {}
-        for _ in range(3):
+        print(f"{rows} rows, {size / 1e9:.3f} GB, least of {ROUNDS}")
+        print(f"{'':32}{'clock, s':>9}{'of pandas':>10}{'processor, s':>13}{'of pandas':>10}{'peak, GiB':>10}")
+        found: dict[str, list[list[float]]] = {name: [] for name in WAYS}
+        for _ in range(ROUNDS):
             for name, what in WAYS.items():
                 words = [sys.executable, "-c", READ.format(what=what), str(path)]
                 answer = subprocess.run(words, check=True, capture_output=True, text=True, cwd=ROOT).stdout.split()
                 assert int(answer[0]) == rows, answer
-                times[name].append(float(answer[1]))
-                peaks[name] = float(answer[2])
-        pandas = min(times["pandas.read_csv"])
-        print(f"{'':28} {'seconds':>8} {'GB/s':>6} {'of pandas':>9} {'peak, GiB':>9}   best of three")
-        for name, seconds in times.items():
-            best = min(seconds)
-            print(f"{name:28} {best:8.2f} {size / best / 1e9:6.2f} {pandas / best:9.2f} {peaks[name]:9.2f}")
+                found[name].append([float(x) for x in answer[1:]])
     finally:
         shutil.rmtree(where)
+    least = {name: [min(column) for column in zip(*runs, strict=True)] for name, runs in found.items()}
+    peaks = {name: max(run[2] for run in runs) for name, runs in found.items()}
+    of_pandas = {name: [least[PANDAS][k] / least[name][k] for k in (0, 1)] for name in WAYS}
+    for name, (clock, processor, _) in least.items():
+        rates = of_pandas[name]
+        print(f"{name:32}{clock:9.2f}{rates[0]:10.2f}{processor:13.2f}{rates[1]:10.2f}{peaks[name]:10.2f}")
+    slow = min(of_pandas[name][1] for name in (WHOLE, BLOCKS)) < LEAST
+    return int(slow or peaks[ON_DISK] > MOST_GIB)
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:2]), *sys.argv[2:3])
+    sys.exit(main(*map(int, sys.argv[1:2]), *sys.argv[2:3]))

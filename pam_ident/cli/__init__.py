@@ -24,6 +24,7 @@ from . import (
     track,
     workbench,
 )
+from .completion import whole_words
 from .door import Door
 from .verbs import verb
 
@@ -81,4 +82,5 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # type: ignore[union-attr]
-    app(prog_name="pam-ident")
+    with whole_words():
+        app(prog_name="pam-ident")

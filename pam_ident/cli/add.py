@@ -13,7 +13,11 @@ def add(
     effect: Annotated[
         list[str],
         typer.Option(
-            "--effect", metavar="NAME", help="Effect to add, NAME or NAME:FORM; repeatable.", show_default=False
+            "--effect",
+            metavar="NAME",
+            help="Effect to add, NAME or NAME:FORM; repeatable.",
+            show_default=False,
+            autocompletion=options.effect_names,
         ),
     ],
     effect_file: options.EffectFiles = None,

@@ -21,13 +21,19 @@ Values = dict[str, Array]
 def read_columns(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[Values]:
     """Each run of a table, whole; what a run is, and what is raised, as `read_pieces` says."""
     run: Values = {}
+    n = 0
     for begins, values in read_pieces(table, sources, length_mm):
         if begins and run:
-            yield run
-            run = {}
-        _append(run, values)
+            yield {key: column[:n] for key, column in run.items()}
+            run, n = {}, 0
+        more = len(next(iter(values.values())))
+        for key, column in values.items():
+            if key not in run or n + more > len(run[key]):
+                run[key] = _with_room(run.get(key, column[:0]), n, n + more)
+            run[key][n : n + more] = column
+        n += more
     if run:
-        yield run
+        yield {key: column[:n] for key, column in run.items()}
 
 
 def read_pieces(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[tuple[bool, Values]]:
@@ -54,15 +60,12 @@ def read_pieces(table: Table, sources: dict[str, Source], length_mm: float) -> I
         raise DataError(f"{table.place}: a header but no rows of numbers; expected one row a sample")
 
 
-def _append(run: Values, more: Values) -> None:
-    """Lengthen a run in place: to join the blocks at the end would take the memory twice."""
-    for key, column in more.items():
-        if key in run:
-            n = len(run[key])
-            run[key].resize(n + len(column), refcheck=False)
-            run[key][n:] = column
-        else:
-            run[key] = np.array(column)
+def _with_room(column: Array, n: int, needed: int) -> Array:
+    """The first n rows of a column with room for `needed` and as many again, which take no memory until they are used;
+    to join all blocks at the end would take the memory twice."""
+    wider = np.empty(2 * needed)
+    wider[:n] = column[:n]
+    return wider
 
 
 def _column(table: Table, block: Block, source: Source, key: str) -> Array:
@@ -75,8 +78,9 @@ def _column(table: Table, block: Block, source: Source, key: str) -> Array:
         numbers = np.asarray(cells, dtype=float)
     else:
         numbers = np.array([number_of(cell, table.decimal) for cell in cells])
-    bad = np.flatnonzero(~np.isfinite(numbers))
-    if len(bad):
+    finite = np.isfinite(numbers)
+    if not finite.all():
+        bad = np.flatnonzero(~finite)
         cell = cells.iloc[int(bad[0])]
         what = "is empty or NaN" if cell is None or cell != cell else f"holds {str(cell)[:40]!r}"
         more = f" (and {len(bad) - 1} more rows)" if len(bad) > 1 else ""
@@ -84,7 +88,7 @@ def _column(table: Table, block: Block, source: Source, key: str) -> Array:
         raise DataError(
             f"{_where(table, block, bad[0], source)}: {what}{more}; expected a number{mark}. Mend or delete the row"
         )
-    return numbers * source.factor + source.offset
+    return numbers if (source.factor, source.offset) == (1.0, 0.0) else numbers * source.factor + source.offset
 
 
 def _directions(table: Table, block: Block, source: Source) -> Array:

@@ -9,6 +9,7 @@ import pandas as pd
 
 from ..core import DataError
 from .mapping import Mapping
+from .mat_check import check_elements
 from .quantities import quantity_of
 from .table import Table, need_extra, table_in_memory
 
@@ -36,8 +37,11 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
 
 def _of_mat(path: Path) -> dict[str, object]:
     from scipy.io import loadmat
+    from scipy.io.matlab import matfile_version
 
     try:
+        if matfile_version(path)[0] == 1:  # of versions 5 to 7
+            check_elements(path.read_bytes())
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of what MATLAB alone can read, such as its tables
             content = loadmat(path, squeeze_me=True, struct_as_record=False)

@@ -17,6 +17,7 @@ DELIMITERS = ("\t", ";", ",", "|", " ")
 HEAD_BYTES = 1 << 16
 HEAD_LINES = 300
 MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
+_NO_TEXT = re.compile(r"[\x00-\x08\x0b\x0e-\x19\x1b-\x1f]")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
 
 
@@ -45,7 +46,7 @@ def find_layout(place: str, head: bytes, mapping: Mapping | None = None) -> Layo
     text = head[skip : skip + (len(head) - skip) // 2 * 2].decode(encoding, errors="replace")
     if not text.strip():
         raise DataError(f"{place}: the file is empty; expected a header row and one row a sample")
-    if any(ord(c) < 32 and c not in "\t\r\n\f\x1a" for c in text):
+    if _NO_TEXT.search(text):
         raise DataError(f"{place}: not a readable CSV file (it is not text); expected a table as text")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if len(head) >= HEAD_BYTES:

@@ -56,52 +56,91 @@ def _blocks(place: str, file: BinaryIO, layout: Layout, wanted: Sequence[int]) -
     """The rows after the header, numbered as lines."""
     line = 1
     for text in _pieces(place, file, layout):
-        first, line = line, line + text.count(b"\n")
-        if line <= layout.first_line:
-            continue
-        if first < layout.first_line:
-            text = text.split(b"\n", layout.first_line - first)[-1]
-            first = layout.first_line
-        tell("reading rows", first)
-        if text.strip():
-            yield _parse(place, text, first, layout, wanted)
+        if (above := layout.first_line - line) > 0:
+            lines = _with_newlines(text).split(b"\n", above)
+            line += len(lines) - 1
+            text = lines[-1]
+            if line < layout.first_line or not text:
+                continue
+        tell("reading rows", line)
+        block = _plain(text, line, layout, wanted)
+        if block is not None:
+            line += len(block)
+        else:
+            text = _with_newlines(text)
+            block = _mended(place, text, line, layout, wanted)
+            line += text.count(b"\n")
+        yield block
 
 
 def _pieces(place: str, file: BinaryIO, layout: Layout) -> Iterator[bytes]:
-    """Whole lines in UTF-8 with \\n at their ends, about BLOCK_BYTES at a time."""
+    """Whole lines in valid UTF-8, about BLOCK_BYTES at a time."""
     _take(place, file, layout.skip)
     decoder = None if layout.encoding == "utf-8" else codecs.getincrementaldecoder(layout.encoding)("replace")
     rest = b""
     while chunk := _take(place, file, BLOCK_BYTES):
-        text = rest + (decoder.decode(chunk).encode() if decoder else chunk)
-        cut = text.rfind(b"\n") + 1 or text.rfind(b"\r", 0, len(text) - 1) + 1
-        text, rest = text[:cut], text[cut:]
-        yield _clean(text)
+        if decoder:
+            chunk = decoder.decode(chunk).encode()
+        cut = chunk.rfind(b"\n") + 1
+        if not cut:
+            chunk, rest = rest + chunk, b""
+            cut = chunk.rfind(b"\r", 0, len(chunk) - 1) + 1
+        if cut:
+            yield _valid(b"".join((rest, memoryview(chunk)[:cut])))
+            rest = b""
+        rest += chunk[cut:]
     if rest:
-        yield _clean(rest.rstrip(b"\r") + b"\n")
+        yield _valid(rest.rstrip(b"\r") + b"\n")
 
 
-def _clean(text: bytes) -> bytes:
-    """Lines that end in \\n, in valid UTF-8."""
-    if not text.isascii():
-        text = text.decode("utf-8", "replace").encode()
+def _valid(text: bytes) -> bytes:
+    return text if text.isascii() else text.decode("utf-8", "replace").encode()
+
+
+def _with_newlines(text: bytes) -> bytes:
+    """Lines that end in \\n."""
     return text.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in text else text
 
 
-def _parse(place: str, text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Block:
-    """Cut lines into cells; `first` is the number of the first line. Raises DataError for a row of other width."""
+def _plain(text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Block | None:
+    """The rows of lines of which each is a row as the header promises; None where any may need a closer look.
+
+    One pass over the marks between cells tells of all lines that they have as many cells as the header, without
+    quotation marks; what is left to rule out are lines of nothing but delimiters, and the header again.
+    """
+    delimiter = layout.delimiter.encode()
+    if delimiter == b" " or any(line.encode() in text for line in layout.repeated[:1]):
+        return None
+    marks = text.translate(None, bytes({*range(256)} - {*delimiter, *b'\n\r\0"'}))
+    row = delimiter * (layout.width - 1) + (b"\r\n" if text.endswith(b"\r\n") else text[-1:])
+    n = len(marks) // len(row)
+    if marks != row * n:
+        return None
+    frame = _frame(text, layout, wanted)
+    if len(frame) != n or frame.iloc[:, 0].isna().any():
+        return None
+    return Block({k: pd.Series(frame[k]) for k in wanted}, range(first, first + n))
+
+
+def _mended(place: str, text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Block:
+    """The rows among lines that are looked at one by one. Raises DataError for a row of other width."""
     if b"\0" in text:
         row = first + text[: text.index(b"\0")].count(b"\n")
         raise DataError(f"{place}, row {row}: holds a byte that is no text; expected a table. Copy the file again")
-    rows: Sequence[int] = range(first, first + text.count(b"\n"))
-    starts: tuple[int, ...] = ()
-    if not _is_plain(text, layout):
-        text, rows, starts = _checked(place, text, first, layout)
+    text, rows, starts = _checked(place, text, first, layout)
     if not rows:
         return Block({k: pd.Series(dtype=float) for k in wanted}, rows, starts)
+    frame = _frame(text, layout, wanted)
+    if len(frame) != len(rows):
+        raise DataError(f"{place}: not a readable CSV file (quotation marks around line ends?); write it without them")
+    return Block({k: pd.Series(frame[k]) for k in wanted}, rows, starts)
+
+
+def _frame(text: bytes, layout: Layout, wanted: Sequence[int]) -> pd.DataFrame:
+    """The wanted columns, by their positions, of lines that have as many cells as the header."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", pd.errors.DtypeWarning)  # of a bad cell, which is named later
-        frame = pd.read_csv(
+        return pd.read_csv(
             io.BytesIO(text),
             sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
             decimal=layout.decimal,
@@ -112,21 +151,6 @@ def _parse(place: str, text: bytes, first: int, layout: Layout, wanted: Sequence
             skipinitialspace=b" " in text,
             skip_blank_lines=False,
         )
-    if len(frame) != len(rows):
-        raise DataError(f"{place}: not a readable CSV file (quotation marks around line ends?); write it without them")
-    return Block({k: pd.Series(frame[k]) for k in wanted}, rows, starts)
-
-
-def _is_plain(text: bytes, layout: Layout) -> bool:
-    """Whether every line has as many delimiters as the header and nothing needs a closer look."""
-    delimiter, header = layout.delimiter.encode(), [line.encode() for line in layout.repeated[:1]]
-    if delimiter == b" " or b'"' in text or any(line in text for line in header):
-        return False
-    empty = delimiter * (layout.width - 1) + b"\n"
-    if text.startswith(empty) or b"\n" + empty in text:
-        return False
-    others = bytes(set(range(256)) - {*delimiter, *b"\n"})
-    return text.translate(None, others) == empty * text.count(b"\n")
 
 
 def _checked(place: str, text: bytes, first: int, layout: Layout) -> tuple[bytes, list[int], tuple[int, ...]]:

@@ -94,11 +94,16 @@ def test_on_a_terminal_progress_appears_and_is_gone_at_the_end(root, rubbing, tm
 @pytest.mark.parametrize(
     ("words", "expected"),
     [("pam-ident dia", "diagnose"), ("pam-ident fit r.csv --law expo", "exponential_law"),
-     ("pam-ident fit r.csv --law sarosi --effect coul", "coulomb_friction")],
+     ("pam-ident fit r.csv --law sarosi --effect coul", "coulomb_friction"),
+     ("pam-ident fit r.csv --effect coulomb_friction:te", "coulomb_friction:textbook"),
+     ("pam-ident add r.csv --effect coulomb_friction : te", "textbook"),
+     ("pam-ident fit r.csv --effect coulomb_friction :", "stribeck"),
+     ("pam-ident fit r.csv --effect coulomb_friction : textbook --law expo", "exponential_law")],
 )  # fmt: skip
 def test_the_shell_completes_commands_laws_and_effects(root, words, expected):
     environment = {
-        **os.environ, "PYTHONPATH": str(root), "_PAM_IDENT_COMPLETE": "complete_bash", "COMP_WORDS": words,
+        **os.environ, "PYTHONPATH": str(root), "_PAM_IDENT_COMPLETE": "complete_bash",
+        "COMP_WORDS": words.replace(" ", "\n"),
         "COMP_CWORD": str(len(words.split()) - 1),
     }  # fmt: skip
     done = subprocess.run(

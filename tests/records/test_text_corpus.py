@@ -7,7 +7,7 @@ import pytest
 from corpus import DISPLACEMENT, FORCE, HEADERS, PRESSURE, ROWS, TIME, as_text, assert_right, values
 
 from pam_ident.core import DataError
-from pam_ident.records import read_record
+from pam_ident.records import read_record, text_table
 
 BARE = ("time", "pressure", "displacement", "force")
 UNITS = "s,MPa,mm,N\n"
@@ -57,6 +57,8 @@ READ = {
     "blank lines between": GOOD.replace("\n", "\n\n"),
     "blank lines at the end": GOOD + "\n\n  \n",
     "rows of nothing but delimiters at the end": GOOD + ",,,\n,,,\n",
+    "rows of nothing but delimiters and blanks": GOOD.replace("\n0.5,", "\n , ,, \n0.5,"),
+    "line ends of two systems": GOOD.replace("\n", "\r\n", 9),
     "end-of-file mark of DOS": GOOD + "\x1a",
     "UTF-8 with a mark": b"\xef\xbb\xbf" + GOOD.encode(),
     "UTF-16, little end first": b"\xff\xfe" + GOOD.encode("utf-16-le"),
@@ -228,9 +230,30 @@ BAD_MAPPINGS = {
 }
 
 
+@pytest.fixture(params=[text_table.BLOCK_BYTES, 37], ids=["whole", "in pieces"])
+def blocks(request, monkeypatch):
+    """Files are read at once, or in pieces of a row or two."""
+    monkeypatch.setattr(text_table, "BLOCK_BYTES", request.param)
+
+
+@pytest.mark.usefixtures("blocks")
 @pytest.mark.parametrize("kind", READ)
 def test_what_can_be_read_is_read_right(put, kind):
     assert_right(read_record(put(READ[kind], "record.csv.gz" if kind == "gzipped" else "record.csv")))
+
+
+def test_the_quick_way_and_the_closer_look_read_the_same_numbers(put, monkeypatch):
+    rows = np.random.default_rng(0).normal(0.0, 1.0, (3000, 4))
+    rows[:, 0] = np.arange(3000)
+    rows[:, 1] = np.abs(rows[:, 1])
+    path = put(as_text(rows=[[f"{x:.12g}" for x in row] for row in rows]))
+    quick = read_record(path)
+    monkeypatch.setattr(text_table, "_plain", lambda *_: None)
+    close = read_record(path)
+    for name in ("pressure", "contraction", "time"):
+        np.testing.assert_array_equal(getattr(quick.inputs, name), getattr(close.inputs, name))
+    np.testing.assert_array_equal(quick.force, close.force)
+    np.testing.assert_allclose(quick.force, rows[:, 3], rtol=1e-11)
 
 
 @pytest.mark.parametrize("kind", MAPPED)
@@ -248,6 +271,7 @@ def refusal(path, words):
         assert word in message, message
 
 
+@pytest.mark.usefixtures("blocks")
 @pytest.mark.parametrize("kind", REFUSED)
 def test_what_cannot_be_read_is_refused_with_its_place(put, kind):
     text, words = REFUSED[kind]

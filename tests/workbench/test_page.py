@@ -1,5 +1,7 @@
 """The page without a browser: its widgets are used as a person's clicks would use them."""
 
+import threading
+
 import pytest
 
 pn = pytest.importorskip("panel")
@@ -45,21 +47,21 @@ def test_the_story_from_verdict_to_adequate_and_back(folder):
     click(page, "Add coulomb_friction")
     assert "Adequate" in page.verdict.object and "error of the law alone" in page.verdict.object
     assert page.views["falling"].object.startswith("<svg") and page.views["trace"].object.startswith("<svg")
-    assert "--effect coulomb_friction" in page.command.object
+    assert "--effect coulomb_friction" in page.side.command.object
     assert b"<html" in page._report_file().read()
     click(page, "Remove coulomb_friction")
-    assert "Effect missing" in page.verdict.object and "--effect" not in page.command.object
+    assert "Effect missing" in page.verdict.object and "--effect" not in page.side.command.object
     assert not buttons(page, "Remove") and not page.views["falling"].object
 
 
 def test_another_law_and_another_effect_by_name(page):
-    page.law.value = "modified_chou_hannaford"
+    page.side.law.value = "modified_chou_hannaford"
     page.wait()
     assert page.bench.fit.model.law.name == "modified_chou_hannaford"
-    page.other.value = "viscous_damping"
+    page.side.other.value = "viscous_damping"
     click(page, "Add this effect")
     assert page.bench.fit.model.labels == ["viscous_damping"]
-    page.geometry.value = True
+    page.side.geometry.value = True
     page.wait()
     assert page.bench.fit.model.free_geometry and page.bench.fit.model.labels == []
 
@@ -67,10 +69,10 @@ def test_another_law_and_another_effect_by_name(page):
 def test_files_that_are_dropped_take_the_place_of_the_record(page, folder):
     names = ["other.csv", "specimen.toml"]
     contents = [(folder / "record.csv").read_bytes(), (folder / "specimen.toml").read_bytes()]
-    page.drop.param.update(filename=names, value=contents)
+    page.side.drop.param.update(filename=names, value=contents)
     page.wait()
-    assert page.bench.path == "other.csv" and page.command.object.count("other.csv") == 1
-    page.drop.param.update(filename=["bad.csv"], value=[b"time_s,force_N\n0,1\n"])
+    assert page.bench.path == "other.csv" and page.side.command.object.count("other.csv") == 1
+    page.side.drop.param.update(filename=["bad.csv"], value=[b"time_s,force_N\n0,1\n"])
     page.wait()
     assert page.error.visible and "bad.csv" in page.error.object
     assert page.bench.path == "other.csv", "what lay on the bench stays there"
@@ -78,21 +80,21 @@ def test_files_that_are_dropped_take_the_place_of_the_record(page, folder):
 
 def test_a_record_without_specimen_takes_the_one_that_is_typed(folder, undrawn):
     page = Workbench()
-    page.drop.param.update(filename=["run.csv"], value=[(folder / "record.csv").read_bytes()])
+    page.side.drop.param.update(filename=["run.csv"], value=[(folder / "record.csv").read_bytes()])
     page.wait()
     assert page.error.visible and "specimen" in page.error.object and page.bench is None
     for key, value in (("initial_length_mm", "200"), ("initial_radius_mm", "10,0"), ("braid_angle_deg", "25.4")):
-        page.fields[key].value = value
-    page.drop.param.update(filename=["run.csv"], value=[(folder / "record.csv").read_bytes() + b"\n"])
+        page.side.fields[key].value = value
+    page.side.drop.param.update(filename=["run.csv"], value=[(folder / "record.csv").read_bytes() + b"\n"])
     page.wait()
     assert not page.error.visible and page.bench.record.specimen.initial_length_mm == 200.0
-    page.fields["braid_angle_deg"].value = "eighty"
+    page.side.fields["braid_angle_deg"].value = "eighty"
     click(page, "Use this specimen")
     assert page.error.visible and "Braid angle (°): &#39;eighty&#39;; expected a number" in page.error.object
-    page.fields["braid_angle_deg"].value = "80"
+    page.side.fields["braid_angle_deg"].value = "80"
     click(page, "Use this specimen")
     assert page.error.visible and "5 to 54 degrees" in page.error.object
-    page.fields["braid_angle_deg"].value = "24"
+    page.side.fields["braid_angle_deg"].value = "24"
     click(page, "Use this specimen")
     assert page.bench.record.specimen.braid_angle_deg == 24.0 and not page.error.visible
     assert b"braid_angle_deg = 24.0" in page._specimen_file().read()
@@ -111,15 +113,15 @@ def test_work_is_stopped_by_its_button_and_taken_up_again(page):
 
 def test_a_fit_that_cannot_be_is_told_and_changes_nothing(page):
     before = page.bench
-    page.other.value = "thermal_softening"  # the record holds no temperature
+    page.side.other.value = "thermal_softening"  # the record holds no temperature
     click(page, "Add this effect")
     assert page.error.visible and "temperature" in page.error.object and page.bench is before
 
 
 def test_examples_are_records(undrawn):
     page = Workbench()
-    assert {"hidden_effect", "dmsp20_300"} <= set(page.example.options.values())
-    page.example.value = "nothing_hidden"
+    assert {"hidden_effect", "dmsp20_300"} <= set(page.side.example.options.values())
+    page.side.example.value = "nothing_hidden"
     page.wait()
     assert "Adequate" in page.verdict.object
 
@@ -127,3 +129,18 @@ def test_examples_are_records(undrawn):
 def test_a_wrong_law_is_refused_before_the_page_is_made():
     with pytest.raises(UsageError, match="unknown law"):
         Workbench(law="no_such_law")
+
+
+def test_the_browser_is_heard_only_between_changes_of_the_page(monkeypatch):
+    page, heard = Workbench(), threading.Event()
+    monkeypatch.setattr("panel.viewable.MimeRenderMixin._on_msg", lambda *_: heard.set())
+    listener = threading.Thread(target=page.page._on_msg, args=("ref", None, None))
+
+    def change():
+        listener.start()
+        assert not heard.wait(0.3)
+
+    monkeypatch.setattr(page, "_look", change)
+    page.look()
+    assert heard.wait(30)
+    listener.join()

@@ -1,0 +1,30 @@
+"""Parts of the page: text as HTML, and the column that is all of it."""
+
+import threading
+from importlib.resources import files
+from typing import Any
+
+import panel as pn
+
+STYLE = (files("pam_ident.workbench") / "style.css").read_text(encoding="utf-8")
+
+
+def html(text: str = "", **options: Any) -> pn.pane.HTML:
+    """A pane in the style of the workbench, as wide as there is room."""
+    return pn.pane.HTML(str(text), stylesheets=[STYLE], **({"sizing_mode": "stretch_width"} | options))
+
+
+class Page(pn.Column):
+    """A column that hears the browser only while nobody else changes it.
+
+    A kernel of JupyterLab hears it in another thread than the one that looks for what the work has found, and what is
+    changed while Panel takes in a message never reaches the browser.
+    """
+
+    def __init__(self, *objects: Any, **options: Any) -> None:
+        self.turn = threading.RLock()
+        super().__init__(*objects, **options)
+
+    def _on_msg(self, ref: str, manager: Any, msg: Any) -> None:
+        with self.turn:
+            super()._on_msg(ref, manager, msg)
