@@ -13,6 +13,7 @@ from ..core import Inputs, Param
 from ..model import Model
 from ..records import Record
 from .covariance import Sums, clusters
+from .pieces import with_memory
 from .solve import solve
 
 Array = np.ndarray
@@ -27,8 +28,10 @@ MOST = 8
 
 def is_large(model: Model, record: Record, rows: Array) -> bool:
     """Whether this way pays and is open: all of very many `rows` (n,), a separable model without memory."""
-    memory = any(term.effect.stateful for term in model.terms)
-    return len(record) >= FROM and model.separable and not memory and bool(rows.all())
+    if len(record) < FROM or not model.separable or not rows.all():
+        return False
+    some = _some(record, SECOND)
+    return not with_memory(model, record.inputs.take(some), record.force[some])
 
 
 def solve_large(
@@ -41,13 +44,18 @@ def solve_large(
     params = model.bounded(record.inputs)
     if any(not np.isfinite(value) for value in start.values()):
         return None
-    first, second = (slice(None, None, len(record) // n | 1) for n in (FIRST, SECOND))  # odd, to alternate with pairs
+    first, second = _some(record, FIRST), _some(record, SECOND)
     values = solve(model, record.inputs.take(first), record.force[first], lambda m: m, start, quick=True).values
     near = _newton(_Reading(model, record.inputs.take(second), record.force[second], params), values)
     if near is None:
         return None
     cluster = clusters(record, slice(None)) if clustered else None
     return _end(_Reading(model, record.inputs, record.force, params, cluster), near)
+
+
+def _some(record: Record, most: int) -> slice:
+    """About `most` rows, the first among them, by a stride that is odd, to alternate with pairs."""
+    return slice(None, None, len(record) // most | 1)
 
 
 def _newton(reading: "_Reading", values: Mapping[str, float]) -> Array | None:
@@ -138,7 +146,7 @@ class _Reading:
         whole, tables = np.zeros((k + 1, k + 1)), np.zeros((runs, k + 1, k + 1))
         table = np.empty((k + 1, CHUNK))
         for begin in range(0, n, CHUNK):
-            part = slice(begin, begin + CHUNK)
+            part = slice(begin, min(begin + CHUNK, n))
             columns, slopes, left = self._slopes(part, values)
             table = table[:, : len(left)]
             table[: columns.shape[1]] = columns.T
@@ -158,14 +166,20 @@ class _Reading:
     def score(self, x: Array) -> Array:
         """Product of the Jacobian with the residual, (k,), at half the price of all sums."""
         found = np.zeros(len(self.params))
-        for begin in range(0, len(self.force), CHUNK):
-            columns, slopes, left = self._slopes(slice(begin, begin + CHUNK), self.named(x))
+        n = len(self.force)
+        for begin in range(0, n, CHUNK):
+            columns, slopes, left = self._slopes(slice(begin, min(begin + CHUNK, n)), self.named(x))
             found += np.r_[columns.T @ left, slopes @ left]
         return found
 
     def _slopes(self, part: slice, values: Mapping[str, float]) -> tuple[Array, Array, Array]:
-        """Linear columns (m, ·), derivatives by curved parameters (·, m), and the residual (m,), of some samples."""
-        inputs, force = self.inputs.take(part), self.force[part]
+        """Linear columns (m, ·), derivatives by curved parameters (·, m), and the residual (m,), of some samples.
+
+        The first sample of all is read with them where there are effects, which may count from it.
+        """
+        first = int(bool(self.model.terms))
+        rows = np.r_[0, part] if first else part
+        inputs, force = self.inputs.take(rows), self.force[rows]
         sizes = np.array([values[p.name] for p in self.model.linear])
         columns, fixed = self.model.design(inputs, values, force)
         modelled = fixed + columns @ sizes
@@ -176,4 +190,4 @@ class _Reading:
             other, moved = self.model.design(inputs, {**values, p.name: near}, force)
             np.subtract(moved + other @ sizes, modelled, out=row)
             row /= near - values[p.name]
-        return columns, slopes, force - modelled
+        return columns[first:], slopes[:, first:], (force - modelled)[first:]

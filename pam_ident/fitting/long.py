@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core import Inputs, Param, UsageError
+from ..core import Param, UsageError
 from ..model import Model
 from ..records import Record
 from ..records.long import LongRecord
 from .fit import Fit, check, with_estimates
 from .long_rows import UNREAD, Rows, Summary
+from .pieces import with_memory
 from .problem import bounds, within_bounds
 from .solve import solve
 
@@ -66,7 +67,12 @@ def fit_long(
     masks = {name: sample.branch_rows(name) for name in branches}
     for mask in masks.values():
         check(model, sample, mask, held)
-    _check_memory(model, sample)
+    memory = with_memory(model, sample.inputs, sample.force)
+    if memory:
+        raise UsageError(
+            f"{sample.source}: {memory[0].label} remembers what was before, and the record is read in chunks; leave it "
+            "out, or fit a part of the record that fits into memory"
+        )
     both = {name for name, mask in masks.items() if np.ptp(np.sign(sample.inputs.direction[mask])) == 2.0}
     rows = Rows(model, record, held, frozenset(both))
     searches = {name: _begin(model, sample.take(np.flatnonzero(mask)), held) for name, mask in masks.items()}
@@ -82,23 +88,6 @@ def fit_long(
         plain = LongFit(model, sample, masks[name], (), one.done, message, held=held, summary=summary)
         found[name] = with_estimates(plain, one.values | held, sums)
     return found
-
-
-def _check_memory(model: Model, sample: Record) -> None:
-    """Raises UsageError where an effect's columns at a sample hang on more than that sample and the record's first."""
-    later = np.r_[0, np.arange(len(sample) // 2, len(sample))]
-    for term in model.terms:
-        shape = {p.name: p.start for p in term.form.shapes}
-
-        def columns(inputs: Inputs, force: Array, term=term, shape=shape) -> Array:
-            return term.form.columns(inputs, shape, force)
-
-        apart = columns(sample.inputs.take(later), sample.force[later])
-        if term.effect.stateful or not np.allclose(apart, columns(sample.inputs, sample.force)[later], 1e-9, 1e-12):
-            raise UsageError(
-                f"{sample.source}: {term.label} remembers what was before, and the record is read in chunks; leave it "
-                "out, or fit a part of the record that fits into memory"
-            )
 
 
 @dataclass(frozen=True, eq=False)

@@ -78,7 +78,9 @@ def test_parameters_and_errors_are_those_of_the_fit_in_memory(path, law):
         assert_same(one, other)
 
 
-@pytest.mark.parametrize("effects", [("coulomb_friction",), ("viscous_damping", "force_drift"), ("thermal_softening",)])
+@pytest.mark.parametrize(
+    "effects", [("coulomb_friction",), ("viscous_damping", "force_drift"), ("thermal_softening",), ("pressure_lag",)]
+)
 def test_effects_without_memory_are_fitted_too(path, effects):
     for one, other in both_ways(path, Model.build("modified_chou_hannaford", effects), ("together",)).values():
         assert_same(one, other)
@@ -102,7 +104,9 @@ def test_the_geometry_may_be_free(path):
     assert_same(one, other)
 
 
-@pytest.mark.parametrize("effect", ["creep", "presliding_hysteresis", "pressure_lag", "mullins_softening:whole_test"])
+@pytest.mark.parametrize(
+    "effect", ["creep", "presliding_hysteresis", "pressure_lag:lagging", "mullins_softening:whole_test"]
+)
 def test_what_remembers_the_past_is_refused(path, effect):
     model = Model.build("exponential_law", (effect,))
     with open_long(path) as on_disk, pytest.raises(UsageError, match="read in chunks"):
