@@ -15,18 +15,14 @@ from ..records import Record
 from ..records.long import LongRecord
 from .fit import Fit, check, with_estimates
 from .long_rows import UNREAD, Rows, Summary
-from .pieces import with_memory
 from .problem import bounds, within_bounds
+from .readings import reached, with_memory
 from .solve import solve
 
 Array = np.ndarray
 SAMPLE = 20_000
 """Rows of the sample in which the minimum is looked for, and that stands for the record where a few rows will do."""
 MOST_READINGS = 40
-CLOSE = 1e-11
-"""Way that may be left to the minimum, in typical sizes of the parameters."""
-ROUNDING = 1e-18
-"""Square of a step, as a share of that of the residual, below which steps that shrink no more are rounding."""
 
 
 @dataclass(frozen=True)
@@ -129,10 +125,9 @@ class _Search:
         typical = np.array([p.typical(x) for p, x in zip(self.params, self.point, strict=True)])
         size = float(np.max(np.abs(whole) / typical, initial=0.0))
         rate = size / self.size if math.isfinite(self.size) else 1.0
-        close = size <= CLOSE or (rate < 0.5 and size * rate <= CLOSE)
-        rounding = rate > 0.5 and float(np.sum((matrix @ whole) ** 2)) <= ROUNDING * squares
+        done = reached(size, rate, float(np.sum((matrix @ whole) ** 2)) / squares if squares else 0.0)
         point = np.array([p.clip(x) for p, x in zip(self.params, self.point + whole, strict=True)])
-        return replace(self, point=point, best=self.point, squares=squares, size=size, done=close or rounding)
+        return replace(self, point=point, best=self.point, squares=squares, size=size, done=done)
 
 
 def _begin(model: Model, sample: Record, held: Mapping[str, float]) -> _Search:

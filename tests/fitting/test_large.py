@@ -28,7 +28,7 @@ def test_the_short_way_ends_where_the_long_way_ends(record, name):
     assert fit(model, many, detail=False).values == short[0]
     errors = {e.name: e.stderr for e in fit(model, many, white=True).estimates}
     for key, value in long.items():
-        assert short[0][key] == pytest.approx(value, rel=1e-6, abs=1e-3 * errors[key])
+        assert short[0][key] == pytest.approx(value, rel=1e-6, abs=1e-4 * errors[key])
 
 
 @pytest.mark.parametrize("white", [True, False])
@@ -49,6 +49,7 @@ def test_what_remembers_the_past_and_what_is_short_goes_the_long_way(record):
     every = np.ones(len(many), bool)
     assert is_large(Model.build("exponential_law"), many, every)
     assert not is_large(Model.build("exponential_law", ("creep",)), many, every)
+    assert not is_large(Model.build("chou_hannaford"), many, every)  # nothing is free
     assert not is_large(Model.build("exponential_law"), many, many.inputs.direction > 0)
     assert not is_large(Model.build("exponential_law"), record(n=1000), np.ones(1000, bool))
 
@@ -89,7 +90,8 @@ def test_what_is_read_in_chunks_is_the_same_as_read_whole(label, small):
     whole = jacobian(model, made.inputs, values, made.force)
     sizes = np.linalg.norm(whole, axis=0)
     assert found.squares == pytest.approx(float(left @ left), rel=1e-9)
-    np.testing.assert_allclose(found.score / sizes, whole.T @ left / sizes, rtol=1e-4, atol=1e-3)
+    score = reading.score(np.array([values[p.name] for p in reading.params]))
+    np.testing.assert_allclose(score / sizes, whole.T @ left / sizes, atol=1e-4)
     np.testing.assert_allclose(found.gram / np.outer(sizes, sizes), whole.T @ whole / np.outer(sizes, sizes), atol=1e-4)
 
 
@@ -107,7 +109,7 @@ def test_a_large_record_with_a_past_is_fitted_as_by_the_solver(label, record, tr
     assert any(e.identified and abs(e.value) > 5.0 * e.stderr for e in other.estimates if effect.name in e.name)
     for a, b in zip(one.estimates, other.estimates, strict=True):
         if b.identified:
-            assert a.value == pytest.approx(b.value, abs=0.02 * b.stderr), a.name
+            assert a.value == pytest.approx(b.value, abs=1e-5 * b.stderr), a.name
 
 
 def test_an_own_effect_that_does_not_say_what_it_remembers_is_not_read_in_chunks(record, small):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import DataError, UsageError
-from pam_ident.fitting import VariableProjection, fit, long, long_rows
+from pam_ident.fitting import VariableProjection, fit, large, long, long_rows
 from pam_ident.fitting.long import fit_long
 from pam_ident.fitting.solve import jacobian
 from pam_ident.laws import catalogue
@@ -76,6 +76,34 @@ def assert_same(one, other):
 def test_parameters_and_errors_are_those_of_the_fit_in_memory(path, law):
     for one, other in both_ways(path, Model.build(law)).values():
         assert_same(one, other)
+
+
+@pytest.fixture(scope="module")
+def many(tmp_path_factory):
+    """A record of 57,600 rows, which a fit in memory reads in chunks, too."""
+    folder = tmp_path_factory.mktemp("many")
+    protocol = Protocol((0.2, 0.3, 0.4), (5.0, 20.0), 3, move_rows=1_300, hold_rows=300)
+    write_case(folder, make_record(Plan(5, secrets=(Secret("coulomb_friction"),), protocol=protocol)))
+    return folder / "record.csv"
+
+
+@pytest.mark.parametrize("law", sorted(set(catalogue()) - {"martens_boblan"}))
+def test_of_very_many_rows_both_ways_end_at_one_minimum(many, law, monkeypatch):
+    """As they come, neither led on to the minimum.
+
+    Not the law that misses these extensions so far that each step leaves 0.6 of the way: rounding ends that at 2e-9.
+    """
+    monkeypatch.setattr(text_table, "BLOCK_BYTES", 1 << 20)
+    monkeypatch.setattr("pam_ident.records.long.CHUNK", 10_000)
+    record, model = read_record(many), Model.build(law)
+    assert len(record) > large.FROM
+    with open_long(many) as on_disk:
+        streamed = fit_long(model, on_disk, BRANCHES)
+    for name, one in streamed.items():
+        other = fit(model, record, record.branch_rows(name))
+        for a, b in zip(one.estimates, other.estimates, strict=True):
+            if b.identified:
+                assert a.value == pytest.approx(b.value, rel=1e-9, abs=1e-12), (name, a.name)
 
 
 @pytest.mark.parametrize(

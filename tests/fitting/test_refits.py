@@ -13,7 +13,13 @@ from pam_ident.model import Model
 
 def by_scipy(law, truth, p, e, force, weight=1.0):
     done = least_squares(
-        lambda x: weight * (law(x, p, e) - force), truth, x_scale=np.abs(truth), xtol=1e-14, ftol=1e-14, gtol=1e-14
+        lambda x: weight * (law(x, p, e) - force),
+        truth,
+        jac="3-point",
+        x_scale=np.abs(truth),
+        xtol=1e-14,
+        ftol=1e-14,
+        gtol=1e-14,
     )
     return done.x
 

@@ -1,4 +1,4 @@
-"""Whether a model may be evaluated on some of a record's samples at a time."""
+"""Fits by readings of all samples, some at a time: which models allow it, and where steps have reached the minimum."""
 
 import numpy as np
 
@@ -6,6 +6,21 @@ from ..core import Inputs
 from ..model import Model, Term
 
 Array = np.ndarray
+CLOSE = 1e-11
+"""Way that may be left to the minimum, in typical sizes of the parameters."""
+ROUNDING = 1e-18
+"""Square of a step, as a share of that of the residual, below which steps that shrink no more are rounding."""
+
+
+def reached(size: float, rate: float, moved: float) -> bool:
+    """Whether a step of Gauss and Newton ends the way to the minimum.
+
+    Near it each step is shorter than the one before by a `rate` (1 where it is not known), so that this and the step's
+    `size`, in typical sizes of the parameters, tell what is left. `moved` is its square over all samples, as a share of
+    the residual's.
+    """
+    left = size * rate / (1.0 - rate) if rate < 1.0 else size
+    return left <= CLOSE or (rate > 0.8 and moved <= ROUNDING)
 
 
 def with_memory(model: Model, inputs: Inputs, force: Array) -> list[Term]:
