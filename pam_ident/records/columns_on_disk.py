@@ -11,8 +11,8 @@ from ..core import UsageError
 Array = np.ndarray
 STRETCH = 1 << 18
 """Rows of a column that are read at a time."""
-BITS = 22
-"""Bits of a number by which an order statistic is narrowed down at a reading."""
+BITS = 16
+"""Bits of a number by which an order statistic is narrowed down at a reading: as many counts as a cache holds."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Columns:
         return np.fromfile(self.folder / name, kind, end - begin, offset=begin * size)
 
     def differences(self, name: str, begin: int, end: int, order: int) -> Iterator[Array]:
-        """Magnitudes of the differences of rows begin … end, a stretch (m,) at a time; those of order 0 are the numbers."""
+        """Magnitudes of differences of rows begin … end, a stretch (m,) at a time; those of order 0 are the numbers."""
         for first in range(begin, end - order, STRETCH):
             yield np.abs(np.diff(self.read(name, first, min(first + STRETCH + order, end)), order))
 

@@ -154,10 +154,11 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
     if n >= 12:
         centred = 2.0 * (time - time[0]) / width - 1.0
         curve = np.polynomial.Chebyshev.fit(centred, x, min(7, n // 6), domain=[-1.0, 1.0])
-        missed = np.std(x - curve(centred))
+        smooth = curve(centred)
+        missed = np.std(x - smooth)
         slope = curve.deriv()(centred) * 2.0 / width
         if missed < 2.0 * noise:
-            return curve(centred), slope
+            return smooth, slope
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
             return x, slope
     return x, _local_slopes(time, x, noise)
