@@ -103,12 +103,12 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def _forms_intro(effect: Effect) -> str:
     count = len(effect.forms)
     forms = "One form" if count == 1 else f"{count} forms, from the simplest to the richest"
-    memory = " It remembers the record's past." if effect.stateful else ""
-    return f"{forms}. Parameters are named `{effect.name}.NAME` in a model.{memory}"
+    return f"{forms}. Parameters are named `{effect.name}.NAME` in a model."
 
 
 def _form(form: Form) -> str:
     implicit = " Its size depends on the force itself, which is then solved for." if form.uses_force else ""
+    implicit += " It remembers the record's past." if form.remembers else ""
     role = next(text for kind, text in ROLE.items() if isinstance(form, kind))
     head = f"### {form.name}\n\n{_code(form.formula)}\n\nIt {role}.{implicit}"
     return f"{head}\n\n{parameter_table(form.params)}"

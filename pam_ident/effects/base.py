@@ -19,7 +19,8 @@ class Form(ABC):
     """One way to write an effect down: linear in its sizes, curved in its shapes.
 
     What `columns` · (sizes − their neutral values) does is the form's role, told by its type.
-    `uses_force` marks columns that depend on the force itself, so that the model is solved implicitly.
+    `uses_force` marks columns that depend on the force itself, so that the model is solved implicitly; `remembers`
+    those that depend on what lies between the record's first sample and their own, which cannot be read in pieces.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Form(ABC):
     columns: Columns
     shapes: tuple[Param, ...] = ()
     uses_force: bool = False
+    remembers: bool = False
 
     @property
     def params(self) -> tuple[Param, ...]:
@@ -61,8 +63,7 @@ class Effect:
 
     `needs` names what a record must hold (branch, motion, time, cycle, temperature); `levers` what must be
     varied on the rig to see it, in the words of the contract; `special_case_of` the effect one of whose richer
-    forms is the same physics, and whose name is preferred where both explain a record alike; `stateful` that it
-    remembers the record's past.
+    forms is the same physics, and whose name is preferred where both explain a record alike.
     `candidate` False keeps an effect out of the diagnosis. Raises UsageError without a form or a source.
     """
 
@@ -74,7 +75,6 @@ class Effect:
     needs: tuple[str, ...] = ()
     levers: tuple[str, ...] = ()
     special_case_of: str = ""
-    stateful: bool = False
     candidate: bool = True
     warning: str = ""
 

@@ -67,7 +67,9 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−F_c sgn(ε̇)", (F_C,), _sliding),
         AddsForce("held", "−F_c sgn(ε̇), F_hold in holds", (F_C, F_HOLD), _held),
-        AddsForce("relaxing", "−F_c sgn(ε̇), F_hold exp(−t/τ_h) in holds", (F_C, F_HOLD), _relaxing, (TAU_H,)),
+        AddsForce(
+            "relaxing", "−F_c sgn(ε̇), F_hold exp(−t/τ_h) in holds", (F_C, F_HOLD), _relaxing, (TAU_H,), remembers=True
+        ),
         AddsForce("smooth", "−F_c tanh(v/v_0), F_hold in holds", (F_C, F_HOLD), _smooth, (V_0,)),
         AddsForce(
             "stribeck",

@@ -44,13 +44,12 @@ EFFECT = Effect(
     title="Creep and stress relaxation",
     source="standard linear solid, Prony series; Vo-Minh, Kamers, Ramon & Van Brussel 2012, Mechatronics 22, 923–933",
     forms=(
-        AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,)),
-        AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic),
-        AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (MIDDLE,)),
-        AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True),
+        AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,), remembers=True),
+        AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic, remembers=True),
+        AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (MIDDLE,), remembers=True),
+        AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True, remembers=True),
     ),
     test="holds over three decades of time",
     needs=("motion", "time"),
     levers=("hold", "speed"),
-    stateful=True,
 )

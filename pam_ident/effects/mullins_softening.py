@@ -76,13 +76,16 @@ EFFECT = Effect(
         ),
         AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
-        AddsForce("whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,)),
+        AddsForce(
+            "whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,), remembers=True
+        ),
         AddsForce(
             "pseudo_elastic",
             "E → E − E_lost tanh((W_max − W)/m) in the bladder's force, W_max the greatest W so far",
             (E_LOST,),
             _pseudo_elastic,
             (M,),
+            remembers=True,
         ),
     ),
     test="at least three cycles, and a re-run of the first after rest",

@@ -48,12 +48,11 @@ EFFECT = Effect(
     source="Vo-Minh, Tjahjowidodo, Ramon & Van Brussel 2011, IEEE/ASME Trans. Mechatronics 16(1), 177–186 "
     "(Maxwell slip); Dahl 1968",
     forms=(
-        AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,)),
-        AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,)),
-        AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,)),
+        AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,), remembers=True),
+        AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,), remembers=True),
+        AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
     ),
     test="reversals and minor loops at one slow speed",
     needs=("branch", "motion"),
     levers=("reversal",),
-    stateful=True,
 )

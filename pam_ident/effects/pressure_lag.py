@@ -61,12 +61,11 @@ EFFECT = Effect(
     forms=(
         TransformsPressure("textbook", "p → p − T_p p_abs V̇/V", (LAG,), _quasi_steady),
         TransformsPressure("mass_flow", "p → p − T_p p_abs V̇/V0", (LAG,), _mass_flow),
-        TransformsPressure("lagging", "p → p − κ p_abs q, q̇ = V̇/V − q/τ", (KAPPA,), _lagging, (TAU,)),
-        TransformsPressure("conductance", "the same with τ V/V0 for τ", (KAPPA,), _conductance, (TAU,)),
+        TransformsPressure("lagging", "p → p − κ p_abs q, q̇ = V̇/V − q/τ", (KAPPA,), _lagging, (TAU,), remembers=True),
+        TransformsPressure("conductance", "the same with τ V/V0 for τ", (KAPPA,), _conductance, (TAU,), remembers=True),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
     ),
     test="a pressure sensor at the muscle, at several speeds",
     needs=("branch", "motion", "time"),
     levers=("speed", "pressure"),
-    stateful=True,
 )

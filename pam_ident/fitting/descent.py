@@ -5,10 +5,15 @@ import math
 import numpy as np
 
 from .problem import FLAT, Projection, bounds
+from .readings import reached
 
 Array = np.ndarray
 FIRST_STEP = 0.3
 """First radius of a trust region in units of typical sizes: a longer first step may cross a pole of the model."""
+ROUGH = 1e-12
+"""Share of the sum of squares that is rounding: of two that differ by less neither is known to be the smaller."""
+MOST = 30
+"""Steps of the last way, on which the sum of squares is rounding."""
 
 
 def descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
@@ -42,6 +47,29 @@ def descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> tu
         if fall <= ftol * here.cost and fall >= 0.25 * promised:
             return here, 1, "the sum of squares falls no more"
     return here, 0, "the maximum number of evaluations was reached"
+
+
+def settle(here: Projection) -> Projection:
+    """Follow the gradient on to the minimum, where the sum of squares falls by no more than its rounding."""
+    lower, upper = bounds(here.problem.curved)
+    typical = np.array([p.typical(x) for p, x in zip(here.problem.curved, here.q, strict=True)])
+    before, slopes = math.inf, here.jacobian
+    for _ in range(MOST):
+        triangle: Array = np.linalg.qr(slopes * typical, mode="r")  # pyright: ignore
+        gradient = typical * (slopes.T @ here.residual)
+        if not gradient.any():
+            return here
+        step = _trusted_step(triangle, gradient, (lower - here.q) / typical, (upper - here.q) / typical, before)
+        size = float(np.max(np.abs(step)))
+        rate = size / before if math.isfinite(before) else 1.0
+        trial = here.problem.at(np.clip(here.q + step * typical, lower, upper))
+        if not (rate <= 1.0 and trial.cost <= here.cost * (1.0 + ROUGH)):
+            return here
+        here, before = trial, size
+        if reached(size, rate, 1.0):
+            return here
+        slopes = here.jacobian
+    return here
 
 
 def _trusted_step(triangle: Array, gradient: Array, low: Array, high: Array, radius: float) -> Array:

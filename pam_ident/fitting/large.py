@@ -1,10 +1,11 @@
 """Fits of very many samples at the price of a few readings of them.
 
-A fit to some thousand samples says where the minimum lies, and many more say it more closely. From there one step of
-Gauss and Newton over all samples is nearly always enough. They are read in chunks that stay in the processor's cache.
+A fit to some thousand samples says where the minimum lies, and many more say it more closely. From there a step along
+their Gram matrix leads so near that one of Gauss and Newton over all samples, and a last one along the same matrix, are
+nearly always enough. They are read in chunks that stay in the processor's cache.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..core import Inputs, Param
 from ..model import Model
 from ..records import Record
 from .covariance import Sums, clusters
+from .readings import reached, with_memory
 from .solve import solve
 
 Array = np.ndarray
@@ -20,15 +22,17 @@ FROM = 50_000
 """Number of samples from which this pays."""
 FIRST, SECOND = 1_500, 20_000
 CHUNK = 10_240
-SHORT, CLOSE = 0.1, 0.1
-"""Standard errors that a last step over some samples, and over all, may be long: a thousandth of it is left to go."""
-MOST = 8
+MOST = 30
+STEP = 1e-6
+"""Step of central differences, relative: so small that the mean of both ends is the middle, to 1e-12."""
 
 
 def is_large(model: Model, record: Record, rows: Array) -> bool:
     """Whether this way pays and is open: all of very many `rows` (n,), a separable model without memory."""
-    memory = any(term.effect.stateful for term in model.terms)
-    return len(record) >= FROM and model.separable and not memory and bool(rows.all())
+    if len(record) < FROM or not model.separable or not model.params or not rows.all():
+        return False
+    some = _some(record, SECOND)
+    return not with_memory(model, record.inputs.take(some), record.force[some])
 
 
 def solve_large(
@@ -41,42 +45,42 @@ def solve_large(
     params = model.bounded(record.inputs)
     if any(not np.isfinite(value) for value in start.values()):
         return None
-    first, second = (slice(None, None, len(record) // n | 1) for n in (FIRST, SECOND))  # odd, to alternate with pairs
+    first, second = _some(record, FIRST), _some(record, SECOND)
     values = solve(model, record.inputs.take(first), record.force[first], lambda m: m, start, quick=True).values
-    near = _newton(_Reading(model, record.inputs.take(second), record.force[second], params), values)
+    some = _Reading(model, record.inputs.take(second), record.force[second], params)
+    near = _newton(some, np.array([values[p.name] for p in params]))
     if near is None:
         return None
     cluster = clusters(record, slice(None)) if clustered else None
-    return _end(_Reading(model, record.inputs, record.force, params, cluster), near)
+    every = _Reading(model, record.inputs, record.force, params, cluster)
+    across = near.found.step(every.score(near.x) * (len(some) / len(every)))
+    end = None if across is None or not every.inside(near.x + across) else _newton(every, near.x + across)
+    return None if end is None else (every.named(end.x), end.found.after(end.way))
 
 
-def _newton(reading: "_Reading", values: Mapping[str, float]) -> Array | None:
-    """Steps until one is short: the parameters (k,)."""
-    x = np.array([values[p.name] for p in reading.params])
+def _some(record: Record, most: int) -> slice:
+    """About `most` rows, the first among them, by a stride that is odd, to alternate with pairs."""
+    return slice(None, None, len(record) // most | 1)
+
+
+def _newton(reading: "_Reading", x: Array) -> "_End | None":
+    """From x (k,) to the minimum: steps of Gauss and Newton, along one Gram matrix for as long as they shorten."""
+    typical = np.array([p.typical(v) for p, v in zip(reading.params, x, strict=True)])
     for _ in range(MOST):
-        found = reading.sums(x)
-        step = found.step(found.score)
-        if step is None or not reading.inside(x + step):
-            return None
-        x = x + step
-        if found.length(step) <= SHORT:
-            return x
-    return None
-
-
-def _end(whole: "_Reading", x: Array) -> tuple[dict[str, float], Sums] | None:
-    """A step over all samples, and a short one along the same Gram matrix for what the first has left."""
-    for _ in range(MOST):
-        found = whole.sums(x)
-        step = found.step(found.score)
-        if step is None or not whole.inside(x + step):
-            return None
-        rest = found.step(whole.score(x + step))
-        if rest is None or not whole.inside(x + step + rest):
-            return None
-        x, step = x + step + rest, step + rest
-        if found.length(rest) <= CLOSE:
-            return whole.named(x), found.after(step)
+        found, way, before = reading.sums(x), np.zeros(len(x)), 0.0
+        score = found.score
+        for _ in range(MOST):
+            step = found.step(score)
+            if step is None or not reading.inside(x + way + step):
+                return None
+            way, size = way + step, float(np.max(np.abs(step) / typical))
+            rate = size / before if before else 1.0
+            if reached(size, rate, found.moved(step)):
+                return _End(x + way, way, found)
+            if before and rate > 0.5:
+                break
+            before, score = size, reading.score(x + way)
+        x = x + way
     return None
 
 
@@ -99,9 +103,9 @@ class _Found:
         weight, axes = np.linalg.eigh(self.gram / np.outer(scale, scale))
         return axes @ (axes.T @ (score / scale) / weight) / scale if weight[0] > 1e-13 * weight[-1] else None
 
-    def length(self, step: Array) -> float:
-        """Length of a step in standard errors."""
-        return float(np.sqrt(step @ self.gram @ step / self.squares * max(self.n - len(step), 1)))
+    def moved(self, step: Array) -> float:
+        """Square of a step over all samples, as a share of the residual's."""
+        return float(step @ self.gram @ step) / max(self.squares, 1e-300)
 
     def after(self, step: Array) -> Sums:
         """The sums where a step has led, to first order."""
@@ -110,6 +114,15 @@ class _Found:
         triangle = np.sqrt(weight)[:, None] * axes.T * scale
         squares = self.squares - 2.0 * float(step @ self.score) + float(step @ self.gram @ step)
         return Sums(self.n, triangle, squares, self.grams, self.scores - self.grams @ step)
+
+
+@dataclass(frozen=True)
+class _End:
+    """Parameters x (k,), and the way (k,) that led there from where the sums were `found`."""
+
+    x: Array
+    way: Array
+    found: _Found
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +135,9 @@ class _Reading:
     params: tuple[Param, ...]
     cluster: Array | None = None
 
+    def __len__(self) -> int:
+        return len(self.force)
+
     def named(self, x: Array) -> dict[str, float]:
         """Parameters by name."""
         return dict(zip([p.name for p in self.params], x.tolist(), strict=True))
@@ -132,22 +148,20 @@ class _Reading:
 
     def sums(self, x: Array) -> _Found:
         """Sums over all chunks."""
-        values = self.named(x)
-        n, k = len(self.force), len(self.params)
+        n, k = len(self), len(self.params)
+        linear = len(self.model.linear)
         runs = 0 if self.cluster is None else int(self.cluster.max()) + 1
         whole, tables = np.zeros((k + 1, k + 1)), np.zeros((runs, k + 1, k + 1))
         table = np.empty((k + 1, CHUNK))
-        for begin in range(0, n, CHUNK):
-            part = slice(begin, begin + CHUNK)
-            columns, slopes, left = self._slopes(part, values)
+        for begin, (columns, _, slopes, left) in self._chunks(x):
             table = table[:, : len(left)]
-            table[: columns.shape[1]] = columns.T
-            table[columns.shape[1] : k] = slopes
+            table[:linear] = columns.T
+            table[linear:k] = slopes
             table[k] = left
             if self.cluster is None:
                 whole += table @ table.T
                 continue
-            run = self.cluster[part]
+            run = self.cluster[begin : begin + CHUNK]
             edges = np.flatnonzero(np.diff(run)) + 1
             for i, piece in zip([0, *edges], np.split(table, edges, axis=1), strict=True):
                 tables[run[i]] += piece @ piece.T
@@ -156,24 +170,43 @@ class _Reading:
         return _Found(n, whole[:k, :k], whole[:k, k], float(whole[k, k]), tables[:, :k, :k], tables[:, :k, k])
 
     def score(self, x: Array) -> Array:
-        """Product of the Jacobian with the residual, (k,), at half the price of all sums."""
-        found = np.zeros(len(self.params))
-        for begin in range(0, len(self.force), CHUNK):
-            columns, slopes, left = self._slopes(slice(begin, begin + CHUNK), self.named(x))
-            found += np.r_[columns.T @ left, slopes @ left]
+        """Product of the Jacobian with the residual, (k,), closer than in the sums, and at less than their price."""
+        linear = len(self.model.linear)
+        found = np.zeros(len(x))
+        for _, (columns, others, slopes, left) in self._chunks(x):
+            found[:linear] += 0.5 * (columns.T @ left + others.T @ left)
+            found[linear:] += slopes @ left
         return found
 
-    def _slopes(self, part: slice, values: Mapping[str, float]) -> tuple[Array, Array, Array]:
-        """Linear columns (m, ·), derivatives by curved parameters (·, m), and the residual (m,), of some samples."""
-        inputs, force = self.inputs.take(part), self.force[part]
+    def _chunks(self, x: Array) -> Iterator[tuple[int, tuple[Array, Array, Array, Array]]]:
+        """Where each chunk begins, and its `_slopes`."""
+        values = self.named(x)
+        for begin in range(0, len(self), CHUNK):
+            yield begin, self._slopes(slice(begin, min(begin + CHUNK, len(self))), values)
+
+    def _slopes(self, part: slice, values: Mapping[str, float]) -> tuple[Array, Array, Array, Array]:
+        """Linear columns (m, ·) twice, derivatives by curved parameters (·, m), and the residual (m,), of some samples.
+
+        The columns are those at both ends of a central difference, which with their mean spares what is between. The
+        first sample of all is read with these where there are effects, which may count from it.
+        """
+        first = int(bool(self.model.terms))
+        rows = np.r_[0, part] if first else part
+        inputs, force = self.inputs.take(rows), self.force[rows]
         sizes = np.array([values[p.name] for p in self.model.linear])
-        columns, fixed = self.model.design(inputs, values, force)
-        modelled = fixed + columns @ sizes
         curved = self.params[len(sizes) :]
+
+        def at(**moved: float) -> tuple[Array, Array]:
+            columns, fixed = self.model.design(inputs, {**values, **moved}, force)
+            return columns, fixed + columns @ sizes
+
         slopes = np.empty((len(curved), len(force)))
+        (columns, low), (others, high) = [at()] * 2 if not curved else [(force, force)] * 2
         for row, p in zip(slopes, curved, strict=True):
-            near = values[p.name] + 1e-6 * max(abs(values[p.name]), 1e-3 * p.scale)
-            other, moved = self.model.design(inputs, {**values, p.name: near}, force)
-            np.subtract(moved + other @ sizes, modelled, out=row)
-            row /= near - values[p.name]
-        return columns, slopes, force - modelled
+            way = STEP * max(abs(values[p.name]), 0.01 * p.scale)
+            begin, end = values[p.name] - way, values[p.name] + way
+            (columns, low), (others, high) = at(**{p.name: begin}), at(**{p.name: end})
+            np.subtract(high, low, out=row)
+            row /= end - begin
+        left = force - 0.5 * (low + high)
+        return columns[first:], others[first:], slopes[:, first:], left[first:]

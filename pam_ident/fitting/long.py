@@ -9,23 +9,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core import Inputs, Param, UsageError
+from ..core import Param, UsageError
 from ..model import Model
 from ..records import Record
 from ..records.long import LongRecord
 from .fit import Fit, check, with_estimates
 from .long_rows import UNREAD, Rows, Summary
 from .problem import bounds, within_bounds
+from .readings import reached, with_memory
 from .solve import solve
 
 Array = np.ndarray
 SAMPLE = 20_000
 """Rows of the sample in which the minimum is looked for, and that stands for the record where a few rows will do."""
 MOST_READINGS = 40
-CLOSE = 1e-11
-"""Way that may be left to the minimum, in typical sizes of the parameters."""
-ROUNDING = 1e-18
-"""Square of a step, as a share of that of the residual, below which steps that shrink no more are rounding."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +63,12 @@ def fit_long(
     masks = {name: sample.branch_rows(name) for name in branches}
     for mask in masks.values():
         check(model, sample, mask, held)
-    _check_memory(model, sample)
+    memory = with_memory(model, sample.inputs, sample.force)
+    if memory:
+        raise UsageError(
+            f"{sample.source}: {memory[0].label} remembers what was before, and the record is read in chunks; leave it "
+            "out, or fit a part of the record that fits into memory"
+        )
     both = {name for name, mask in masks.items() if np.ptp(np.sign(sample.inputs.direction[mask])) == 2.0}
     rows = Rows(model, record, held, frozenset(both))
     searches = {name: _begin(model, sample.take(np.flatnonzero(mask)), held) for name, mask in masks.items()}
@@ -82,23 +84,6 @@ def fit_long(
         plain = LongFit(model, sample, masks[name], (), one.done, message, held=held, summary=summary)
         found[name] = with_estimates(plain, one.values | held, sums)
     return found
-
-
-def _check_memory(model: Model, sample: Record) -> None:
-    """Raises UsageError where an effect's columns at a sample hang on more than that sample and the record's first."""
-    later = np.r_[0, np.arange(len(sample) // 2, len(sample))]
-    for term in model.terms:
-        shape = {p.name: p.start for p in term.form.shapes}
-
-        def columns(inputs: Inputs, force: Array, term=term, shape=shape) -> Array:
-            return term.form.columns(inputs, shape, force)
-
-        apart = columns(sample.inputs.take(later), sample.force[later])
-        if term.effect.stateful or not np.allclose(apart, columns(sample.inputs, sample.force)[later], 1e-9, 1e-12):
-            raise UsageError(
-                f"{sample.source}: {term.label} remembers what was before, and the record is read in chunks; leave it "
-                "out, or fit a part of the record that fits into memory"
-            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,10 +125,9 @@ class _Search:
         typical = np.array([p.typical(x) for p, x in zip(self.params, self.point, strict=True)])
         size = float(np.max(np.abs(whole) / typical, initial=0.0))
         rate = size / self.size if math.isfinite(self.size) else 1.0
-        close = size <= CLOSE or (rate < 0.5 and size * rate <= CLOSE)
-        rounding = rate > 0.5 and float(np.sum((matrix @ whole) ** 2)) <= ROUNDING * squares
+        done = reached(size, rate, float(np.sum((matrix @ whole) ** 2)) / squares if squares else 0.0)
         point = np.array([p.clip(x) for p, x in zip(self.params, self.point + whole, strict=True)])
-        return replace(self, point=point, best=self.point, squares=squares, size=size, done=close or rounding)
+        return replace(self, point=point, best=self.point, squares=squares, size=size, done=done)
 
 
 def _begin(model: Model, sample: Record, held: Mapping[str, float]) -> _Search:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core import Param, UsageError
 from ..core.lmfit_names import from_lmfit_names, to_parameters
-from .descent import descend
+from .descent import descend, settle
 from .problem import Problem, Solution
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ class VariableProjection:
         best, status, message = min(found, key=lambda one: one[0].cost)
         if self.polish:
             best, status, message = descend(best, 1e-15, 1e-9, 200)
+            best = settle(best) if status > 0 else best
         return Solution(best.values, status > 0, message)
 
 

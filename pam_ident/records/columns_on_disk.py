@@ -11,8 +11,8 @@ from ..core import UsageError
 Array = np.ndarray
 STRETCH = 1 << 18
 """Rows of a column that are read at a time."""
-BITS = 22
-"""Bits of a number by which an order statistic is narrowed down at a reading."""
+BITS = 16
+"""Bits of a number by which an order statistic is narrowed down at a reading: as many counts as a cache holds."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,10 @@ class Columns:
                 file.seek(8 * first)
                 file.write(moved.data)
 
+    def drop(self, name: str) -> None:
+        """Forget a column."""
+        (self.folder / name).unlink(missing_ok=True)
+
     def has(self, name: str) -> bool:
         """Whether there is such a column."""
         return (self.folder / name).exists()
@@ -49,33 +53,33 @@ class Columns:
         size = np.dtype(kind).itemsize
         return np.fromfile(self.folder / name, kind, end - begin, offset=begin * size)
 
-    def differences(self, name: str, begin: int, end: int, order: int, factor: float = 1.0) -> Iterator[Array]:
-        """Magnitudes of the differences of rows begin … end of a column times `factor`, a stretch (m,) at a time."""
+    def differences(self, name: str, begin: int, end: int, order: int) -> Iterator[Array]:
+        """Magnitudes of differences of rows begin … end, a stretch (m,) at a time; those of order 0 are the numbers."""
         for first in range(begin, end - order, STRETCH):
-            yield np.abs(np.diff(factor * self.read(name, first, min(first + STRETCH + order, end)), order))
+            yield np.abs(np.diff(self.read(name, first, min(first + STRETCH + order, end)), order))
 
-    def quantile(self, name: str, begin: int, end: int, order: int, share: float, factor: float = 1.0) -> float:
+    def quantile(self, name: str, begin: int, end: int, order: int, share: float) -> float:
         """Quantile of those differences, between neighbours by a straight line, 0 where there are none."""
         last = end - begin - order - 1
         if last < 0:
             return 0.0
         rank = int(share * last)
-        low = high = self._ranked(name, begin, end, order, factor, rank)
+        low = high = self._ranked(name, begin, end, order, rank)
         if share * last > rank:
             up_to, above = 0, np.inf
-            for values in self.differences(name, begin, end, order, factor):
+            for values in self.differences(name, begin, end, order):
                 up_to += int(np.count_nonzero(values <= low))
                 above = min(above, float(values[values > low].min(initial=np.inf)))
             high = low if up_to > rank + 1 else above
         return low + (high - low) * (share * last - rank)
 
-    def _ranked(self, name: str, begin: int, end: int, order: int, factor: float, rank: int) -> float:
+    def _ranked(self, name: str, begin: int, end: int, order: int, rank: int) -> float:
         """The difference that `rank` others come before, exactly: numbers above 0 are in the order of their bits."""
         known, shift = 0, 64
         while shift > 0:
             width = min(BITS, shift)
             counts = np.zeros(1 << width, np.int64)
-            for values in self.differences(name, begin, end, order, factor):
+            for values in self.differences(name, begin, end, order):
                 bits = values.view(np.uint64)
                 if shift < 64:
                     bits = bits[bits >> np.uint64(shift) == known]

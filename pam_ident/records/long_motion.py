@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import turning
-from .columns_on_disk import Columns
-from .motion import Motion, move_piece, reversal
+from .columns_on_disk import STRETCH, Columns
+from .motion import NORMAL_MEDIAN, Motion, move_piece, reversal, roughness
 from .record import long_pause, turns
 
 Array = np.ndarray
@@ -39,10 +39,27 @@ class Follower:
 
     def run(self) -> None:
         """Follow the whole record."""
-        noise = self.on_disk.quantile("contraction", 0, self.n, 2, 0.5, self.length_mm) / 0.6745 / np.sqrt(6.0)
-        noise = float(noise) if self.n >= 5 else 0.0
+        noise = self._noise()
         for fresh, time, x in self._pieces(noise):
             self._follow(fresh, time, x, noise)
+
+    def _noise(self) -> float:
+        """`position_noise` of the whole record in mm."""
+        count = self._roughness(timed=True) or self._roughness(timed=False)
+        middle = self.on_disk.quantile("roughness", 0, count, 0, 0.5)
+        self.on_disk.drop("roughness")
+        return middle / NORMAL_MEDIAN
+
+    def _roughness(self, timed: bool) -> int:
+        """Keep the roughness of the track, by the clock or as of even rows, as a column; how many numbers it has."""
+        count = 0
+        for begin in range(0, self.n, STRETCH):
+            end = min(begin + STRETCH + 4, self.n)
+            x = self.on_disk.read("contraction", begin, end) * self.length_mm
+            rough = roughness(x, self.on_disk.read("time", begin, end) if timed else None)
+            self.on_disk.append("roughness", rough)
+            count += len(rough)
+        return count
 
     def _pieces(self, noise: float) -> Iterator[tuple[bool, Array, Array]]:
         """Time and position of each piece, and whether a segment begins with it."""

@@ -8,6 +8,8 @@ import numpy as np
 from .turning import pieces, pivots, thinned_holds
 
 Array = np.ndarray
+NORMAL_MEDIAN = 0.6745
+"""Median magnitude of a standard normal number."""
 SLOPE_NOISE = 0.01
 """Share of a stroke's speed that the sensor's noise may make of the speed at a sample."""
 
@@ -31,11 +33,18 @@ class Motion:
 
 
 def position_noise(x: Array, time: Array | None = None) -> float:
-    """Standard deviation of the noise on a smooth track (n,), in its unit, from the median distance of a sample from
-    the cubic through its four neighbours; rows are evenly spaced where no `time` (n,), in any unit, is given."""
-    n = len(x) - 4
-    if n < 1:
-        return 0.0
+    """Standard deviation of the noise on a smooth track (n,), in its unit, from the median of its `roughness`; rows are
+    evenly spaced where no `time` (n,), in any unit, is given, or where none of it tells them apart."""
+    rough = roughness(x, time)
+    if len(rough):
+        return float(np.median(rough) / NORMAL_MEDIAN)
+    return position_noise(x) if time is not None and len(x) > 4 else 0.0
+
+
+def roughness(x: Array, time: Array | None = None) -> Array:
+    """Distance of a sample from the cubic through its four neighbours over what unit noise would make of it, (m,) of
+    the samples of a track (n,) that have them; not where a clock is coarser than the rows."""
+    n = max(len(x) - 4, 0)
     t = np.arange(len(x), dtype=float) if time is None else time
     near, shares = (0, 1, 3, 4), []
     for j in near:
@@ -47,10 +56,7 @@ def position_noise(x: Array, time: Array | None = None) -> float:
         shares.append(share)
     off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
     off = np.abs(off) / np.sqrt(1.0 + sum(share**2 for share in shares))
-    known = np.isfinite(off)  # not where a clock is coarser than the rows
-    if not known.any():
-        return position_noise(x)
-    return float(np.median(off[known]) / 0.6745)
+    return off[np.isfinite(off)]
 
 
 def find_motion(time: Array, x: Array, segment: Array) -> Motion:
@@ -148,10 +154,11 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
     if n >= 12:
         centred = 2.0 * (time - time[0]) / width - 1.0
         curve = np.polynomial.Chebyshev.fit(centred, x, min(7, n // 6), domain=[-1.0, 1.0])
-        missed = np.std(x - curve(centred))
+        smooth = curve(centred)
+        missed = np.std(x - smooth)
         slope = curve.deriv()(centred) * 2.0 / width
         if missed < 2.0 * noise:
-            return curve(centred), slope
+            return smooth, slope
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
             return x, slope
     return x, _local_slopes(time, x, noise)

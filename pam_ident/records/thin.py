@@ -18,7 +18,7 @@ def thinned(record: Record, most: int) -> Record:
 
     Rows are taken evenly from each stroke and hold, their ends included. Where that leaves too many, whole cycles are
     taken in stretches, one from anywhere in each equal part of the record, lest they beat with the protocol; a new
-    segment begins with each. Every pressure stays.
+    segment begins with each. Every pressure stays, and the record's first cycle, since effects count from there.
     """
     n = len(record)
     if n <= most or record.inputs.time is None:
@@ -61,7 +61,7 @@ def _stretches(record: Record, rows: Array, most: int) -> tuple[Array, Array]:
         each = max(1, round(STRETCH / np.mean(np.diff(begins)[mine])))
         parts = max(1, round(share * len(mine) / each))
         for part in np.array_split(mine, parts):
-            first = int(random.integers(max(len(part) - each, 0) + 1))
+            first = int(random.integers(max(len(part) - each, 0) + 1)) if part[0] else 0
             taken[part[first : first + each]] = True
     chosen = np.flatnonzero(taken[cycle])
     breaks = (np.diff(chosen) > 1) | (np.diff(segment[rows[chosen]]) != 0)

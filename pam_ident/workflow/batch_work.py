@@ -15,7 +15,7 @@ from ..core import UsageError
 from .batch_question import Item, Question
 from .batch_record import Changed, answer
 from .batch_store import Store
-from .one_thread import one_thread
+from .one_thread import one_thread, without_script
 
 TRIES = 2
 """How many workers may die of one record before it is given up."""
@@ -114,7 +114,7 @@ def _hire(work: Work) -> tuple[Connection, BaseProcess]:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_serve, args=(theirs, work), daemon=True)
-    with one_thread():
+    with one_thread(), without_script():
         process.start()
     theirs.close()
     return ours, process

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from ..core import UsageError
 from ..core.progress import steps, tell
-from .one_thread import one_thread
+from .one_thread import one_thread, without_script
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -57,7 +57,7 @@ def do_all(
 def _executor(workers: int, scheduler: str | None) -> Iterator[tuple[Callable, Callable]]:
     """What hands a task over, and what gives the futures as they are done."""
     if scheduler is None and find_spec("distributed") is None:
-        with one_thread():
+        with one_thread(), without_script():
             pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
             try:
                 yield pool.submit, as_completed
@@ -93,7 +93,8 @@ def cluster(workers: int, scheduler: str | None) -> Iterator[str]:
     from distributed import LocalCluster
 
     options: Any = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
-    with one_thread():
-        here: Any = LocalCluster(n_workers=workers, threads_per_worker=1, **options)
-    with here:
-        yield here.scheduler_address
+    with without_script():  # to the end, for a worker that dies is started again
+        with one_thread():
+            here: Any = LocalCluster(n_workers=workers, threads_per_worker=1, **options)
+        with here:
+            yield here.scheduler_address

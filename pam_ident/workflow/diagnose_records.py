@@ -12,6 +12,7 @@ from ..core.progress import steps
 from ..diagnosis import diagnose
 from ..diagnosis.nouns import Diagnosis
 from ..model import Model
+from .one_thread import without_script
 from .setup import Setup
 
 Answer = Diagnosis | PamError
@@ -29,7 +30,8 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
         yield from zip(paths, map(one, paths), strict=True)
         return
     with ProcessPoolExecutor(min(workers, len(paths)), mp_context=multiprocessing.get_context("spawn")) as pool:
-        futures = [pool.submit(one, path) for path in paths]
+        with without_script():
+            futures = [pool.submit(one, path) for path in paths]
         for path, future in steps(zip(paths, futures, strict=True), "records", len(paths)):
             try:
                 answer = future.result()

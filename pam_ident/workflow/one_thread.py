@@ -1,6 +1,7 @@
-"""Processes that compute on one thread each."""
+"""How processes are started: with one thread each, and without the script that asked for them."""
 
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -20,3 +21,18 @@ def one_thread() -> Iterator[None]:
     finally:
         os.environ.clear()
         os.environ.update(before)
+
+
+@contextmanager
+def without_script() -> Iterator[None]:
+    """Processes started inside do not run the main script again, as a new interpreter does to find what it defines.
+
+    All that is asked of workers is found in this package, so that a script needs no `if __name__ == "__main__":`.
+    """
+    script = vars(sys.modules["__main__"])
+    before = {name: script.pop(name) for name in ("__spec__", "__file__") if name in script}
+    script["__spec__"] = None
+    try:
+        yield
+    finally:
+        script.update(before)

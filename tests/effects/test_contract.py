@@ -4,10 +4,12 @@ The promises are those of `pam-ident effects check`; that they notice what is br
 Formulas are held against independent figures in test_physics.py.
 """
 
+from dataclasses import replace
+
 import pytest
 
 from pam_ident.effects import catalogue
-from pam_ident.workflow.effect_contract import EFFECT_CHECKS, FORM_CHECKS
+from pam_ident.workflow.effect_contract import EFFECT_CHECKS, FORM_CHECKS, pieces_make_the_whole
 
 FORMS = [(effect, form) for effect in catalogue().values() for form in effect.forms]
 
@@ -43,3 +45,11 @@ def test_the_effects_of_the_contract_are_there():
 def test_a_printed_formula_is_offered_with_a_warning_and_never_as_a_suspect():
     printed = catalogue()["bladder_elasticity_printed"]
     assert not printed.candidate and "bladder_elasticity" in printed.warning
+
+
+@pytest.mark.parametrize(
+    ("effect", "form"), [pytest.param(e, f, id=f"{e.name}:{f.name}") for e, f in FORMS if f.remembers]
+)
+def test_a_form_that_says_it_remembers_does(effect, form, record):
+    """Or it would be kept from records that are read in chunks for nothing."""
+    assert pieces_make_the_whole(effect, replace(form, remembers=False), record) != []

@@ -105,6 +105,11 @@ BREAKS = {
     "a shape in steps": ('shape["length"])', 'round(float(shape["length"]), 3))', "not smooth in mine.length"),
     "functions of NumPy's": ("xp = inputs.pressure.__array_namespace__()", "import numpy as xp", "not from numpy"),
     "a sum over samples": ("-inputs.displacement_mm /", "-xp.cumsum(inputs.displacement_mm) /", "rows are muscles"),
+    "a memory that is not told": (
+        "-inputs.displacement_mm /",
+        "-xp.abs(inputs.displacement_mm - xp.roll(inputs.displacement_mm, 1)) /",
+        "add remembers=True",
+    ),
     "twice the same column": ("(SIZE,), _columns", "(SIZE, OTHER), _twice", "cannot pin the size"),
 }
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import DataError, UsageError
-from pam_ident.fitting import VariableProjection, fit, long, long_rows
+from pam_ident.fitting import VariableProjection, fit, large, long, long_rows
 from pam_ident.fitting.long import fit_long
 from pam_ident.fitting.solve import jacobian
 from pam_ident.laws import catalogue
@@ -78,7 +78,37 @@ def test_parameters_and_errors_are_those_of_the_fit_in_memory(path, law):
         assert_same(one, other)
 
 
-@pytest.mark.parametrize("effects", [("coulomb_friction",), ("viscous_damping", "force_drift"), ("thermal_softening",)])
+@pytest.fixture(scope="module")
+def many(tmp_path_factory):
+    """A record of 57,600 rows, which a fit in memory reads in chunks, too."""
+    folder = tmp_path_factory.mktemp("many")
+    protocol = Protocol((0.2, 0.3, 0.4), (5.0, 20.0), 3, move_rows=1_300, hold_rows=300)
+    write_case(folder, make_record(Plan(5, secrets=(Secret("coulomb_friction"),), protocol=protocol)))
+    return folder / "record.csv"
+
+
+@pytest.mark.parametrize("law", sorted(set(catalogue()) - {"martens_boblan"}))
+def test_of_very_many_rows_both_ways_end_at_one_minimum(many, law, monkeypatch):
+    """As they come, neither led on to the minimum.
+
+    Not the law that misses these extensions so far that each step leaves 0.6 of the way: rounding ends that at 2e-9.
+    """
+    monkeypatch.setattr(text_table, "BLOCK_BYTES", 1 << 20)
+    monkeypatch.setattr("pam_ident.records.long.CHUNK", 10_000)
+    record, model = read_record(many), Model.build(law)
+    assert len(record) > large.FROM
+    with open_long(many) as on_disk:
+        streamed = fit_long(model, on_disk, BRANCHES)
+    for name, one in streamed.items():
+        other = fit(model, record, record.branch_rows(name))
+        for a, b in zip(one.estimates, other.estimates, strict=True):
+            if b.identified:
+                assert a.value == pytest.approx(b.value, rel=1e-9, abs=1e-12), (name, a.name)
+
+
+@pytest.mark.parametrize(
+    "effects", [("coulomb_friction",), ("viscous_damping", "force_drift"), ("thermal_softening",), ("pressure_lag",)]
+)
 def test_effects_without_memory_are_fitted_too(path, effects):
     for one, other in both_ways(path, Model.build("modified_chou_hannaford", effects), ("together",)).values():
         assert_same(one, other)
@@ -102,7 +132,9 @@ def test_the_geometry_may_be_free(path):
     assert_same(one, other)
 
 
-@pytest.mark.parametrize("effect", ["creep", "presliding_hysteresis", "pressure_lag", "mullins_softening:whole_test"])
+@pytest.mark.parametrize(
+    "effect", ["creep", "presliding_hysteresis", "pressure_lag:lagging", "mullins_softening:whole_test"]
+)
 def test_what_remembers_the_past_is_refused(path, effect):
     model = Model.build("exponential_law", (effect,))
     with open_long(path) as on_disk, pytest.raises(UsageError, match="read in chunks"):

@@ -15,7 +15,7 @@ def by_scipy(law, truth, p, e, force, weight=1.0):
     done = least_squares(
         lambda x: weight * (law(x, p, e) - force),
         truth,
-        "3-point",
+        jac="3-point",
         x_scale=np.abs(truth),
         xtol=1e-14,
         ftol=1e-14,

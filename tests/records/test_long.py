@@ -9,6 +9,8 @@ from pam_ident.core import DataError
 from pam_ident.records import read_record, text_table, turning
 from pam_ident.records.columns_on_disk import Columns
 from pam_ident.records.long import open_long
+from pam_ident.records.long_motion import Follower
+from pam_ident.records.motion import position_noise
 from pam_ident.rig import Plan, Protocol, make_record, write_case
 
 PLAN = Plan(7, protocol=Protocol((0.2, 0.4), (5.0, 20.0), 2, move_rows=60, hold_rows=20))
@@ -125,3 +127,37 @@ def test_a_quantile_on_disk_is_numpys(tmp_path, n):
         steps = np.abs(np.diff(values, order))
         expected = np.quantile(steps, share) if len(steps) else 0.0
         assert on_disk.quantile("x", 0, n, order, share) == pytest.approx(expected, rel=1e-15, abs=0.0)
+
+
+@pytest.mark.parametrize("clock", ["jitters", "stands still", "is even"])
+def test_the_noise_of_the_position_is_that_of_the_record_in_memory(clock, tmp_path, monkeypatch):
+    """By the clock that was logged: evenly spaced rows would take its jitter for noise of 0.1 mm."""
+    monkeypatch.setattr("pam_ident.records.long_motion.STRETCH", 97)
+    random = np.random.default_rng(4)
+    rows = np.arange(2000.0)
+    time = {"jitters": 0.02 * (rows + random.uniform(-0.35, 0.35, 2000)), "stands still": 0.0 * rows, "is even": rows}
+    x = 20.0 * np.abs((0.1 * time["jitters"] + 1.0) % 2.0 - 1.0) + random.normal(0.0, 0.01, 2000)
+    on_disk = Columns(tmp_path)
+    on_disk.append("time", time[clock])
+    on_disk.append("contraction", x / 250.0)
+    found = Follower(on_disk, 2000, 250.0, 20.0, lambda begin, end: np.zeros(end - begin), ())._noise()
+    assert found == pytest.approx(position_noise(x / 250.0 * 250.0, time[clock]), rel=1e-14)
+    assert not on_disk.has("roughness")
+    if clock == "jitters":
+        assert found == pytest.approx(0.01, rel=0.1)
+
+
+def test_a_jittering_clock_gives_the_motion_of_the_record_in_memory(text, tmp_path):
+    """Jitter that were taken for noise of the position would widen what counts as a hold or a reversal."""
+    folder, content = text
+    head, *lines = content.splitlines()
+    names, cells = head.split(","), [line.split(",") for line in lines]
+    when, where = names.index("time_s"), names.index("displacement_mm")
+    time, x = (np.array([float(row[k]) for row in cells]) for k in (when, where))
+    step = np.minimum(np.diff(time, prepend=-1.0), np.diff(time, append=1e9))
+    moved = time + step * np.random.default_rng(3).uniform(-0.4, 0.4, len(time))
+    for row, t, position in zip(cells, moved, np.interp(moved, time, x), strict=True):
+        row[when], row[where] = f"{t:.6f}", f"{position:.6f}"
+    (tmp_path / "specimen.toml").write_text((folder / "specimen.toml").read_text())
+    (tmp_path / "record.csv").write_text("\n".join([head, *(",".join(row) for row in cells)]) + "\n")
+    assert_same(tmp_path / "record.csv", 97)

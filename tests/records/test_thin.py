@@ -36,6 +36,15 @@ def test_dense_strokes_keep_their_ends_and_an_even_spacing():
     np.testing.assert_array_equal(np.sort(thin.inputs.time), thin.inputs.time)
 
 
+def test_what_counts_from_the_start_of_the_test_still_does():
+    """Drift and warming are counted from the first sample, and the softening is largest in the first cycles."""
+    record = loops(400, 60)
+    thin = thinned(record, 6000)
+    first = record.inputs.time <= thin.inputs.time[thin.inputs.segment == 0].max()
+    assert thin.inputs.time[0] == record.inputs.time[0]
+    np.testing.assert_array_equal(np.unique(thin.stroke[thin.inputs.segment == 0]), np.unique(record.stroke[first]))
+
+
 def test_of_many_cycles_whole_ones_are_kept_at_every_pressure():
     record = loops(400, 60)
     thin = thinned(record, 6000)

@@ -23,7 +23,7 @@ from pam_ident.workflow.batch_work import work_here
 from pam_ident.workflow.setup import Setup
 
 sys.path.insert(0, str(Path(__file__).parent))
-from batch_tree import TRUTH, a1_of, answers, finish, frame, start, work_that_kills, write_tree
+from batch_tree import TRUTH, a1_of, answers, environment, finish, frame, start, work_that_kills, write_tree
 
 pytest.importorskip("pyarrow")
 SETUP = Setup("exponential_law")
@@ -253,3 +253,26 @@ def test_results_of_older_versions_are_read_and_of_later_ones_refused(root, tmp_
         store.get("ab12")
     with pytest.raises(UsageError, match="not a table of a batch"):
         batch_table.read_results(root / "README.md")
+
+
+SCRIPT = """
+import sys
+from pam_ident.workflow.batch import run_batch
+from pam_ident.workflow.setup import Setup
+
+print("begun")
+found = run_batch(sys.argv[1], Setup("exponential_law"), sys.argv[2], workers={workers})
+print(found.records, found.errors)
+"""
+
+
+@pytest.mark.parametrize("workers", [None, 2])
+def test_a_script_needs_no_guard_around_the_call(workers, tmp_path):
+    """A worker that ran the script again would begin a batch of its own, which multiprocessing refuses."""
+    tree = write_tree(tmp_path / "tree", 3)
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT.format(workers=workers))
+    words = [sys.executable, script, tree, tmp_path / "out"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=300, env=environment())
+    assert (done.returncode, done.stdout) == (0, "begun\n3 {}\n"), done.stderr
+    assert "Traceback" not in done.stderr
