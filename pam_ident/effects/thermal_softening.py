@@ -52,6 +52,6 @@ EFFECT = Effect(
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
     ),
     test="temperature logged and varied while the protocol is repeated",
-    needs=("temperature",),
+    needs=("temperature", "time"),
     levers=("temperature",),
 )
