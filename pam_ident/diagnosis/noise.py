@@ -8,6 +8,7 @@ from itertools import product
 
 import numpy as np
 
+from ..core import Inputs
 from ..core.recursion import decaying_sum
 from ..records import Record
 from ..records.motion import position_noise
@@ -29,8 +30,8 @@ class Noise:
 
     `memory` is the correlation time, in samples or in seconds as `clock` says; `gain` and `spread` are the
     Kalman gains and innovation deviations of a first-order process plus white noise, `decay` its memory from
-    the sample before. `outlier` marks isolated samples that no smooth model reaches. `deviance` is minus twice the
-    log likelihood of the residual it was estimated from, up to a constant.
+    the sample before. `outlier` marks isolated samples that no smooth model reaches, and turning points. `deviance`
+    is minus twice the log likelihood of the residual it was estimated from, up to a constant.
     """
 
     sigma: float
@@ -179,7 +180,7 @@ def estimate_noise(
     n = len(residual)
     middle = max(float(np.median(np.abs(residual))) / 0.6745, 1e-9)
     if outlier is None:
-        outlier = _isolated(np.abs(residual) > 5.0 * middle)
+        outlier = _isolated(np.abs(residual) > 5.0 * middle) | _turning(record.inputs)
     extra = np.zeros(n)
     if record.inputs.time is not None:
         extra = (SMOOTHED * position_noise(record.inputs.displacement_mm, record.inputs.time) * slope / middle) ** 2
@@ -197,6 +198,16 @@ def _isolated(far: Array) -> Array:
     """Samples that are far off singly or in twos."""
     near = np.convolve(far.astype(float), np.ones(7), "same")
     return far & (near <= 2.0)
+
+
+def _turning(inputs: Inputs) -> Array:
+    """The sample at the point of each turn without a hold, (n,): it belongs to both strokes, or to neither."""
+    found = np.zeros(len(inputs), bool)
+    if inputs.moving is not None:
+        turn = np.flatnonzero((np.diff(inputs.direction) != 0.0) & inputs.moving[1:] & inputs.moving[:-1])
+        onward = np.diff(inputs.displacement_mm)[turn] * inputs.direction[turn] > 0.0
+        found[turn + onward] = True
+    return found
 
 
 def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, Array]:

@@ -7,7 +7,8 @@ from .base import AddsForce, Array, Effect, Shape, one
 
 SOFTNESS = Param("inv_EA", "1/kN", "compliance of all threads, 1/EA", 0.0, 10.0, scale=0.01)
 
-SPREAD = Param("g", "1", "exponent of the radius over that at rest", -3.0, 3.0, start=0.5, grid=(0.5, -1.0))
+SPREAD = Param("g", "1", "exponent of the radius over that at rest", -6.0, 3.0, start=0.5, grid=(0.5, -1.0, -4.0))
+POWER = Param("q", "1", "exponent of the pressure", 1.3, 3.0, start=2.0, grid=(1.7, 2.4))
 
 
 def _flat(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -25,6 +26,12 @@ def _spreading(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _columns(inputs, shape, force) * inputs.specimen.radius_ratio(inputs.contraction)[:, None] ** shape["g"]
 
 
+def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Crimped threads give way at first and stiffen: another power of pressure than the second."""
+    times = inputs.xp.maximum(inputs.pressure / 0.3, 1e-6) ** (shape["q"] - 2.0)
+    return _spreading(inputs, shape, force) * times[:, None]
+
+
 EFFECT = Effect(
     name="braid_extensibility",
     title="Extensible threads",
@@ -33,6 +40,7 @@ EFFECT = Effect(
         AddsForce("textbook", "−4π² r0⁴ p² cosθ/(sin⁴θ0 EA)", (SOFTNESS,), _columns),
         AddsForce("flat", "−4π² r0⁴ p²/(sin⁴θ0 EA)", (SOFTNESS,), _flat),
         AddsForce("spreading", "−4π² r0⁴ p² cosθ (r/r0)^g/(sin⁴θ0 EA)", (SOFTNESS,), _spreading, (SPREAD,)),
+        AddsForce("power", "as spreading, × (p/0.3 MPa)^(q − 2)", (SOFTNESS,), _power, (SPREAD, POWER)),
     ),
     test="high pressures: the loss grows with the square of pressure",
     levers=("pressure",),

@@ -1,7 +1,7 @@
 """The rubber softens as it warms."""
 
 from ..core import Inputs, Param
-from ._history import since_first
+from ._history import relax, since_first
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
@@ -9,6 +9,8 @@ ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the sta
 ALPHA_2 = Param("alpha_2", "1/K^2", "change of that loss with warming", -0.01, 0.01, scale=3e-5)
 E_LOSS = Param("E_loss", "MPa/K", "loss of the bladder's modulus per kelvin", -20.0, 20.0, scale=0.01)
 G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvin", -1e4, 1e4, scale=1.0)
+
+TAU = Param("tau", "s", "time in which the wall follows the sensor", 2.0, 3000.0, start=60.0, grid=(20.0, 100.0, 500.0))
 
 
 def warming(inputs: Inputs) -> Array:
@@ -19,6 +21,11 @@ def warming(inputs: Inputs) -> Array:
 
 def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-warming(inputs))
+
+
+def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    warmer = warming(inputs)
+    return one(relax(inputs, warmer, shape["tau"]) - warmer)
 
 
 def _quadratic(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -40,10 +47,11 @@ EFFECT = Effect(
     forms=(
         ScalesForce("textbook", "F (1 − α ΔT)", (ALPHA,), _whole),
         ScalesForce("quadratic", "F (1 − α ΔT − α_2 ΔT²)", (ALPHA, ALPHA_2), _quadratic),
+        ScalesForce("lagging", "F (1 − α ΔT_w), τ dT_w/dt = T − T_w", (ALPHA,), _lagging, (TAU,)),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
     ),
     test="temperature logged and varied while the protocol is repeated",
-    needs=("temperature",),
+    needs=("temperature", "time"),
     levers=("temperature",),
 )

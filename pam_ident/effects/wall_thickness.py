@@ -9,8 +9,18 @@ SHARE = Param("wall_share", "1", "share of the wall's thickness that acts", 0.0,
 
 
 def _thick(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _wall(inputs, inputs.specimen.wall_thickness_mm or 1.0)
+
+
+def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Rubber keeps its volume: the wall thins as the muscle grows, and thickens as it shortens."""
+    s = inputs.specimen
+    room = s.radius_ratio(inputs.contraction) * (1.0 - inputs.contraction)
+    return _wall(inputs, (s.wall_thickness_mm or 1.0) / room)
+
+
+def _wall(inputs: Inputs, t: Array | float) -> Array:
     s, xp = inputs.specimen, inputs.xp
-    t = s.wall_thickness_mm or 1.0
     cos = (1.0 - inputs.contraction) * math.cos(math.radians(s.braid_angle_deg))
     sin = xp.sqrt(xp.maximum(1.0 - cos**2, 1e-4))
     d90 = 2.0 * s.initial_radius_mm / math.sin(math.radians(s.braid_angle_deg))
@@ -21,7 +31,10 @@ EFFECT = Effect(
     name="wall_thickness",
     title="Thickness of the wall",
     source="Chou & Hannaford 1996, IEEE Trans. Robotics and Automation 12(1), 90–102, thick wall",
-    forms=(AddsForce("textbook", "π p [D90 t (2 sinθ − 1/sinθ) − t²]", (SHARE,), _thick),),
+    forms=(
+        AddsForce("textbook", "π p [D90 t (2 sinθ − 1/sinθ) − t²]", (SHARE,), _thick),
+        AddsForce("thinning", "the same with t = t0 L0 r0/(L r)", (SHARE,), _thinning),
+    ),
     test="an independent measurement of the radius",
     levers=("pressure",),
 )

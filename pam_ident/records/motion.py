@@ -111,25 +111,36 @@ def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: floa
     first, last = int(inside[0]), int(inside[-1])
     tolerance = 3.0 * noise + 0.02 * abs(x[last] - x[first]) / len(inside)
 
-    def off(at: int, near: Array) -> float:
+    def off(at: int, near: slice) -> float:
         t, y = time[near] - time[near].mean(), x[near]
         spread = float(t @ t)  # 0 where a clock is coarser than the rows
         slope = float(t @ y) / spread if spread > 0.0 else 0.0
         return abs(float(x[at] - y.mean()) - slope * float(time[at] - time[near].mean()))
 
+    def bend(near: slice) -> float:
+        """What a parabola through three samples adds to their line at the next, and more: by the clock, because
+        steps that differ as the clock does are no bend."""
+        (t0, t1, t2), (x0, x1, x2) = time[near], x[near]
+        if not t0 < t1 < t2:
+            return 0.0
+        second = ((x2 - x1) / (t2 - t1) - (x1 - x0) / (t1 - t0)) / (t2 - t0)
+        return 2.0 * abs(float(second)) * float(t2 - t0) ** 2
+
     for _ in range(2):
-        if last - first > 6 and off(last, np.arange(last - 3, last)) > 2.0 * tolerance + _bend(x, last - 3, last - 1):
+        near = slice(last - 3, last)
+        if last - first > 6 and off(last, near) > 2.0 * tolerance + bend(near):
             last -= 1
-        if last - first > 6 and off(first, np.arange(first + 1, first + 4)) > 2.0 * tolerance + _bend(
-            x, first + 1, first + 3
-        ):
+        near = slice(first + 1, first + 4)
+        if last - first > 6 and off(first, near) > 2.0 * tolerance + bend(near):
             first += 1
     # A neighbour at the level of an end is the hold already, and that end the corner.
     for _ in range(2):
         if last + 1 < len(x) and not taken[last + 1] and _steps(x, (last - 1, last, last + 1), tolerance, noise):
-            last += off(last + 1, np.arange(last - 2, last + 1)) < tolerance + _bend(x, last - 2, last)
+            near = slice(last - 2, last + 1)
+            last += off(last + 1, near) < tolerance + bend(near)
         if first > 0 and not taken[first - 1] and _steps(x, (first + 1, first, first - 1), tolerance, noise):
-            first -= off(first - 1, np.arange(first, first + 3)) < tolerance + _bend(x, first, first + 2)
+            near = slice(first, first + 3)
+            first -= off(first - 1, near) < tolerance + bend(near)
     return np.arange(first, last + 1)
 
 
@@ -138,12 +149,6 @@ def _steps(x: Array, at: tuple[int, int, int], tolerance: float, noise: float) -
     turning point the next stroke begins, however round the turn."""
     inner, end, outer = x[list(at)]
     return abs(end - inner) > 1.5 * tolerance and (outer - end) * np.sign(end - inner) > 4.0 * noise
-
-
-def _bend(x: Array, begin: int, end: int) -> float:
-    """How far three neighbouring samples leave a straight line, doubled."""
-    middle = (begin + end) // 2
-    return 4.0 * abs(float(x[begin] - 2.0 * x[middle] + x[end])) / max(middle - begin, 1) ** 2
 
 
 def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:

@@ -75,6 +75,10 @@ def thinned_holds(time: Array, x: Array, turns: list[int], noise: float, span: f
     return np.repeat(held, counts)
 
 
+FEW, FAR = 3, 20.0
+"""Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
+
+
 def _holds(time: Array, x: Array, turns: list[int], band: float) -> Array:
     """Mask of the samples at rest, shape of x."""
     held = np.zeros(len(x), bool)
@@ -95,12 +99,9 @@ def _holds(time: Array, x: Array, turns: list[int], band: float) -> Array:
         if abs(drift) > 0.5 * band:  # more than it may be, whatever the rounding of the sums
             start += 1
             continue
-        lasts = time[stop - 1] - time[start]
-        if (
-            stop - start >= 4
-            and lasts * max(pace[start:stop].min(), 1e-12) > 3.0 * band
-            and abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0
-        ):
+        way = (time[stop - 1] - time[start]) * max(pace[start:stop].min(), 1e-12)  # what the stroke would have gone
+        rests = way > 3.0 * band and abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0
+        if rests if stop - start >= 4 else stop - start == FEW and way > FAR * band:
             held[start:stop] = True
             start = stop
         else:

@@ -33,10 +33,12 @@ def plain_holds(time, x, pace, band):
         while stop < len(x) and np.ptp(x[start : stop + 1]) <= band:
             stop += 1
         middle = (start + stop) // 2
-        still = stop - start >= 4 and (time[stop - 1] - time[start]) * pace[start:stop].min() > 3.0 * band
-        if still and abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0:
-            held[start:stop] = True
-        start = stop if still and held[start] else start + 1
+        way = (time[stop - 1] - time[start]) * pace[start:stop].min()
+        still = stop - start == 3 and way > 20.0 * band
+        if stop - start >= 4 and way > 3.0 * band:
+            still = abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0
+        held[start:stop] |= still
+        start = stop if still else start + 1
     return held
 
 
