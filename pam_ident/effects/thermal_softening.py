@@ -25,6 +25,8 @@ def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     warmer = warming(inputs)
+    if inputs.time is None:  # a table is taken at rest
+        return one(-warmer)
     return one(relax(inputs, warmer, shape["tau"]) - warmer)
 
 
@@ -47,11 +49,11 @@ EFFECT = Effect(
     forms=(
         ScalesForce("textbook", "F (1 − α ΔT)", (ALPHA,), _whole),
         ScalesForce("quadratic", "F (1 − α ΔT − α_2 ΔT²)", (ALPHA, ALPHA_2), _quadratic),
-        ScalesForce("lagging", "F (1 − α ΔT_w), τ dT_w/dt = T − T_w", (ALPHA,), _lagging, (TAU,)),
+        ScalesForce("lagging", "F (1 − α ΔT_w), τ dT_w/dt = T − T_w", (ALPHA,), _lagging, (TAU,), remembers=True),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
     ),
     test="temperature logged and varied while the protocol is repeated",
-    needs=("temperature", "time"),
+    needs=("temperature",),
     levers=("temperature",),
 )
