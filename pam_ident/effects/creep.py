@@ -5,6 +5,7 @@ import numpy as np
 from ..core import Inputs, Param
 from ._history import relax
 from .base import AddsForce, Array, Effect, Shape, one
+from .bladder_elasticity import hoop_force
 
 G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
 TAU = Param("tau", "s", "relaxation time", 0.2, 3000.0, start=10.0, grid=(0.3, 1.0, 3.0, 10.0, 30.0, 100.0))
@@ -14,6 +15,7 @@ THREE = tuple(
     Param(f"G_{k}", "N", f"relaxing force per contraction, {word} term", 0.0, 1e5, scale=100.0)
     for k, word in enumerate(("fastest", "middle", "slowest"), 1)
 )
+E_R = Param("E_r", "MPa", "relaxing part of the bladder's modulus", 0.0, 1e3, scale=0.1)
 SHARE = Param("share", "1", "share of a change of force that relaxes", 0.0, 2.0, scale=0.02)
 DECADES = np.logspace(-1.0, 3.0, 9)
 
@@ -39,6 +41,10 @@ def _force(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-_drive(inputs, force, shape["tau"]))
 
 
+def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-_drive(inputs, hoop_force(inputs), shape["tau"]))
+
+
 EFFECT = Effect(
     name="creep",
     title="Creep and stress relaxation",
@@ -47,6 +53,7 @@ EFFECT = Effect(
         AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,), remembers=True),
         AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic, remembers=True),
         AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (MIDDLE,), remembers=True),
+        AddsForce("elastic", "+E_r q, q̇ = ḟ − q/τ, E f the bladder's force", (E_R,), _elastic, (TAU,), remembers=True),
         AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True, remembers=True),
     ),
     test="holds over three decades of time",

@@ -36,6 +36,12 @@ def _mass_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-_rate(inputs) * volume)
 
 
+def _volume_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """A line in which the gas is taken as incompressible loses pressure in proportion to the volume that flows."""
+    volume = inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
+    return one(-_rate(inputs) * volume / (inputs.pressure + ATMOSPHERE_MPA) * 0.3)
+
+
 def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
     ratio = inputs.specimen.radius_ratio(inputs.contraction)
@@ -61,6 +67,7 @@ EFFECT = Effect(
     forms=(
         TransformsPressure("textbook", "p → p − T_p p_abs V̇/V", (LAG,), _quasi_steady),
         TransformsPressure("mass_flow", "p → p − T_p p_abs V̇/V0", (LAG,), _mass_flow),
+        TransformsPressure("volume_flow", "p → p − T_p · 0.3 MPa · V̇/V0", (LAG,), _volume_flow),
         TransformsPressure("lagging", "p → p − κ p_abs q, q̇ = V̇/V − q/τ", (KAPPA,), _lagging, (TAU,), remembers=True),
         TransformsPressure("conductance", "the same with τ V/V0 for τ", (KAPPA,), _conductance, (TAU,), remembers=True),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),

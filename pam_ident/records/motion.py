@@ -10,6 +10,8 @@ from .turning import pieces, pivots, thinned_holds
 Array = np.ndarray
 NORMAL_MEDIAN = 0.6745
 """Median magnitude of a standard normal number."""
+NOISE_ONLY = 1.25
+"""Ratio to the sensor's noise up to which what a curve misses of a stroke is noise alone."""
 SLOPE_NOISE = 0.01
 """Share of a stroke's speed that the sensor's noise may make of the speed at a sample."""
 
@@ -162,7 +164,7 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
         smooth = curve(centred)
         missed = np.std(x - smooth)
         slope = curve.deriv()(centred) * 2.0 / width
-        if missed < 2.0 * noise:
+        if missed < NOISE_ONLY * noise:
             return smooth, slope
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
             return x, slope
