@@ -12,6 +12,7 @@ from ..core import Inputs
 from ..core.recursion import decaying_sum
 from ..records import Record
 from ..records.motion import position_noise
+from .repeats import without_repeats
 
 Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
@@ -175,7 +176,8 @@ def estimate_noise(
     """Noise from what a model leaves: white, or partly a first-order process.
 
     `residual` (N, (n,)) of a model with `parameters` free parameters; `slope` (N/mm) carries what is left of the
-    displacement sensor's noise into force; `outlier` (mask) is found when not given; `white` forbids colour.
+    displacement sensor's noise into force; `outlier` (mask) is found when not given; `white` forbids colour. What
+    comes back with every cycle is left out.
     """
     n = len(residual)
     middle = max(float(np.median(np.abs(residual))) / 0.6745, 1e-9)
@@ -184,13 +186,17 @@ def estimate_noise(
     extra = np.zeros(n)
     if record.inputs.time is not None:
         extra = (SMOOTHED * position_noise(record.inputs.displacement_mm, record.inputs.time) * slope / middle) ** 2
-    z = np.where(outlier, 0.0, residual / middle)
+    own = without_repeats(record, residual, ~outlier)
+    z = np.where(outlier, 0.0, own / middle)
     share, memory, clock, decay = (0.0, 0.0, "samples", np.zeros(n)) if white else _colour(record, z, extra)
     gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share]), extra))
     left = innovations(z[:, None], decay, gain)[:, 0] / spread
     # The scale is profiled out: innovations of a coloured residual need not have unit variance.
     sigma = max(middle * float(np.sqrt(np.sum(left**2) / max((~outlier).sum() - parameters, 1))), 1e-9)
     deviance = 2.0 * n * np.log(sigma) + 2.0 * float(np.sum(np.log(spread)))
+    if own is not residual:
+        whole = innovations(np.where(outlier, 0.0, residual / middle)[:, None], decay, gain)[:, 0] / spread
+        deviance += float(whole @ whole - left @ left) * (middle / sigma) ** 2
     return Noise(sigma, share, memory, clock, decay, gain, spread, outlier, deviance)
 
 

@@ -2,7 +2,7 @@
 
 from ..core import Inputs, Param
 from ._history import relax, since_first
-from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
+from .base import AddsForce, Array, Effect, ScalesForce, Shape, TransformsPressure, one
 from .bladder_elasticity import hoop_force
 
 ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the start", -0.1, 0.1, scale=0.001)
@@ -30,6 +30,10 @@ def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(relax(inputs, warmer, shape["tau"]) - warmer)
 
 
+def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(-inputs.pressure * warming(inputs))
+
+
 def _quadratic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -inputs.xp.column_stack([warming(inputs), warming(inputs) ** 2])
 
@@ -50,6 +54,7 @@ EFFECT = Effect(
         ScalesForce("textbook", "F (1 − α ΔT)", (ALPHA,), _whole),
         ScalesForce("quadratic", "F (1 − α ΔT − α_2 ΔT²)", (ALPHA, ALPHA_2), _quadratic),
         ScalesForce("lagging", "F (1 − α ΔT_w), τ dT_w/dt = T − T_w", (ALPHA,), _lagging, (TAU,), remembers=True),
+        TransformsPressure("pressure", "p → p (1 − α ΔT)", (ALPHA,), _pressure),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
     ),

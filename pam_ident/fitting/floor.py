@@ -39,29 +39,40 @@ class LackOfFit:
         return self.p_value > 0.01
 
 
-def _repeats(record: Record, rows: Array) -> list[list[tuple[Array, Array]]]:
-    """Groups of two strokes or more of one isobar, branch and speed, of at least 3 · SHAPES samples each.
+def repeats(record: Record, rows: Array, at_rest: bool = False) -> list[list[tuple[Array, Array]]]:
+    """Groups of two strokes or more of one isobar, branch and speed, of at least 3 · SHAPES samples of `rows` each.
 
-    Of each stroke its rows, and its contraction scaled to −1 … 1 over the group.
+    Of each stroke its rows, and its contraction scaled to −1 … 1 over the group. `rows` is a mask (n,). `at_rest`
+    takes the holds behind those strokes instead, of SHAPES samples at least, by the time in s since each began.
     """
     inputs = record.inputs
     if inputs.moving is None or inputs.stroke_speed is None:
         return []
-    usable = np.flatnonzero(rows & inputs.moving)
+    usable = np.flatnonzero(rows & (inputs.moving != at_rest))
     usable = usable[np.argsort(record.stroke[usable], kind="stable")]
     edges = np.flatnonzero(np.diff(record.stroke[usable])) + 1
-    strokes = [s for s in np.split(usable, edges) if len(s) >= 3 * SHAPES]
+    strokes = [s for s in np.split(usable, edges) if len(s) >= (1 if at_rest else 3) * SHAPES]
     alike: dict[tuple[float, float, int], list[Array]] = {}
     for s in strokes:
         pace = round(4.0 * np.log(max(float(inputs.stroke_speed[s[0]]), 1e-9)))
         alike.setdefault((float(record.level[s[0]]), float(inputs.direction[s[0]]), pace), []).append(s)
     found = []
     for group in alike.values():
+        if at_rest and len(group) >= 2 and inputs.time is not None:
+            found.append([(s, inputs.time[s] - inputs.time[s[0]]) for s in group])
+            continue
         reach = np.concatenate([inputs.contraction[s] for s in group])
         low, span = reach.min(), np.ptp(reach)
         if len(group) >= 2 and span > 0:
             found.append([(s, 2.0 * (inputs.contraction[s] - low) / span - 1.0) for s in group])
     return found
+
+
+def nearest(x: Array, y: Array) -> Array:
+    """Which of y (m ≥ 2,) is nearest to each of x (n,): indices, shape (n,)."""
+    order = np.argsort(y)
+    right = np.clip(np.searchsorted(y[order], x), 1, len(y) - 1)
+    return order[np.where(x - y[order[right - 1]] < y[order[right]] - x, right - 1, right)]
 
 
 def noise_floor(fit: Fit) -> NoiseFloor | None:
@@ -70,14 +81,11 @@ def noise_floor(fit: Fit) -> NoiseFloor | None:
     Each stroke is taken from the next of its group, at the sample of the nearest contraction, so that neither the
     fit's own faults nor correlation along a stroke is counted. Noise slower than a cycle is missed.
     """
-    groups = _repeats(fit.record, fit.rows)
+    groups = repeats(fit.record, fit.rows)
     squares, samples, lags = 0.0, 0, np.zeros(41)
     for group in groups:
         for (one, x), (other, y) in pairwise(group):
-            order = np.argsort(y)
-            right = np.clip(np.searchsorted(y[order], x), 1, len(y) - 1)
-            near = order[np.where(x - y[order[right - 1]] < y[order[right]] - x, right - 1, right)]
-            apart = fit.residual[one] - fit.residual[other[near]]
+            apart = fit.residual[one] - fit.residual[other[nearest(x, y)]]
             squares, samples = squares + 0.5 * float(apart @ apart), samples + len(apart)
             for k in range(min(len(lags), len(apart) // 2)):
                 lags[k] += float(apart[: len(apart) - k] @ apart[k:])
@@ -103,7 +111,7 @@ def lack_of_fit(fit: Fit) -> LackOfFit | None:
     """
     from scipy.special import fdtrc
 
-    groups = _repeats(fit.record, fit.rows)
+    groups = repeats(fit.record, fit.rows)
     if not groups:
         return None
     error = sum(len(g) for g in groups) - len(groups)

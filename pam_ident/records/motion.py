@@ -200,10 +200,13 @@ def _local_slopes(time: Array, x: Array, noise: float) -> Array:
 
 
 def _smooth_holds(position: Array, x: Array, rest: Array, noise: float) -> None:
-    """Replace the position in each hold by its mean where it does not move by more than the noise."""
+    """Replace the position in each hold by its mean where it does not move by more than the noise, but for samples
+    out of the hold's own scatter, in which the drive still brakes or speeds up."""
     for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1):
         if len(hold) >= 4 and np.std(x[hold]) < 2.0 * noise:
-            position[hold] = x[hold].mean()
+            away = np.abs(x[hold] - np.median(x[hold]))
+            still = hold[away <= 3.0 * 1.4826 * np.median(away)]
+            position[still] = x[still].mean()
 
 
 def _carry(direction: Array, moving: Array, stroke: Array, speed: Array) -> None:

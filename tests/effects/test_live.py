@@ -18,7 +18,7 @@ REMEMBER = {
     *(f"creep:{form}" for form in ("textbook", "logarithmic", "prony_3", "elastic", "force_driven")),
     *(f"presliding_hysteresis:{form}" for form in ("textbook", "dahl", "maxwell_slip_3")),
     *(f"force_drift:{form}" for form in ("textbook", "settling", "logarithmic")),
-    *(f"thermal_softening:{form}" for form in ("textbook", "quadratic", "lagging", "elastic", "linear")),
+    *(f"thermal_softening:{form}" for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear")),
     "pressure_lag:lagging",
     "pressure_lag:conductance",
     "mullins_softening:pseudo_elastic",

@@ -1,0 +1,64 @@
+"""What comes back with every cycle is no noise, whatever its colour."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from ..fitting.floor import nearest, repeats
+from ..records import Record
+
+Array = np.ndarray
+SHARE = 0.2
+"""Share of a residual's variance that must come back before it counts as no noise: less may be the position's."""
+CERTAIN = 5.0
+"""Standard errors by which it must differ from none."""
+
+
+def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
+    """A residual (n,) in N as it is if nothing in it comes back; else that of repeated strokes less what they share.
+
+    Strokes, and the holds behind them, repeat each other at one pressure, speed and direction. Of each cycle a line in
+    time is taken off first, because noise slower than a cycle comes back, too. `rows` (mask, (n,)) are looked at. A
+    stroke less its neighbour, over the root of two, has noise of the same size and colour as a stroke by itself.
+    """
+    if record.inputs.time is None:
+        return residual
+    trend = _trend(record, residual, rows)
+    flat = residual - trend
+    groups = [*repeats(record, rows), *repeats(record, rows, at_rest=True)]
+    coarse = _rounding(record.force)
+    shared, size, rounded = [], 0.0, 0.0
+    for group in groups:
+        for (one, x), (other, y) in pairwise(group):
+            shared.append(float(flat[one] @ flat[other[nearest(x, y)]]))
+            size += float(flat[one] @ flat[one])
+            rounded += len(one) * coarse
+    if len(shared) < 3 or not np.sum(shared) > SHARE * size + rounded:
+        return residual
+    if not np.mean(shared) > CERTAIN * np.std(shared) / np.sqrt(len(shared)):
+        return residual
+    own = residual.copy()
+    for group in groups:
+        for (one, x), (other, y) in zip(group, [*group[1:], group[0]], strict=True):
+            own[one] = trend[one] + (flat[one] - flat[other[nearest(x, y)]]) / np.sqrt(2.0)
+    return own
+
+
+def _rounding(force: Array) -> float:
+    """Variance in N² of rounding to the gauge's steps, which comes back where the noise is smaller than a step."""
+    steps = np.diff(np.unique(force))
+    return float(np.min(steps, initial=np.inf)) ** 2 / 12.0 if len(steps) else 0.0
+
+
+def _trend(record: Record, residual: Array, rows: Array) -> Array:
+    """A line in time through the residual's `rows` of each cycle, shape (n,)."""
+    assert record.inputs.time is not None
+    trend = np.zeros(len(residual))
+    for block in np.unique(record.block):
+        cycle = np.flatnonzero(record.block == block)
+        seen = cycle[rows[cycle]]
+        if len(seen) >= 4:
+            at = record.inputs.time - record.inputs.time[seen].mean()
+            line = np.linalg.lstsq(np.vander(at[seen], 2), residual[seen], rcond=None)[0]
+            trend[cycle] = np.vander(at[cycle], 2) @ line
+    return trend
