@@ -7,6 +7,7 @@ from .bladder_elasticity import hoop_force
 
 ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the start", -0.1, 0.1, scale=0.001)
 ALPHA_2 = Param("alpha_2", "1/K^2", "change of that loss with warming", -0.01, 0.01, scale=3e-5)
+ALPHA_E = Param("alpha_e", "1/K", "change of that loss with contraction", -1.0, 1.0, scale=0.003)
 E_LOSS = Param("E_loss", "MPa/K", "loss of the bladder's modulus per kelvin", -20.0, 20.0, scale=0.01)
 G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvin", -1e4, 1e4, scale=1.0)
 
@@ -31,7 +32,8 @@ def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-inputs.pressure * warming(inputs))
+    loss = -inputs.pressure * warming(inputs)
+    return inputs.xp.column_stack([loss, loss * inputs.contraction])
 
 
 def _quadratic(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -54,7 +56,7 @@ EFFECT = Effect(
         ScalesForce("textbook", "F (1 − α ΔT)", (ALPHA,), _whole),
         ScalesForce("quadratic", "F (1 − α ΔT − α_2 ΔT²)", (ALPHA, ALPHA_2), _quadratic),
         ScalesForce("lagging", "F (1 − α ΔT_w), τ dT_w/dt = T − T_w", (ALPHA,), _lagging, (TAU,), remembers=True),
-        TransformsPressure("pressure", "p → p (1 − α ΔT)", (ALPHA,), _pressure),
+        TransformsPressure("pressure", "p → p (1 − (α + α_e ε) ΔT)", (ALPHA, ALPHA_E), _pressure),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
     ),
