@@ -85,6 +85,24 @@ def test_a_logger_much_faster_than_the_motion_changes_nothing(speed, per_stroke,
     assert len(np.unique(record.stroke[found.moving])) == 6
 
 
+@pytest.mark.parametrize("noise", [0.005, 0.05])
+@pytest.mark.parametrize("speed", [10.0, 100.0])
+def test_three_samples_make_a_hold_where_a_stroke_would_have_gone_far(speed, noise):
+    t, x, direction, moving, _, _ = trapezoid(speed, 4.0, 40, in_hold=3)
+    found = record_of(t, x, noise).inputs
+    np.testing.assert_array_equal(found.moving, moving == 1.0)
+    np.testing.assert_array_equal(found.direction, direction)
+
+
+def test_a_hold_in_which_the_drive_still_brakes_keeps_the_position_of_what_rests():
+    t, x, _, moving, _, _ = trapezoid(10.0, 4.0, 40, in_hold=8)
+    last = np.flatnonzero((np.diff(moving) < 0.0) & (x[1:] == TRAVEL)) + 1
+    x[last] -= 0.06
+    steady = record_of(t, x, 0.02).steady
+    inside = np.concatenate([last + k for k in range(1, 8)])
+    assert np.max(np.abs(steady.displacement_mm[inside] - TRAVEL)) < 0.025
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 @pytest.mark.parametrize("per_stroke", [15, 100])
 def test_reversals_without_holds_are_found_and_nothing_is_called_a_hold(per_stroke, noise):

@@ -1,0 +1,68 @@
+"""What comes back with every cycle is taken out of the noise, and nothing else is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Specimen
+from pam_ident.diagnosis.noise import estimate_noise
+from pam_ident.diagnosis.repeats import without_repeats
+from pam_ident.records import build_record
+
+SIGMA = 2.0
+
+
+@pytest.fixture(scope="module")
+def record():
+    """Three isobars of five cycles to and fro, 1 s of rest at each end; the force is of no matter."""
+    pressure, time, x, clock = [], [], [], 0.0
+    for p in (0.1, 0.3, 0.5):
+        for _ in range(5):
+            for sign in (1.0, -1.0):
+                at = (np.arange(40) + 0.5) / 40
+                pressure += [np.full(50, p)]
+                time += [clock + 4.0 * at, clock + 4.0 + np.arange(10) / 10 + 0.05]
+                x += [40.0 * at if sign > 0 else 40.0 * (1.0 - at), np.full(10, 40.0 * (sign > 0))]
+                clock += 5.0
+        clock += 20.0
+    x, time, pressure = np.concatenate(x), np.concatenate(time), np.concatenate(pressure)
+    x = x + 0.01 * np.random.default_rng(1).standard_normal(len(x))
+    muscle = Specimen("m", 200.0, 10.0, 25.4, 1.5)
+    return build_record("r", muscle, pressure, x / 200.0, 800.0 - x, time=time)
+
+
+def slow(record, rng, seconds):
+    """A first-order process of standard deviation SIGMA with a correlation time in s, shape (n,)."""
+    decay = np.exp(-np.diff(record.inputs.time) / seconds)
+    found = [rng.standard_normal()]
+    for keep in decay:
+        found.append(keep * found[-1] + np.sqrt(1.0 - keep**2) * rng.standard_normal())
+    return SIGMA * np.array(found)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seconds", [1e-3, 0.5, 10.0, 100.0, 1000.0])
+def test_noise_of_any_colour_is_left_as_it_is(record, seconds, seed):
+    residual = slow(record, np.random.default_rng(seed), seconds)
+    assert without_repeats(record, residual, np.ones(len(residual), bool)) is residual
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_force_that_comes_back_with_each_stroke_and_hold_is_no_noise(record, seed):
+    white = SIGMA * np.random.default_rng(seed).standard_normal(len(record))
+    inputs = record.inputs
+    since = inputs.time - inputs.time[np.searchsorted(record.stroke, record.stroke)]
+    misfit = 4.0 * np.exp(-since) * np.cos(5.0 * since) * inputs.direction
+    noise = estimate_noise(record, white + misfit, np.zeros(len(record)), 0)
+    assert noise.sigma == pytest.approx(SIGMA, rel=0.1)
+    alone = estimate_noise(record, white, np.zeros(len(record)), 0)
+    assert noise.deviance > alone.deviance + 100.0
+
+
+def test_rounding_to_a_gauge_s_steps_comes_back_and_is_noise_still(record):
+    clean = 500.0 - 8.0 * np.round(record.inputs.displacement_mm, 1)
+    rounded = np.round((clean + 0.02 * np.random.default_rng(2).standard_normal(len(clean))) / 3.0) * 3.0
+    gauged = replace(record, force=rounded)
+    residual = rounded - clean
+    assert without_repeats(gauged, residual, np.ones(len(clean), bool)) is residual
