@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from ..core import Inputs, Param
-from ._history import time_held
+from ._history import stop_operator, time_held
 from .base import AddsForce, Array, Effect, Shape, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
@@ -14,6 +14,9 @@ V_S = Param("v_s", "mm/s", "Stribeck speed", 0.2, 100.0, start=5.0, grid=(1.5, 5
 V_0 = Param("v_0", "mm/s", "speed at which friction is fully developed", 0.05, 4.0, start=1.0, grid=(0.5, 2.0))
 TAU_H = Param("tau_h", "s", "time in which friction fades in a hold", 0.05, 1000.0, start=2.0, grid=(0.7, 3.0))
 
+CONTACT_MM = 0.05
+"""Travel before the contact slides, which a sample's step hides; a longer one shows, and is presliding."""
+
 
 def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-slip(inputs)[0])
@@ -21,6 +24,13 @@ def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -inputs.xp.column_stack(slip(inputs))
+
+
+def _stuck(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Friction holds all of its force at rest, and lets go over a short way after a reversal."""
+    if inputs.time is None:
+        return _sliding(inputs, shape, force)
+    return one(-stop_operator(inputs, CONTACT_MM))
 
 
 def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -67,6 +77,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−F_c sgn(ε̇)", (F_C,), _sliding),
         AddsForce("held", "−F_c sgn(ε̇), F_hold in holds", (F_C, F_HOLD), _held),
+        AddsForce("stuck", "−F_c clip(Δx/0.05 mm, ±1)", (F_C,), _stuck, remembers=True),
         AddsForce(
             "relaxing", "−F_c sgn(ε̇), F_hold exp(−t/τ_h) in holds", (F_C, F_HOLD), _relaxing, (TAU_H,), remembers=True
         ),

@@ -19,6 +19,7 @@ REMEMBER = {
     *(f"presliding_hysteresis:{form}" for form in ("textbook", "dahl", "maxwell_slip_3")),
     *(f"force_drift:{form}" for form in ("textbook", "settling", "logarithmic")),
     *(f"thermal_softening:{form}" for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear")),
+    "coulomb_friction:stuck",
     "pressure_lag:lagging",
     "pressure_lag:conductance",
     "mullins_softening:pseudo_elastic",
