@@ -1,6 +1,7 @@
 """Which effect is missing, how sure that is, and what is left."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -88,9 +89,7 @@ def _confirmed(base: Fit, heldout: float, named: list[Term], verdict: Verdict) -
             return heldout, base, terms
         terms = in_best_forms(base, terms) if table else terms
         model = base.model.adding(*terms)
-        found = fit(model, base.record, start=_start(verdict, terms))
-        if found.rmse > base.rmse:
-            found = fit(model, base.record, start=base.values)
+        found = fit_onto(base, model, _start(verdict, terms))
         return heldout_rmse(model, base.record, found), found, terms
 
     after, best, named = attempt(named)
@@ -98,6 +97,15 @@ def _confirmed(base: Fit, heldout: float, named: list[Term], verdict: Verdict) -
         trials = [attempt([t for t in named if t is not gone]) for gone in named]
         after, best, named = min(trials, key=lambda item: item[0])
     return best, after, named
+
+
+def fit_onto(base: Fit, model: Model, start: Mapping[str, float]) -> Fit:
+    """Fit of a model that holds more than a `base` fit, begun at `start`; where that ends worse, at the base's values.
+
+    Raises FitError and DataError as `fit` does.
+    """
+    found = fit(model, base.record, start=start)
+    return found if found.rmse <= base.rmse else fit(model, base.record, start=base.values)
 
 
 def _start(verdict: Verdict, named: list[Term]) -> dict[str, float]:

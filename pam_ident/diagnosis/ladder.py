@@ -9,7 +9,7 @@ from ..effects import Effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record
-from .diagnose import diagnose
+from .diagnose import diagnose, fit_onto
 from .heldout import heldout_rmse
 from .nouns import Diagnosis, Ladder, Rung
 
@@ -42,7 +42,7 @@ def _rungs(below: Rung, terms: list[Term], record: Record, found: Diagnosis) -> 
     left = list(terms)
     while left:
         base = rungs[-1] if rungs else below
-        trials = [(_added(base.fit, t, record, found.best), t) for t in left]
+        trials = [(_added(base.fit, t, found.best), t) for t in left]
         best, term = min(trials, key=lambda pair: _merit(pair[0]))
         heldout = heldout_rmse(best.model, record, best)
         rungs.append(Rung(best, heldout, _why(base, best, heldout, found), found))
@@ -52,13 +52,10 @@ def _rungs(below: Rung, terms: list[Term], record: Record, found: Diagnosis) -> 
     return rungs
 
 
-def _added(base: Fit, term: Term, record: Record, found: Fit) -> Fit:
+def _added(base: Fit, term: Term, found: Fit) -> Fit:
     """The base with a term, from the values that it was `found` with; that fit itself where it holds no more."""
     model = base.model.adding(term)
-    if model == found.model:
-        return found
-    one = fit(model, record, start=found.values)
-    return one if one.rmse <= base.rmse else fit(model, record, start=base.values)
+    return found if model == found.model else fit_onto(base, model, found.values)
 
 
 def _merit(one: Fit) -> float:

@@ -52,13 +52,14 @@ def _rounding(force: Array) -> float:
 
 def _trend(record: Record, residual: Array, rows: Array) -> Array:
     """A line in time through the residual's `rows` of each cycle, shape (n,)."""
-    assert record.inputs.time is not None
+    time = record.inputs.time
+    assert time is not None
     trend = np.zeros(len(residual))
     for block in np.unique(record.block):
         cycle = np.flatnonzero(record.block == block)
         seen = cycle[rows[cycle]]
         if len(seen) >= 4:
-            at = record.inputs.time - record.inputs.time[seen].mean()
-            line = np.linalg.lstsq(np.vander(at[seen], 2), residual[seen], rcond=None)[0]
-            trend[cycle] = np.vander(at[cycle], 2) @ line
+            middle = time[seen].mean()
+            line = np.linalg.lstsq(np.vander(time[seen] - middle, 2), residual[seen], rcond=None)[0]
+            trend[cycle] = np.vander(time[cycle] - middle, 2) @ line
     return trend

@@ -26,32 +26,34 @@ def _rate(inputs: Inputs) -> Array:
     return (inputs.pressure + ATMOSPHERE_MPA) * inputs.specimen.log_volume_slope(inputs.contraction) * stroke_rate
 
 
+def _volume(inputs: Inputs) -> Array:
+    """V/V0 of the braid's cylinder, shape (n,)."""
+    return inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
+
+
 def _quasi_steady(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-_rate(inputs))
 
 
 def _mass_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A line of fixed conductance loses pressure in proportion to the mass that flows, whatever the volume is."""
-    volume = inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
-    return one(-_rate(inputs) * volume)
+    return one(-_rate(inputs) * _volume(inputs))
 
 
 def _volume_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A line in which the gas is taken as incompressible loses pressure in proportion to the volume that flows."""
-    volume = inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
-    return one(-_rate(inputs) * volume / (inputs.pressure + ATMOSPHERE_MPA) * 0.3)
+    return one(-_rate(inputs) * _volume(inputs) / (inputs.pressure + ATMOSPHERE_MPA) * 0.3)
 
 
 def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
-    ratio = inputs.specimen.radius_ratio(inputs.contraction)
-    log_volume = inputs.xp.log(ratio**2 * (1.0 - inputs.contraction))
+    log_volume = inputs.xp.log(_volume(inputs))
     return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, log_volume, shape["tau"]))
 
 
 def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A valve of fixed conductance fills a larger volume more slowly: τ grows with V."""
-    volume = inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
+    volume = _volume(inputs)
     return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), shape["tau"] * volume))
 
 

@@ -11,6 +11,8 @@ BLOCK = 64
 """Samples that are passed over at once where none of them can be a turn."""
 PIECE = 1 << 20
 """Samples of a run that are looked at together at most; a longer run is parted at a turn past its half."""
+FEW, FAR = 3, 20.0
+"""Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
 
 
 def pieces(x: Array, begin: int, end: int, threshold: float) -> Iterator[tuple[int, int]]:
@@ -73,10 +75,6 @@ def thinned_holds(time: Array, x: Array, turns: list[int], noise: float, span: f
     coarse_turns = sorted({min(turn // m, len(starts) - 1) for turn in turns})
     held = _holds(coarse_time, coarse_x, coarse_turns, max(6.0 * noise / np.sqrt(m), 5e-4 * span))
     return np.repeat(held, counts)
-
-
-FEW, FAR = 3, 20.0
-"""Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
 
 
 def _holds(time: Array, x: Array, turns: list[int], band: float) -> Array:
