@@ -12,6 +12,7 @@ from .ground import Ground, Lead, scan
 from .noise import Noise
 from .patterns import patterns
 from .search import Choice, beam_search
+from .spectrum import beats
 from .trial import Trial, Verdict, labels
 
 LIGHT, LIGHT_PATTERN = 0.04, 0.1
@@ -175,7 +176,9 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
     """
     leads: list[tuple[float, float, Lead]] = []
     grounds = [Ground(trial, start) for start in {v.names: v for v in (verdict, trial.empty)}.values()]
-    for effect in patterns(trial.record.inputs):
+    time = trial.record.inputs.time
+    lines = [] if time is None else [period for ground in grounds for period in beats(time, ground.view.residual)]
+    for effect in patterns(trial.record.inputs, lines):
         for lead in scan(effect, grounds):
             price = _pattern_price(trial, lead)
             leads.append((lead.onto.cost - lead.gain + price, price, lead))

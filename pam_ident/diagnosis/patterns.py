@@ -6,11 +6,12 @@ of k sizes, all of the first size first; where the contraction is given in singl
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..core import Inputs, Param
-from ..effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction
+from ..effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure
 from ..effects.base import Array, Shape, slip
 
 SOURCE = "a description, not a physical effect"
@@ -23,6 +24,12 @@ SIN = Param("sine", "N", "sine part", scale=10.0)
 WAVE = (COS, SIN)
 GAIN = Param("gain", "1", "change of the force's scale", -0.9, 2.0, scale=0.01)
 SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
+STRETCH = Param("stretch", "mm", "shift of the length by the end", -20.0, 20.0, scale=0.1)
+SENSE = Param("sense", "1", "change of the pressure's scale by the end", -0.5, 0.5, scale=0.01)
+PRESSURE_WAVE = (
+    Param("cosine", "MPa", "cosine part", -0.5, 0.5, scale=0.01),
+    Param("sine", "MPa", "sine part", -0.5, 0.5, scale=0.01),
+)
 
 
 def _wave(along: Array, period: Array | float) -> Array:
@@ -134,6 +141,21 @@ def _hats(values: Array, knots: int) -> Array:
     return np.maximum(0.0, 1.0 - np.abs(values[:, None] - at) / max(at[1] - at[0], 1e-12))
 
 
+def _passed(inputs: Inputs) -> Array:
+    """Share of the record's time that has passed, shape (n, 1)."""
+    assert inputs.time is not None
+    passed = inputs.time - inputs.time[0]
+    return _like(inputs, passed / max(float(passed[-1]), 1e-9))[:, None]
+
+
+def _length_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _passed(inputs) / inputs.specimen.initial_length_mm
+
+
+def _pressure_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _passed(inputs) * inputs.pressure[:, None]
+
+
 def _time_curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.time is not None
     return _hats(inputs.time, 8)[:, 1:]
@@ -159,10 +181,10 @@ def _sizes(count: int) -> tuple[Param, ...]:
     return tuple(Param(f"knot_{k}", "N", "free curve", scale=10.0) for k in range(count))
 
 
-def patterns(inputs: Inputs) -> tuple[Effect, ...]:
+def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
     """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask.
 
-    A table of few lengths shows none: any curve over contraction passes through its lengths.
+    `beats` are periods in s that a spectrum shows, tried beside the slow ones. A table of few lengths shows none: any curve over contraction passes through its lengths.
     """
     x = inputs.displacement_mm
     if len(np.unique(np.round(x, 3))) < LENGTHS:
@@ -238,7 +260,14 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
             grid=_steps(first, duration, 150),
         )
         length = Param("length", "s", "how long", 0.0, duration, start=duration / 8, grid=_steps(0.0, duration / 2, 12))
-        beats = _span("period", "s", "period in time", tuple(duration / np.arange(3.0, 400.0, 0.4)))
+        slow = _span("period", "s", "period in time", tuple(duration / np.arange(3.0, 400.0, 0.4)))
+        beating: list[Form] = [AddsForce("even", "beat", WAVE, _beat, (slow,))]
+        if beats:
+            seen = _span("period", "s", "period in time", tuple(sorted(beats, reverse=True)))
+            beating += [
+                AddsForce("seen", "beat", WAVE, _beat, (seen,)),
+                TransformsPressure("pressure", "beat of the pressure", PRESSURE_WAVE, _beat, (seen,)),
+            ]
         found += [
             _pattern(
                 "step",
@@ -251,9 +280,16 @@ def patterns(inputs: Inputs) -> tuple[Effect, ...]:
                     TransformsContraction("length", "step of the length", (SHIFT,), _length_step, (moment,)),
                 ],
             ),
-            _pattern("beat", "beat in time", ("time",), [AddsForce("even", "beat", WAVE, _beat, (beats,))]),
+            _pattern("beat", "beat in time", ("time",), beating),
             _pattern(
-                "trend", "free curve in time", ("time",), [AddsForce("even", "free curve", _sizes(7), _time_curve)]
+                "trend",
+                "trend in time",
+                ("time",),
+                [
+                    AddsForce("even", "free curve", _sizes(7), _time_curve),
+                    TransformsContraction("length", "trend of the length", (STRETCH,), _length_trend),
+                    TransformsPressure("pressure", "trend of the pressure's scale", (SENSE,), _pressure_trend),
+                ],
             ),
         ]
     return tuple(found)
