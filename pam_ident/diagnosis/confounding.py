@@ -51,7 +51,9 @@ def _same_form(trial: Trial, term: Term) -> list[str]:
 
 
 def _others(trial: Trial, verdict: Verdict, effect: Effect) -> list[Effect]:
-    return [e for e in trial.suspects if e.name == effect.name or e.name not in verdict.names]
+    """An effect and those outside a set; what the law follows nearly, too, which a large misfit may still be."""
+    others = [*trial.suspects, *trial.absorbed]
+    return [e for e in others if e.name == effect.name or e.name not in verdict.names]
 
 
 def _close(trial: Trial, verdict: Verdict, rest: Verdict, effect: Effect) -> list[str]:

@@ -41,7 +41,7 @@ def next_experiment(trial: Trial, verdict: Verdict, classes: Sequence[Sequence[s
 
     The first name of a group is an effect of the verdict, the others are its rivals. None where nothing is open.
     """
-    record, known = trial.record, {e.name: e for e in trial.suspects}
+    record, known = trial.record, {e.name: e for e in (*trial.suspects, *trial.absorbed)}
     terms = {t.effect.name: t for t in verdict.terms}
     questions = [Question(trial, verdict, terms[group[0]], [known[n] for n in group[1:]]) for group in classes]
     if not questions:

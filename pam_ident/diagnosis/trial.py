@@ -83,6 +83,7 @@ class Trial:
         self.noise: Noise = noise or self._noise(view, atoms)
         data = view.compress(atoms, self.noise)
         self._drop_unseen(data)
+        self.absorbed = [e for e in self.suspects if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
         self.suspects = [e for e in self.suspects if e.name not in self.excluded]
         self.data = data.only([k for k, a in enumerate(atoms) if a.effect not in self.excluded])
         squares = self.squares(base.model, base.values)

@@ -7,6 +7,11 @@ from .base import AddsForce, Array, Effect, Shape, one
 RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0)
 LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0)
 TAU = Param("tau", "s", "settling time of the drift", 5.0, 1e5, start=200.0, grid=(60.0, 200.0, 600.0, 2000.0))
+SWING = (
+    Param("F_sin", "N", "sine part of a swing", -5000.0, 5000.0, scale=10.0),
+    Param("F_cos", "N", "cosine part of a swing", -5000.0, 5000.0, scale=10.0),
+)
+PERIOD = Param("T", "s", "period of the swing", 120.0, 1e5, start=1800.0, grid=(450.0, 900.0, 1800.0, 3600.0, 7200.0))
 
 
 def elapsed(inputs: Inputs) -> Array:
@@ -27,14 +32,22 @@ def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(inputs.xp.log1p(elapsed(inputs) / shape["tau"]))
 
 
+def _swinging(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    xp = inputs.xp
+    angle = elapsed(inputs) * (2.0 * xp.pi / shape["T"])
+    return xp.column_stack([xp.sin(angle), 1.0 - xp.cos(angle)])
+
+
 EFFECT = Effect(
     name="force_drift",
     title="Drift of the force",
-    source="zero drift of strain-gauge load cells: linear, settling and logarithmic in time",
+    source="zero drift of strain-gauge load cells: linear, settling, logarithmic, and with "
+    "a room whose temperature swings",
     forms=(
         AddsForce("textbook", "+rate · t", (RATE,), _linear),
         AddsForce("settling", "+F_d (1 − exp(−t/τ))", (LEVEL,), _settling, (TAU,)),
         AddsForce("logarithmic", "+F_d ln(1 + t/τ)", (LEVEL,), _logarithmic, (TAU,)),
+        AddsForce("swinging", "+F_sin sin(2πt/T) + F_cos (1 − cos(2πt/T))", SWING, _swinging, (PERIOD,)),
     ),
     test="tare before and after; pressures in random order",
     needs=("time",),
