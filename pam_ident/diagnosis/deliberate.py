@@ -95,10 +95,10 @@ def _full_cost(trial: Trial, verdict: Verdict) -> tuple[float, Noise]:
 
 def deliberate(trial: Trial, most: int = 3) -> Verdict:
     """The cheapest set of up to `most` effects: leaders of the compressed search fitted exactly, then mended."""
-    pool = [
-        trial.refit_choice(trial.data, c, trial.empty)
-        for c in _leaders(trial, beam_search(trial.data, trial.price, most))
-    ]
+    pool: list[Verdict] = []
+    for choice in _leaders(trial, beam_search(trial.data, trial.price, most)):
+        second = sorted(v.cost for v in [trial.empty, *pool])[:2][-1]
+        pool.append(trial.refit_choice(trial.data, choice, trial.empty, second))
     if len(trial.record) <= EXACT:
         pool += _pairs(trial)
     ranked = sorted([trial.empty, *pool], key=lambda v: v.cost)
@@ -136,8 +136,9 @@ def _leaders(trial: Trial, choices: Sequence[Choice]) -> list[Choice]:
 def _mend(trial: Trial, verdict: Verdict, most: int) -> Verdict:
     """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
     for _ in range(4):
-        rivals = [trial.refit(verdict.without(term), verdict.values) for term in verdict.terms]
-        rivals += [trial.refit(terms, _without(verdict.values, terms)) for terms in _other_forms(verdict)]
+        cost = verdict.cost
+        rivals = [trial.refit(verdict.without(term), verdict.values, best=cost) for term in verdict.terms]
+        rivals += [trial.refit(terms, _without(verdict.values, terms), best=cost) for terms in _other_forms(verdict)]
         if len(verdict.terms) < most:
             rivals += _additions(trial, verdict)
         best = min(rivals, key=lambda v: v.cost, default=verdict)
@@ -166,7 +167,7 @@ def _additions(trial: Trial, verdict: Verdict) -> list[Verdict]:
     others = [e for e in trial.suspects if e.name not in verdict.names]
     data = trial.beyond(verdict, others)
     choices = [c for c in beam_search(data, trial.price, 1) if c.atoms and c.gain > trial.price.least]
-    return [trial.refit_choice(data, c, verdict) for c in choices[:2]]
+    return [trial.refit_choice(data, c, verdict, verdict.cost) for c in choices[:2]]
 
 
 def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:

@@ -1,5 +1,6 @@
 """The court: a record, a fitted base model, the suspects' signatures and the noise they are judged against."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -9,6 +10,7 @@ import numpy as np
 from ..core.progress import steps, tell
 from ..effects import AddsForce, Effect, Form
 from ..fitting import Fit
+from ..fitting.descent import GIVEN_UP
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
@@ -22,6 +24,8 @@ FORM_TOLERANCE = 0.005
 """Share of all that is to be explained which each name must earn: an unforeseen form may leave as much."""
 MOST_TOLERANCE = 0.5
 """The same in units of the noise: what stands out that far is named, however large the rest."""
+HOPELESS = 60.0
+"""Cost beyond the best at which a set counts for nothing, not even for the probabilities."""
 TOO_FLAT = 0.05
 """Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
 
@@ -33,12 +37,16 @@ def labels(terms: Sequence[Term]) -> frozenset[str]:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """A set of terms fitted exactly: values, whitened sum of squares and cost."""
+    """A set of terms fitted exactly: values, whitened sum of squares and cost.
+
+    The fit of one that has no hope of a cost below `beyond` was given up on its way.
+    """
 
     terms: tuple[Term, ...]
     values: dict[str, float]
     squares: float
     cost: float
+    beyond: float = math.inf
 
     @property
     def names(self) -> frozenset[str]:
@@ -115,11 +123,18 @@ class Trial:
         return float(left @ left)
 
     def refit(
-        self, terms: Sequence[Term], start: Mapping[str, float] | None = None, price: float | None = None
+        self,
+        terms: Sequence[Term],
+        start: Mapping[str, float] | None = None,
+        price: float | None = None,
+        best: float = math.inf,
     ) -> Verdict:
-        """Fit a set exactly, noise whitened, and remember it by its labels; `price` overrides what the set costs."""
+        """Fit a set exactly, noise whitened, and remember it by its labels; `price` overrides what the set costs.
+
+        What has no hope of a cost near the `best` so far is given up.
+        """
         key = tuple(sorted(f"{t.effect.name}:{t.form.name}" for t in terms))
-        if price is None and key in self.cache:
+        if price is None and key in self.cache and best <= self.cache[key].beyond:
             return self.cache[key]
         self.refits += 1
         tell("weighing sets of effects", self.refits)
@@ -127,16 +142,20 @@ class Trial:
         begin = self.base.values | dict(start or {})
         if key in self.known:
             begin |= self.known[key].values  # not far from it, whatever the noise
-        solution = solve(model, self.record.inputs, self.record.force, self.noise.whiten, begin, quick=True)
-        squares = self.squares(model, solution.values)
         if price is None:
             price = self.price.total(terms)
-        verdict = Verdict(tuple(terms), solution.values, squares, squares + price)
+        enough = best + HOPELESS - price
+        inputs, force = self.record.inputs, self.record.force
+        solution = solve(model, inputs, force, self.noise.whiten, begin, quick=True, enough=enough)
+        squares = self.squares(model, solution.values)
+        beyond = math.inf if solution.message != GIVEN_UP else best
+        verdict = Verdict(tuple(terms), solution.values, squares, squares + price, beyond)
         known = self.cache.get(key)
         if known is not None and known.squares < squares:  # another start led further
             verdict = replace(known, cost=known.squares + price)
         self.cache[key] = verdict
-        self.known.setdefault(key, verdict)
+        if beyond == math.inf:
+            self.known.setdefault(key, verdict)
         return verdict
 
     def weighed(self) -> list[Verdict]:
@@ -167,8 +186,8 @@ class Trial:
         left = self.record.force - model.force(self.record.inputs, found.values)
         return float(np.mean(left[clean] ** 2))
 
-    def refit_choice(self, data: Compressed, choice: Choice, onto: Verdict) -> Verdict:
-        """Fit the set `onto` with what a search found on compressed data, from where the search left it."""
+    def refit_choice(self, data: Compressed, choice: Choice, onto: Verdict, best: float = math.inf) -> Verdict:
+        """Fit the set `onto` with what a search found on compressed data, from where the search left it, as `refit`."""
         start = dict(onto.values)
         for a, sizes in zip(choice.atoms, choice.sizes, strict=True):
             atom = data.atoms[a]
@@ -176,7 +195,7 @@ class Trial:
             start |= {
                 f"{atom.effect}.{p.name}": p.clip(p.neutral + float(x)) for p, x in zip(atom.sizes, sizes, strict=True)
             }
-        return self.refit([*onto.terms, *(data.atoms[a].term for a in choice.atoms)], start)
+        return self.refit([*onto.terms, *(data.atoms[a].term for a in choice.atoms)], start, best=best)
 
     def beyond(self, verdict: Verdict, effects: Sequence[Effect], record: Record | None = None) -> Compressed:
         """Signatures of further effects around a set, free of what the set itself can follow; `record` may stand in."""

@@ -12,17 +12,23 @@ FIRST_STEP = 0.3
 """First radius of a trust region in units of typical sizes: a longer first step may cross a pole of the model."""
 ROUGH = 1e-12
 """Share of the sum of squares that is rounding: of two that differ by less neither is known to be the smaller."""
+HOPE = 4.0
+"""How many times the fall that the slopes foretell a search may still bring."""
+GIVEN_UP = "given up"
 MOST = 30
 """Steps of the last way, on which the sum of squares is rounding."""
 
 
-def descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
+def descend(
+    start: Projection, ftol: float, xtol: float, evaluations: int, enough: float = math.inf
+) -> tuple[Projection, int, str]:
     """Follow a projection down in a trust region: where it ended, status (positive when it converged) and message.
 
-    It ends when the sum of squares changes by less than `ftol` or the parameters by less than `xtol`, both relative.
+    It ends when the sum of squares changes by less than `ftol` or the parameters by less than `xtol`, both relative;
+    and with status −1 where there is no hope of a sum of squares below `enough`.
     """
     if len(start.q) == 1:
-        return _descend_line(start, ftol, xtol, evaluations)
+        return _descend_line(start, ftol, xtol, evaluations, enough)
     unit = FIRST_STEP * np.array([p.typical(x) for p, x in zip(start.problem.curved, start.q, strict=True)])
     lower, upper = bounds(start.problem.curved)
     here, radius = start, 1.0
@@ -30,6 +36,8 @@ def descend(start: Projection, ftol: float, xtol: float, evaluations: int) -> tu
         slopes = here.jacobian * unit
         triangle: Array = np.linalg.qr(slopes, mode="r")  # pyright: ignore
         gradient = slopes.T @ here.residual
+        if here.cost - HOPE * _fall(triangle, gradient) > enough:
+            return here, -1, GIVEN_UP
         step = _trusted_step(triangle, gradient, (lower - here.q) / unit, (upper - here.q) / unit, radius)
         length = float(np.linalg.norm(step))
         if length <= xtol:
@@ -72,6 +80,12 @@ def settle(here: Projection) -> Projection:
     return here
 
 
+def _fall(triangle: Array, gradient: Array) -> float:
+    """By how much the sum of squares would fall if the residual were linear, without bounds."""
+    along = np.linalg.lstsq(triangle.T, gradient, rcond=FLAT)[0]
+    return float(along @ along)
+
+
 def _trusted_step(triangle: Array, gradient: Array, low: Array, high: Array, radius: float) -> Array:
     """s (k,) within `low` … `high` and no longer than `radius` for which gradient · s + |triangle · s|²/2 is least.
 
@@ -112,7 +126,9 @@ def _step_within(triangle: Array, gradient: Array, radius: float) -> Array:
     return -(axes.T @ step) * min(1.0, radius / max(length, 1e-300))
 
 
-def _descend_line(start: Projection, ftol: float, xtol: float, evaluations: int) -> tuple[Projection, int, str]:
+def _descend_line(
+    start: Projection, ftol: float, xtol: float, evaluations: int, enough: float
+) -> tuple[Projection, int, str]:
     """As `descend` for one curved parameter: Newton's steps on the exact gradient, bend by secants, in a trust region.
 
     Most laws have just one.
@@ -123,6 +139,8 @@ def _descend_line(start: Projection, ftol: float, xtol: float, evaluations: int)
     radius = FIRST_STEP * p.typical(float(start.q[0]))
     for _ in range(evaluations):
         q = float(here.q[0])
+        if bend > 0.0 and here.cost - HOPE * gradient**2 / bend > enough:
+            return here, -1, GIVEN_UP
         wish = -gradient / bend if bend > 0.0 else 0.0
         step = p.clip(q + min(max(wish, -radius), radius)) - q
         if abs(step) <= xtol * p.typical(q):

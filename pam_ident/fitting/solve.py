@@ -1,5 +1,6 @@
 """A model and a force record as a least-squares problem, and its solution."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
@@ -9,12 +10,15 @@ import numpy as np
 from ..core import Inputs, Param
 from ..effects import Form
 from ..model import Model
+from .descent import GIVEN_UP
 from .problem import Problem, Solution, Whiten, all_rows, bounded_lstsq
 from .solvers import QUICK, Solver, VariableProjection
 
 __all__ = ["Solution", "Whiten", "bounded_lstsq", "curved_within_bounds", "jacobian", "solve"]
 
 Array = np.ndarray
+ACTING = 1.03
+"""How much larger the sum of squares may be before the force acts back as the model's own, not as measured."""
 
 
 def solve(
@@ -27,19 +31,22 @@ def solve(
     quick: bool = False,
     held: Mapping[str, float] | None = None,
     solver: Solver | None = None,
+    enough: float = math.inf,
 ) -> Solution:
     """Least squares of whiten(model − force), force (n,) in N, over the model's parameters, within their bounds.
 
     Curved parameters start from `start` where it names them, else from every combination of their grids (at
-    most `max_starts`, the two best of which are followed down). `quick` follows one and stops at 1e-8. Parameters in
-    `held` stay at their values. `solver` takes the place of variable projection. Raises UsageError where `held` names
-    no parameter of the model.
+    most `max_starts`, the two best of which are followed down). `quick` follows one and stops at 1e-8, or before that,
+    not converged, where there is no hope of a sum of squares below `enough`. Parameters in `held` stay at their values.
+    `solver` takes the place of variable projection. Raises UsageError where `held` names no parameter of the model.
     """
     held = dict(held or {})
-    solver = solver or (replace(QUICK, max_starts=max_starts) if quick else VariableProjection(max_starts))
+    if solver is None:
+        hope = enough if model.separable else ACTING * enough
+        solver = replace(QUICK, max_starts=max_starts, enough=hope) if quick else VariableProjection(max_starts)
     problem = separated(model, inputs, force, start or {}, whiten).holding(**held)
     found = _with(solver.solve(problem), held)
-    if model.separable:
+    if model.separable or found.message == GIVEN_UP:
         return found
     for _ in range(2):
         acting = np.clip(model.force(inputs, found.values), -1e6, 1e6)

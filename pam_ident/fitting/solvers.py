@@ -32,12 +32,13 @@ class VariableProjection:
     """Linear parameters are eliminated at each trial of the curved ones, which a trust region searches.
 
     Of all starts, `max_starts` at most, the `keep` best are followed down, and from the lowest the search goes on until
-    rounding stops it, unless not `polish`.
+    rounding stops it, unless not `polish`. Then what has no hope of a sum of squares below `enough` is given up.
     """
 
     max_starts: int = 24
     keep: int = 2
     polish: bool = True
+    enough: float = math.inf
 
     def solve(self, problem: Problem) -> Solution:
         """The best of the descents; exact at once where nothing is curved."""
@@ -45,7 +46,8 @@ class VariableProjection:
             return Solution(problem.at(np.empty(0)).values, True, "linear")
         if not self.polish:
             problem = replace(problem, rough=True)
-        found = [descend(trial, 2e-6, 1e-5, 25) for trial in problem.starts(self.max_starts)[: self.keep]]
+        starts = problem.starts(self.max_starts)[: self.keep]
+        found = [descend(trial, 2e-6, 1e-5, 25, self.enough) for trial in starts]
         best, status, message = min(found, key=lambda one: one[0].cost)
         if self.polish:
             best, status, message = descend(best, 1e-15, 1e-9, 200)
