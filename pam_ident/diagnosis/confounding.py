@@ -11,8 +11,8 @@ from .search import Choice, Compressed
 from .trial import Trial, Verdict
 
 Array = np.ndarray
-CLOSE = 9.0
-"""Difference in cost (minus twice the log odds) up to which two effects count as not told apart."""
+CLOSE = 18.0
+"""Difference in cost up to which two effects count as not told apart: odds of 10, tempered (`probability.TEMPER`)."""
 SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 
@@ -63,7 +63,7 @@ def _close(trial: Trial, verdict: Verdict, rest: Verdict, effect: Effect) -> lis
     mine = min(best.get(effect.name, (np.inf, 0))[0], verdict.cost - rest.cost)
     found = []
     for name, (cost, atom) in best.items():
-        if name != effect.name and cost < mine + 6.0 * CLOSE:
+        if name != effect.name and cost < mine + 3.0 * CLOSE:
             gain, sizes = data.solve(data.columns([atom]))
             rival = trial.refit_choice(data, Choice((atom,), gain, cost, (sizes,)), rest)
             if rival.cost < verdict.cost + CLOSE:

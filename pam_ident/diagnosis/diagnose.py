@@ -23,6 +23,10 @@ from .trial import Trial, Verdict
 Array = np.ndarray
 REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
+MOSTLY, UNDER_A_NAME = 0.5, 0.1
+"""Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
+STEEPS = 10
+"""Classes of steepness in each of which noise has a size of its own."""
 HEAVY, STRUCK = 3.0, 0.1
 """Excess kurtosis of the innovations, and share of their squares that lies far out, from which bursts are told."""
 MOST = 10_000
@@ -57,7 +61,7 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     shaped = any(not t.effect.candidate for t in verdict.terms)
     noise = trial.noise_left_by(verdict) if shaped else trial.noise
     left = trial.view(verdict).residual[~noise.outlier]
-    floor = min(noise.sigma, float(np.sqrt(np.mean(left**2))))
+    floor = min(noise.whole, float(np.sqrt(np.mean(left**2))))
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     return Diagnosis(
         base, best, outcome, selected, labels, classes, ranking, floor, heldout, after, pattern, experiment, sentence
@@ -124,13 +128,14 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
     share = min(max((rest.squares - verdict.squares) / max(explained, 1e-9), 0.0), 1.0)
     shape = {p.name: (verdict.values[f"{name}.{p.name}"], p.unit) for p in term.form.shapes}
     value, unit = next(iter(shape.values()), (None, ""))
-    coordinate = "time" if name in ("step", "beat", "trend") else "displacement" if shape else "contraction"
+    coordinate = "time" if name in ("step", "burst", "beat", "trend") else "displacement" if shape else "contraction"
     coordinate = "pressure" if term.form.name == OVER_PRESSURE else coordinate
     words = {
         "local": f"a force in one place, around {value or 0:.3g} mm of contraction",
         "periodic": f"a ripple with a period of {value or 0:.3g} mm",
         "beat": f"a beat with a period of {value or 0:.3g} s",
         "step": f"a step at {value or 0:.4g} s",
+        "burst": f"a force for a while around {value or 0:.4g} s",
         "trend": "a trend in time that no known drift follows",
         "other": f"a dependence on {coordinate} that no known effect follows",
     }
@@ -141,7 +146,8 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
 def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
     n = len(trial.record)
     left, all_of_it = verdict.squares - n, max(trial.empty.squares - n, 1e-9)
-    if left < REMAINDER * n or left < 0.02 * all_of_it:
+    most_of_it = bool(verdict.terms) and left > MOSTLY * all_of_it
+    if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < 0.02 * all_of_it:
         return None if verdict.terms else _bursts(trial, verdict)
     size = trial.noise.sigma * math.sqrt(left / n)
     text = f"about {size:.3g} N rms without a shape of its own, {left / all_of_it:.0%} of what is left unexplained"
@@ -149,9 +155,14 @@ def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
 
 
 def _bursts(trial: Trial, verdict: Verdict) -> Pattern | None:
-    """What strikes now and then and dies away is in no normal noise, however coloured: its tails are too heavy."""
-    time = trial.record.inputs.time
-    left = trial.noise.whiten(trial.view(verdict).residual)
+    """What strikes now and then and dies away is in no normal noise, however coloured: its tails are too heavy.
+
+    Noise is taken as large as it is where the force is as steep over length: an unsure position does more there.
+    """
+    time, view = trial.record.inputs.time, trial.view(verdict)
+    left = trial.noise.whiten(view.residual)
+    for rows in np.array_split(np.argsort(np.abs(view.around.contraction)), STEEPS):
+        left[rows] /= max(float(np.median(np.abs(left[rows]))) / 0.6745, 1e-12)
     square = float(np.mean(left**2))
     if time is None or not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
         return None

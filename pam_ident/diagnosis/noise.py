@@ -11,13 +11,11 @@ import numpy as np
 from ..core import Inputs
 from ..core.recursion import decaying_sum
 from ..records import Record
-from ..records.motion import position_noise
+from ..records.motion import noise_around
 from .repeats import without_repeats
 
 Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
-SMOOTHED = 0.6
-"""Share of the displacement sensor's noise that smoothing a stroke leaves."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour lead to the same answer."""
 BLOCK = 16
@@ -29,13 +27,14 @@ MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 
 class Noise:
     """Noise of standard deviation `sigma` (N), of whose variance `share` is correlated from sample to sample.
 
-    `memory` is the correlation time, in samples or in seconds as `clock` says; `gain` and `spread` are the
+    `whole` (N) is its size with what an unsure position adds where the force is steep. `memory` is the correlation time, in samples or in seconds as `clock` says; `gain` and `spread` are the
     Kalman gains and innovation deviations of a first-order process plus white noise, `decay` its memory from
     the sample before. `outlier` marks isolated samples that no smooth model reaches, and turning points. `deviance`
     is minus twice the log likelihood of the residual it was estimated from, up to a constant.
     """
 
     sigma: float
+    whole: float
     share: float
     memory: float
     clock: str
@@ -185,7 +184,7 @@ def estimate_noise(
         outlier = _isolated(np.abs(residual) > 5.0 * middle) | _turning(record.inputs)
     extra = np.zeros(n)
     if record.inputs.time is not None:
-        extra = (SMOOTHED * position_noise(record.inputs.displacement_mm, record.inputs.time) * slope / middle) ** 2
+        extra = (noise_around(record.inputs.displacement_mm, record.inputs.time) * slope / middle) ** 2
     own = without_repeats(record, residual, ~outlier)
     z = np.where(outlier, 0.0, own / middle)
     share, memory, clock, decay = (0.0, 0.0, "samples", np.zeros(n)) if white else _colour(record, z, extra)
@@ -197,7 +196,8 @@ def estimate_noise(
     if own is not residual:
         whole = innovations(np.where(outlier, 0.0, residual / middle)[:, None], decay, gain)[:, 0] / spread
         deviance += float(whole @ whole - left @ left) * (middle / sigma) ** 2
-    return Noise(sigma, share, memory, clock, decay, gain, spread, outlier, deviance)
+    whole = sigma * math.sqrt(1.0 + float(np.mean(extra[~outlier]))) if not outlier.all() else sigma
+    return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance)
 
 
 def _isolated(far: Array) -> Array:

@@ -25,6 +25,7 @@ WAVE = (COS, SIN)
 GAIN = Param("gain", "1", "change of the force's scale", -0.9, 2.0, scale=0.01)
 SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
 STRETCH = Param("stretch", "mm", "shift of the length by the end", -20.0, 20.0, scale=0.1)
+ZERO = Param("zero", "MPa", "shift of the pressure", -0.3, 0.3, scale=0.002)
 SENSE = Param("sense", "1", "change of the pressure's scale by the end", -0.5, 0.5, scale=0.01)
 PRESSURE_WAVE = (
     Param("cosine", "MPa", "cosine part", -0.5, 0.5, scale=0.01),
@@ -132,6 +133,12 @@ def _pulse(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _like(inputs, (time >= begin) & (time < begin + shape["length"]))
 
 
+def _burst(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.time is not None
+    away = (inputs.time[:, None] - np.asarray(shape["moment"])) / np.asarray(shape["length"])
+    return _like(inputs, np.exp(-0.5 * away**2))
+
+
 def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _force_step(inputs, shape, force) / inputs.specimen.initial_length_mm
 
@@ -154,6 +161,10 @@ def _length_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _pressure_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _passed(inputs) * inputs.pressure[:, None]
+
+
+def _zero_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _passed(inputs)
 
 
 def _time_curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -260,6 +271,7 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
             grid=_steps(first, duration, 150),
         )
         length = Param("length", "s", "how long", 0.0, duration, start=duration / 8, grid=_steps(0.0, duration / 2, 12))
+        lasting = _span("length", "s", "how long", tuple(duration * w for w in (0.08, 0.03, 0.012)))
         slow = _span("period", "s", "period in time", tuple(duration / np.arange(3.0, 400.0, 0.4)))
         beating: list[Form] = [AddsForce("even", "beat", WAVE, _beat, (slow,))]
         if beats:
@@ -278,7 +290,14 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
                     AddsForce("pulse", "step of the force, and back", (SIZE,), _pulse, (moment, length)),
                     ScalesForce("gain", "step of the force's scale", (GAIN,), _force_step, (moment,)),
                     TransformsContraction("length", "step of the length", (SHIFT,), _length_step, (moment,)),
+                    TransformsPressure("pressure", "step of the pressure", (ZERO,), _force_step, (moment,)),
                 ],
+            ),
+            _pattern(
+                "burst",
+                "force for a while",
+                ("time",),
+                [AddsForce("bell", "bell over time", (SIZE,), _burst, (moment, lasting))],
             ),
             _pattern("beat", "beat in time", ("time",), beating),
             _pattern(
@@ -289,6 +308,7 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
                     AddsForce("even", "free curve", _sizes(7), _time_curve),
                     TransformsContraction("length", "trend of the length", (STRETCH,), _length_trend),
                     TransformsPressure("pressure", "trend of the pressure's scale", (SENSE,), _pressure_trend),
+                    TransformsPressure("zero", "trend of the pressure's zero", (ZERO,), _zero_trend),
                 ],
             ),
         ]
@@ -309,5 +329,5 @@ def _pattern(name: str, title: str, coordinate: tuple[str, ...], forms: list[For
     )
 
 
-KINDS = {"beat": "periodic"}
+KINDS = {"beat": "periodic", "burst": "local"}
 """Pattern names whose kind in the answer is another word."""

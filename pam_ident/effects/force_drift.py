@@ -6,7 +6,7 @@ from .base import AddsForce, Array, Effect, Shape, one
 
 RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0)
 LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0)
-TAU = Param("tau", "s", "settling time of the drift", 5.0, 1e5, start=200.0, grid=(60.0, 200.0, 600.0, 2000.0))
+TAU = Param("tau", "s", "settling time of the drift", 5.0, 1e5, start=200.0, grid=(15.0, 60.0, 200.0, 600.0, 2000.0))
 SWING = (
     Param("F_sin", "N", "sine part of a swing", -5000.0, 5000.0, scale=10.0),
     Param("F_cos", "N", "cosine part of a swing", -5000.0, 5000.0, scale=10.0),

@@ -43,9 +43,24 @@ def position_noise(x: Array, time: Array | None = None) -> float:
     return position_noise(x) if time is not None and len(x) > 4 else 0.0
 
 
+def noise_around(x: Array, time: Array, rows: int = 21) -> Array:
+    """Standard deviation of the noise on a smooth track at each sample, from `rows` around it, shape (n,)."""
+    if len(x) < rows + 4:
+        return np.full(len(x), position_noise(x, time))
+    rough = np.pad(_distances(x, time), 2, constant_values=np.nan)
+    rough[~np.isfinite(rough)] = np.median(rough[np.isfinite(rough)]) if np.isfinite(rough).any() else 0.0
+    around = np.pad(rough, rows // 2, mode="reflect")
+    return np.median(np.lib.stride_tricks.sliding_window_view(around, rows), axis=1) / NORMAL_MEDIAN
+
+
 def roughness(x: Array, time: Array | None = None) -> Array:
     """Distance of a sample from the cubic through its four neighbours over what unit noise would make of it, (m,) of
     the samples of a track (n,) that have them; not where a clock is coarser than the rows."""
+    off = _distances(x, time)
+    return off[np.isfinite(off)]
+
+
+def _distances(x: Array, time: Array | None) -> Array:
     n = max(len(x) - 4, 0)
     t = np.arange(len(x), dtype=float) if time is None else time
     near, shares = (0, 1, 3, 4), []
@@ -57,8 +72,7 @@ def roughness(x: Array, time: Array | None = None) -> Array:
                 share *= np.divide(t[2 : 2 + n] - t[k : k + n], apart, out=np.full(n, np.nan), where=apart != 0.0)
         shares.append(share)
     off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
-    off = np.abs(off) / np.sqrt(1.0 + sum(share**2 for share in shares))
-    return off[np.isfinite(off)]
+    return np.abs(off) / np.sqrt(1.0 + sum(share**2 for share in shares))
 
 
 def find_motion(time: Array, x: Array, segment: Array) -> Motion:

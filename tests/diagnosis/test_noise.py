@@ -85,7 +85,7 @@ def test_columns_are_whitened_by_blocks_as_by_the_full_covariance():
     decay[0] = 0.0
     gain, spread = filter_gains(decay, share, np.zeros(n))
     outlier = np.zeros(n, bool)
-    noise = Noise(2.0, 0.6, 3.0, "samples", decay[:, 0], gain[:, 0], spread[:, 0], outlier, 0.0)
+    noise = Noise(2.0, 2.0, 0.6, 3.0, "samples", decay[:, 0], gain[:, 0], spread[:, 0], outlier, 0.0)
     kept = np.array([[np.prod(decay[min(i, j) + 1 : max(i, j) + 1]) for j in range(n)] for i in range(n)])
     covariance = 4.0 * (share * kept + (1.0 - share) * np.eye(n))
     columns = rng.standard_normal((n, 5))
@@ -102,7 +102,7 @@ def test_an_outlier_neither_counts_nor_spoils_its_neighbours():
     decay = np.full((n, 1), 0.8)
     decay[0] = 0.0
     gain, spread = filter_gains(decay, np.array([1.0]), np.zeros(n))
-    noise = Noise(1.0, 1.0, 4.5, "samples", decay[:, 0], gain[:, 0], spread[:, 0], np.arange(n) == 20, 0.0)
+    noise = Noise(1.0, 1.0, 1.0, 4.5, "samples", decay[:, 0], gain[:, 0], spread[:, 0], np.arange(n) == 20, 0.0)
     one, other = np.ones(n), np.ones(n)
     other[20] = 1e6
     assert noise.whiten(other)[20] == 0.0
