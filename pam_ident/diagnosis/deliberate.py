@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ..effects import Effect
+from ..effects import AddsForce, Effect
 from ..fitting import Fit
 from ..model import Term
 from .ground import Ground, Lead, scan
@@ -22,8 +22,9 @@ EXACT = 500
 NEAR = 30.0
 """Cost within which a linearised estimate is worth an exact fit."""
 PATTERN_MARGIN = 20.0
-PATTERN_TOLERANCE = 0.04
-"""The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave."""
+PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
+"""The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
+adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes."""
 
 
 def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[Trial, Verdict]:
@@ -191,7 +192,9 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
 
 def _pattern_price(trial: Trial, lead: Lead) -> float:
     search = 2.0 * float(np.log(max(lead.tried, 2)))
-    return PATTERN_MARGIN + search + PATTERN_TOLERANCE * trial.excess + trial.price.per_parameter * lead.atom.free
+    drawn = isinstance(lead.atom.term.form, AddsForce)
+    tolerance = (PATTERN_TOLERANCE if drawn else FAULT_TOLERANCE) * trial.excess
+    return PATTERN_MARGIN + search + tolerance + trial.price.per_parameter * lead.atom.free
 
 
 def _with_pattern(trial: Trial, lead: Lead, price: float) -> Verdict:

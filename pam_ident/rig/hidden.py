@@ -27,6 +27,7 @@ LARGEST = {
     "braid_extensibility": 1e3,
     "bladder_elasticity": 10.0,
     "mount_slip/textbook": 5.0,
+    "wandering_sensor/length": 5.0,
     "thermal_softening/elastic_part": 12.0,
 }
 LARGEST_FORCE_N = 150.0

@@ -1,6 +1,7 @@
-"""What no catalogue of muscle effects holds: faults of the rig, in three kinds that a record can show.
+"""What no catalogue of muscle effects holds: faults of the rig, in four kinds that a record can show.
 
-`screw_ripple` repeats itself, `rub` sits at one place of the stroke, `mount_slip` happens at one moment.
+`screw_ripple` repeats itself, `rub` sits at one place of the stroke, `mount_slip` happens at one moment,
+`wandering_sensor` goes on from the first sample to the last.
 Same signature as in friction.py; sizes in N.
 """
 
@@ -40,6 +41,12 @@ def ripple_harmonics(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Se
 def beat_in_time(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Mains beating against the sampling: periodic in time, whatever the muscle does."""
     period, at = rng.uniform(5.0, 40.0), _phase(rng)
+    return {"period_s": period}, scaled(np.sin(2 * np.pi * c.time / period + at))
+
+
+def hum(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """A machine next door shakes the load cell, faster than the slowest strokes are sampled by tens."""
+    period, at = rng.uniform(0.8, 5.0), _phase(rng)
     return {"period_s": period}, scaled(np.sin(2 * np.pi * c.time / period + at))
 
 
@@ -88,6 +95,12 @@ def end_stop(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, 
     return {"from": at}, scaled(-np.maximum(c.eps - at, 0.0) / 0.01)
 
 
+def leaned_on(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Somebody leans on the bench for a while: one place in time."""
+    when, long = _moment(c, rng), rng.uniform(0.01, 0.03) * float(c.time[-1])
+    return {"time_s": when, "long_s": long}, scaled(np.exp(-0.5 * ((c.time - when) / long) ** 2))
+
+
 def _moment(c: Course, rng: np.random.Generator) -> float:
     return float(c.time[c.rows[int(rng.uniform(0.25, 0.75) * len(c.rows))]])
 
@@ -107,6 +120,34 @@ def slip_load(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings,
     return {"time_s": when}, scaled((c.time >= when) * float(rng.choice([-1.0, 1.0])))
 
 
+def gauge_jump(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The pressure gauge's zero jumps, so that the muscle holds another pressure from then on; size in N."""
+    when = _moment(c, rng)
+    return {"time_s": when}, scaled((c.time >= when) * _pull_of_pressure(c, m))
+
+
+def _pull_of_pressure(c: Course, m: Muscle) -> Array:
+    slope = m.pressure_slope(c.pressure, c.eps)
+    return slope / float(np.max(np.abs(slope)))
+
+
+def wandering_zero(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The pressure gauge's zero wanders, and the true pressure with it."""
+    return {}, scaled(float(rng.choice([-1.0, 1.0])) * c.time / c.time[-1] * _pull_of_pressure(c, m))
+
+
+def wandering_gain(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The same of the pressure gauge's sensitivity."""
+    pull = c.pressure / float(np.max(c.pressure)) * _pull_of_pressure(c, m)
+    return {}, scaled(float(rng.choice([-1.0, 1.0])) * c.time / c.time[-1] * pull)
+
+
+def wandering_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The clamp creeps: the true contraction moves away from the measured; size in mm by the end."""
+    away = float(rng.choice([-1.0, 1.0])) * c.time / c.time[-1] / c.length_mm
+    return {}, lambda size: m.force(c.pressure, c.eps - size * away) - m.force(c.pressure, c.eps)
+
+
 def slip_and_back(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The zero jumps and jumps back after a tenth to a quarter of the record."""
     when = _moment(c, rng)
@@ -121,6 +162,7 @@ FORMS: dict[str, dict[str, Form]] = {
         "harmonics": ripple_harmonics,
         "beat_in_time": beat_in_time,
         "pump": pump_ripple,
+        "hum": hum,
     },
     "rub": {
         "textbook": _rub("gaussian", False),
@@ -129,6 +171,8 @@ FORMS: dict[str, dict[str, Form]] = {
         "cosine_odd": _rub("cosine", True),
         "two_places": two_rubs,
         "end_stop": end_stop,
+        "leaned_on": leaned_on,
     },
-    "mount_slip": {"textbook": slip_length, "load": slip_load, "and_back": slip_and_back},
+    "mount_slip": {"textbook": slip_length, "load": slip_load, "and_back": slip_and_back, "gauge": gauge_jump},
+    "wandering_sensor": {"textbook": wandering_zero, "gain": wandering_gain, "length": wandering_length},
 }

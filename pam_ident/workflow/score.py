@@ -22,7 +22,7 @@ KINDS = {
     "unknown": "outside the catalogue",
     "blunt": "one speed only",
 }
-PATTERN = {"screw_ripple": "periodic", "rub": "local", "mount_slip": "step"}
+PATTERN = {"screw_ripple": "periodic", "rub": "local", "mount_slip": "step", "wandering_sensor": "trend"}
 CROWD = 4
 """A group of more names than this is no answer."""
 

@@ -9,7 +9,7 @@ from pam_ident.core import Param
 from pam_ident.diagnosis import climb, diagnose
 from pam_ident.effects import AddsForce, Effect
 from pam_ident.model import Model
-from pam_ident.records import Record, read_record
+from pam_ident.records import Record, build_record, read_record
 from pam_ident.records.datasets import dataset_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
 
@@ -57,14 +57,51 @@ def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise):
     assert answer.verdict == "adequate" and answer.selected == () and answer.pattern is None
 
 
-@pytest.mark.parametrize(("unknown", "kind"), [("screw_ripple", "periodic"), ("rub", "local"), ("mount_slip", "step")])
-def test_what_no_known_effect_explains_is_described_not_named(tmp_path, unknown, kind):
-    secret = Secret(unknown, "textbook", 2.0)
+@pytest.mark.parametrize(
+    ("unknown", "form", "kind"),
+    [
+        ("screw_ripple", "textbook", "periodic"),
+        ("screw_ripple", "hum", "periodic"),
+        ("rub", "textbook", "local"),
+        ("rub", "leaned_on", "local"),
+        ("mount_slip", "textbook", "step"),
+        ("mount_slip", "gauge", "step"),
+        ("wandering_sensor", "textbook", "trend"),
+        ("wandering_sensor", "gain", "trend"),
+        ("wandering_sensor", "length", "trend"),
+    ],
+)
+def test_what_no_known_effect_explains_is_described_not_named(tmp_path, unknown, form, kind):
+    secret = Secret(unknown, form, 2.0)
     record = rig_record(tmp_path, seed=44, law=EXPONENTIAL, unknown=secret)
     answer = diagnose(Model.build(EXPONENTIAL), record)
     assert answer.verdict == "unknown_effect" and answer.pattern is not None
     assert answer.pattern.kind == kind and answer.selected == ()
     assert answer.next_experiment is not None
+
+
+def test_a_name_that_explains_little_does_not_hide_what_is_left(tmp_path):
+    """A spring that rings after each reversal: a little of it looks like damping."""
+    record = rig_record(tmp_path, seed=48, law=EXPONENTIAL)
+    inputs = record.inputs
+    begins = np.r_[True, np.diff(inputs.direction) != 0]
+    since = inputs.time - inputs.time[np.maximum.accumulate(np.where(begins, np.arange(len(record)), 0))]
+    ringing = 6.0 * np.exp(-since / 1.5) * np.cos(2.0 * np.pi * since / 0.9) * inputs.moving
+    answer = diagnose(Model.build(EXPONENTIAL), with_force(record, ringing))
+    assert answer.verdict == "unknown_effect"
+
+
+def test_a_position_that_is_unsure_in_some_strokes_alone_is_no_effect(tmp_path):
+    """Noise of the position is large where strokes cannot be smoothed, and does most where the force is steep."""
+    record = rig_record(tmp_path, seed=49, law=EXPONENTIAL)
+    inputs = record.inputs
+    wrong = 0.06 * np.random.default_rng(3).standard_normal(len(record))
+    length = inputs.specimen.initial_length_mm
+    again = build_record(
+        "unsure", inputs.specimen, inputs.pressure, inputs.contraction + wrong / length, record.force, time=inputs.time
+    )
+    answer = diagnose(Model.build(EXPONENTIAL), again)
+    assert answer.verdict == "adequate" and answer.pattern is None
 
 
 def with_force(record: Record, added) -> Record:
