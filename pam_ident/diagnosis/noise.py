@@ -27,10 +27,11 @@ MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 
 class Noise:
     """Noise of standard deviation `sigma` (N), of whose variance `share` is correlated from sample to sample.
 
-    `whole` (N) is its size with what an unsure position adds where the force is steep. `memory` is the correlation time, in samples or in seconds as `clock` says; `gain` and `spread` are the
-    Kalman gains and innovation deviations of a first-order process plus white noise, `decay` its memory from
-    the sample before. `outlier` marks isolated samples that no smooth model reaches, and turning points. `deviance`
-    is minus twice the log likelihood of the residual it was estimated from, up to a constant.
+    `whole` (N) is its size with what an unsure position adds where the force is steep. `memory` is the correlation
+    time, in samples or in seconds as `clock` says; `gain` and `spread` are the Kalman gains and innovation deviations
+    of a first-order process plus white noise, `decay` its memory from the sample before. `outlier` marks isolated
+    samples that no smooth model reaches, and turning points. `deviance` is minus twice the log likelihood of the
+    residual it was estimated from, up to a constant.
     """
 
     sigma: float

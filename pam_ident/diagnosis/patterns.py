@@ -195,7 +195,8 @@ def _sizes(count: int) -> tuple[Param, ...]:
 def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
     """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask.
 
-    `beats` are periods in s that a spectrum shows, tried beside the slow ones. A table of few lengths shows none: any curve over contraction passes through its lengths.
+    `beats` are periods in s that a spectrum shows, tried beside the slow ones. A table of few lengths shows no pattern:
+    any curve over contraction passes through its lengths.
     """
     x = inputs.displacement_mm
     if len(np.unique(np.round(x, 3))) < LENGTHS:

@@ -6,17 +6,25 @@ from ..core import Inputs, Param
 from .base import AddsForce, Array, Effect, Shape, one
 
 SHARE = Param("wall_share", "1", "share of the wall's thickness that acts", 0.0, 5.0, scale=0.3)
+ENDS = Param("end_share", "1", "the same for the wall's section at the ends", 0.0, 50.0, scale=1.0)
 
 
 def _thick(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _wall(inputs, inputs.specimen.wall_thickness_mm or 1.0)
+    return one(_wall(inputs, inputs.specimen.wall_thickness_mm or 1.0))
 
 
 def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Rubber keeps its volume: the wall thins as the muscle grows, and thickens as it shortens."""
     s = inputs.specimen
     room = s.radius_ratio(inputs.contraction) * (1.0 - inputs.contraction)
-    return _wall(inputs, (s.wall_thickness_mm or 1.0) / room)
+    return one(_wall(inputs, (s.wall_thickness_mm or 1.0) / room))
+
+
+def _parts(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """The two terms of the textbook's sum by themselves."""
+    t = inputs.specimen.wall_thickness_mm or 1.0
+    ends = -math.pi * inputs.pressure * t**2
+    return inputs.xp.column_stack([_wall(inputs, t) - ends, ends])
 
 
 def _wall(inputs: Inputs, t: Array | float) -> Array:
@@ -24,7 +32,7 @@ def _wall(inputs: Inputs, t: Array | float) -> Array:
     cos = (1.0 - inputs.contraction) * math.cos(math.radians(s.braid_angle_deg))
     sin = xp.sqrt(xp.maximum(1.0 - cos**2, 1e-4))
     d90 = 2.0 * s.initial_radius_mm / math.sin(math.radians(s.braid_angle_deg))
-    return one(math.pi * inputs.pressure * (d90 * t * (2.0 * sin - 1.0 / sin) - t**2))
+    return math.pi * inputs.pressure * (d90 * t * (2.0 * sin - 1.0 / sin) - t**2)
 
 
 EFFECT = Effect(
@@ -34,6 +42,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "π p [D90 t (2 sinθ − 1/sinθ) − t²]", (SHARE,), _thick),
         AddsForce("thinning", "the same with t = t0 L0 r0/(L r)", (SHARE,), _thinning),
+        AddsForce("parts", "π p [w D90 t (2 sinθ − 1/sinθ) − w_e t²]", (SHARE, ENDS), _parts),
     ),
     test="an independent measurement of the radius",
     levers=("pressure",),
