@@ -139,7 +139,7 @@ def _mend(trial: Trial, verdict: Verdict, most: int) -> Verdict:
     for _ in range(4):
         cost = verdict.cost
         rivals = [trial.refit(verdict.without(term), verdict.values, best=cost) for term in verdict.terms]
-        rivals += [trial.refit(terms, _without(verdict.values, terms), best=cost) for terms in _other_forms(verdict)]
+        rivals += [trial.refit(terms, _without(verdict.values, terms), best=cost) for terms in _other_forms(trial, verdict)]
         if len(verdict.terms) < most:
             rivals += _additions(trial, verdict)
         best = min(rivals, key=lambda v: v.cost, default=verdict)
@@ -149,12 +149,13 @@ def _mend(trial: Trial, verdict: Verdict, most: int) -> Verdict:
     return verdict
 
 
-def _other_forms(verdict: Verdict) -> list[list[Term]]:
+def _other_forms(trial: Trial, verdict: Verdict) -> list[list[Term]]:
+    """The set with each term in each other form, its kin's included."""
     found = []
     for k, term in enumerate(verdict.terms):
-        for form in term.effect.forms:
-            if form is not term.form:
-                found.append([*verdict.terms[:k], Term(term.effect, form), *verdict.terms[k + 1 :]])
+        kin = {e.name: e for e in (term.effect, *trial.suspects) if e.kin == term.effect.kin}
+        others = [Term(e, form) for e in kin.values() for form in e.forms if form is not term.form]
+        found += [[*verdict.terms[:k], other, *verdict.terms[k + 1 :]] for other in others]
     return found
 
 
@@ -165,8 +166,8 @@ def _without(values: dict[str, float], terms: Sequence[Term]) -> dict[str, float
 
 
 def _additions(trial: Trial, verdict: Verdict) -> list[Verdict]:
-    others = [e for e in trial.suspects if e.name not in verdict.names]
-    data = trial.beyond(verdict, others)
+    kin = {term.effect.kin for term in verdict.terms}
+    data = trial.beyond(verdict, [e for e in trial.suspects if e.kin not in kin])
     choices = [c for c in beam_search(data, trial.price, 1) if c.atoms and c.gain > trial.price.least]
     return [trial.refit_choice(data, c, verdict, verdict.cost) for c in choices[:2]]
 

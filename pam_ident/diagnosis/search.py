@@ -134,13 +134,13 @@ def beam_search(data: Compressed, price: "Price", most: int, width: int = 24) ->
     for _ in range(most):
         grown: dict[tuple[int, ...], Choice] = {}
         for choice in front:
-            names = {data.atoms[a].effect for a in choice.atoms}
+            kin = {data.atoms[a].term.effect.kin for a in choice.atoms}
             bound = data.gains_beyond(choice.atoms)
             promise = bound - prices
             taken: dict[str, int] = {}
             for a in np.argsort(-promise)[: 12 * width]:
                 effect = data.atoms[a].effect
-                if effect in names or taken.get(effect, 0) >= 3 or bound[a] < price.least:
+                if data.atoms[a].term.effect.kin in kin or taken.get(effect, 0) >= 3 or bound[a] < price.least:
                     continue
                 taken[effect] = taken.get(effect, 0) + 1
                 atoms = tuple(sorted((*choice.atoms, int(a))))

@@ -87,6 +87,11 @@ class Effect:
                 "or TransformsContraction"
             )
 
+    @property
+    def kin(self) -> str:
+        """The effect that this is a special case of, or itself: of one kin a model needs one."""
+        return self.special_case_of or self.name
+
     def missing(self, inputs: Inputs) -> list[str]:
         """What the record lacks for this effect to be computed at all."""
         return [need for need in self.needs if not inputs.has(need)]

@@ -13,6 +13,7 @@ F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.
 G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)
 E_LOST = Param("E_lost", "MPa", "modulus that the bladder loses below its greatest stretch", -200.0, 200.0, scale=1.0)
 M = Param("m", "1", "way below the greatest energy at which it is lost", 0.003, 3.0, start=0.1, grid=(0.02, 0.1))
+EXPONENT = Param("q", "1", "exponent of the number of the cycle", 0.2, 4.0, start=1.0, grid=(0.6, 1.5))
 N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 60.0, start=1.5, grid=(0.7, 1.5, 4.0))
 
 
@@ -52,6 +53,18 @@ def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return inputs.xp.column_stack([fading, -fading * inputs.contraction])
 
 
+def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.cycle is not None
+    fading = inputs.cycle ** -shape["q"]
+    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
+
+
+def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.cycle is not None
+    lost = -inputs.xp.log(inputs.cycle)
+    return inputs.xp.column_stack([lost, -lost * inputs.contraction])
+
+
 def _pseudo_elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """The energy W = (r/r0 − 1)² is that of the hoop, over E/2."""
     energy = (inputs.specimen.radius_ratio(inputs.contraction) - 1.0) ** 2
@@ -76,6 +89,8 @@ EFFECT = Effect(
         ),
         AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
+        AddsForce("power", "+(F_extra − G_extra ε) n^(−q)", (F_EXTRA, G_EXTRA), _power, (EXPONENT,)),
+        AddsForce("logarithmic", "−(F_extra − G_extra ε) ln n", (F_EXTRA, G_EXTRA), _logarithmic),
         AddsForce(
             "whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,), remembers=True
         ),

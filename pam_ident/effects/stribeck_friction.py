@@ -1,17 +1,48 @@
 """Friction that falls from its breakaway value as sliding begins."""
 
-from .base import AddsForce, Effect
-from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, V_S, exponential_dip, gaussian_dip
+from ..core import Inputs, Param
+from ._history import dahl_operator, time_held
+from .base import AddsForce, Array, Effect, Shape, slip, speed
+from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, exponential_dip, gaussian_dip
 
 SIZES = (F_C, F_BREAK, F_HOLD, HOLD_GAIN)
+WIDTH = Param("x_s", "mm", "travel in which the contact bends before it slides", 0.02, 10.0, start=0.5, grid=(0.3, 1.0))
+
+
+def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """What a hold keeps fades."""
+    columns = gaussian_dip(inputs, shape, force)
+    if inputs.time is None:
+        return columns
+    fading = inputs.xp.exp(-time_held(inputs, slip(inputs)[1] != 0.0) / shape["tau_h"])
+    return inputs.xp.hstack([columns[:, :2], columns[:, 2:] * fading[:, None]])
+
+
+def _bending(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Dahl's contact, whose strength falls with speed: LuGre's model while the speed changes slowly."""
+    state = dahl_operator(inputs, shape["x_s"])
+    return -inputs.xp.column_stack([state, state * inputs.xp.exp(-((speed(inputs) / shape["v_s"]) ** 2))])
+
 
 EFFECT = Effect(
     name="stribeck_friction",
     title="Stribeck friction",
-    source="Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, Automatica 30(7), 1083–1138",
+    source="Armstrong-Hélouvry, Dupont & Canudas de Wit 1994, Automatica 30(7), 1083–1138; "
+    "Canudas de Wit, Olsson, Åström & Lischinsky 1995, IEEE Trans. Automatic Control 40(3), 419–425 (LuGre)",
     forms=(
         AddsForce("textbook", "−[F_c + (F_s−F_c) exp(−(v/v_s)²)] sgn(ε̇)", SIZES, gaussian_dip, (V_S,)),
         AddsForce("exponential", "−[F_c + (F_s−F_c) exp(−v/v_s)] sgn(ε̇)", SIZES, exponential_dip, (V_S,)),
+        AddsForce(
+            "relaxing", "the textbook's, in holds times exp(−t/τ_h)", SIZES, _relaxing, (V_S, TAU_H), remembers=True
+        ),
+        AddsForce(
+            "bending",
+            "−[F_c + (F_s−F_c) exp(−(v/v_s)²)] z, dz/dx = (1 − z sgn ẋ)/x_s",
+            (F_C, F_BREAK),
+            _bending,
+            (V_S, WIDTH),
+            remembers=True,
+        ),
     ),
     test="at least four speeds over two decades: the gap narrows with speed",
     needs=("branch", "motion"),

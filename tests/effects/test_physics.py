@@ -302,6 +302,10 @@ def test_mullins_softening_fades_with_the_number_of_the_cycle():
     got = force_with("mullins_softening", {"s": 0.1, "n_0": 2.0}, given)
     np.testing.assert_allclose(got, ideal(0.1, 0.4) * (1.0 + 0.1 * fading), rtol=1e-12)
     np.testing.assert_allclose(columns("mullins_softening:linear", given, n_0=2.0)[:, 1], -0.1 * fading)
+    power = columns("mullins_softening:power", given, q=0.5)
+    np.testing.assert_allclose(power, np.outer([1.0, 0.5**0.5, 0.5], [1.0, -0.1]))
+    lost = columns("mullins_softening:logarithmic", given)
+    np.testing.assert_allclose(lost, np.outer([0.0, -math.log(2.0), -math.log(4.0)], [1.0, -0.1]), atol=1e-15)
     stiffer = columns("mullins_softening:elastic", given, n_0=2.0)[:, 0]
     np.testing.assert_allclose(stiffer, columns("bladder_elasticity", given)[:, 0] * fading)
 
