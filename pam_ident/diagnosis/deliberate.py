@@ -139,7 +139,9 @@ def _mend(trial: Trial, verdict: Verdict, most: int) -> Verdict:
     for _ in range(4):
         cost = verdict.cost
         rivals = [trial.refit(verdict.without(term), verdict.values, best=cost) for term in verdict.terms]
-        rivals += [trial.refit(terms, _without(verdict.values, terms), best=cost) for terms in _other_forms(trial, verdict)]
+        rivals += [
+            trial.refit(terms, _without(verdict.values, terms), best=cost) for terms in _other_forms(trial, verdict)
+        ]
         if len(verdict.terms) < most:
             rivals += _additions(trial, verdict)
         best = min(rivals, key=lambda v: v.cost, default=verdict)

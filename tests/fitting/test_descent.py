@@ -6,7 +6,7 @@ from scipy.optimize import least_squares, lsq_linear
 
 from pam_ident.core import Param
 from pam_ident.fitting import Problem
-from pam_ident.fitting.descent import descend
+from pam_ident.fitting.descent import GIVEN_UP, descend
 from pam_ident.fitting.problem import bounded_lstsq
 
 
@@ -26,6 +26,13 @@ def test_bounded_least_squares_are_those_of_scipy(seed):
     np.testing.assert_allclose(found * scale, other.x, rtol=1e-8, atol=1e-8)
 
 
+def decays(sizes, rates, y, t):
+    def design(values):
+        return np.exp(-np.outer(t, [values[p.name] for p in rates])), np.zeros_like(t)
+
+    return Problem(sizes, rates, design, y)
+
+
 @pytest.mark.parametrize(("top", "seed"), [(30.0, 1), (30.0, 2), (2.0, 3), (0.5, 4)])
 def test_two_decays_are_found_as_scipy_finds_them_also_at_a_bound(top, seed):
     """Rates 0.3 and 3 of two decays; the second lies beyond its bound in the last two."""
@@ -38,11 +45,7 @@ def test_two_decays_are_found_as_scipy_finds_them_also_at_a_bound(top, seed):
         Param("fast", "1/s", "", 0.45, top, start=min(8.0, 0.49 + 0.1 * (top > 1.0))),
     )
 
-    def design(values):
-        return np.exp(-np.outer(t, [values["slow"], values["fast"]])), np.zeros_like(t)
-
-    problem = Problem(sizes, rates, design, y)
-    found, status, _ = descend(problem.starts(1)[0], 1e-15, 1e-9, 200)
+    found, status, _ = descend(decays(sizes, rates, y, t).starts(1)[0], 1e-15, 1e-9, 200)
 
     def residual(x):
         return np.exp(-np.outer(t, x[2:])) @ x[:2] - y
@@ -54,6 +57,22 @@ def test_two_decays_are_found_as_scipy_finds_them_also_at_a_bound(top, seed):
     assert found.cost == pytest.approx(2.0 * other.cost, rel=1e-7)
     np.testing.assert_allclose(found.q, other.x[2:], rtol=1e-4)
     assert (found.q[1] == top) == (top < 2.5)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_search_without_hope_is_given_up_and_no_other(count):
+    """One decay cannot follow two; two decays follow three as long as the limit is above what they reach."""
+    t = np.linspace(0.0, 10.0, 300)
+    y = np.exp(-np.outer(t, [0.1, 1.0, 6.0][: count + 1])) @ [2.0, 3.0, -2.0][: count + 1]
+    sizes = tuple(Param(f"a{k}", "1", "") for k in range(count))
+    rates = tuple(Param(f"k{k}", "1/s", "", 0.01, 20.0, start=start) for k, start in enumerate([0.2, 2.0][:count]))
+    start = decays(sizes, rates, y, t).starts(1)[0]
+    best, status, _ = descend(start, 1e-15, 1e-9, 200)
+    assert status > 0 and 0.0 < best.cost < start.cost
+    again, status, _ = descend(start, 1e-15, 1e-9, 200, 1.01 * best.cost)
+    assert status > 0 and again.cost == best.cost
+    _, status, message = descend(start, 1e-15, 1e-9, 200, 0.01 * best.cost)
+    assert (status, message) == (-1, GIVEN_UP)
 
 
 @pytest.mark.parametrize("seed", range(3))
