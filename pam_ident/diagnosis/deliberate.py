@@ -24,7 +24,8 @@ NEAR = 30.0
 PATTERN_MARGIN = 20.0
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
-adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes."""
+adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
+where it takes the place of two names and has no more parameters than they."""
 
 
 def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[Trial, Verdict]:
@@ -185,7 +186,7 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
     lines = [] if time is None else [period for ground in grounds for period in beats(time, ground.view.residual)]
     for effect in patterns(trial.record.inputs, lines):
         for lead in scan(effect, grounds):
-            price = _pattern_price(trial, lead)
+            price = _pattern_price(trial, lead, verdict)
             leads.append((lead.onto.cost - lead.gain + price, price, lead))
     leads.sort(key=lambda item: item[0])
     rivals = [_with_pattern(trial, lead, price) for cost, price, lead in leads[:4] if cost < verdict.cost + NEAR]
@@ -193,10 +194,12 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
     return best if best.cost < verdict.cost else None
 
 
-def _pattern_price(trial: Trial, lead: Lead) -> float:
+def _pattern_price(trial: Trial, lead: Lead, verdict: Verdict) -> float:
     search = 2.0 * float(np.log(max(lead.tried, 2)))
-    drawn = isinstance(lead.atom.term.form, AddsForce)
-    tolerance = (PATTERN_TOLERANCE if drawn else FAULT_TOLERANCE) * trial.excess
+    fault = not isinstance(lead.atom.term.form, AddsForce)
+    known = sum(len(term.form.params) for term in verdict.terms)
+    simpler = not lead.onto.terms and len(verdict.terms) >= 2 and lead.atom.free <= known
+    tolerance = (FAULT_TOLERANCE if fault or simpler else PATTERN_TOLERANCE) * trial.excess
     return PATTERN_MARGIN + search + tolerance + trial.price.per_parameter * lead.atom.free
 
 

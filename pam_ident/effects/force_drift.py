@@ -28,6 +28,10 @@ def _settling(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-inputs.xp.expm1(-elapsed(inputs) / shape["tau"]))
 
 
+def _settling_on(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return inputs.xp.hstack([_settling(inputs, shape, force), _linear(inputs, shape, force)])
+
+
 def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(inputs.xp.log1p(elapsed(inputs) / shape["tau"]))
 
@@ -47,6 +51,7 @@ EFFECT = Effect(
         AddsForce("textbook", "+rate · t", (RATE,), _linear),
         AddsForce("settling", "+F_d (1 − exp(−t/τ))", (LEVEL,), _settling, (TAU,)),
         AddsForce("logarithmic", "+F_d ln(1 + t/τ)", (LEVEL,), _logarithmic, (TAU,)),
+        AddsForce("settling_on", "+F_d (1 − exp(−t/τ)) + rate · t", (LEVEL, RATE), _settling_on, (TAU,)),
         AddsForce("swinging", "+F_sin sin(2πt/T) + F_cos (1 − cos(2πt/T))", SWING, _swinging, (PERIOD,)),
     ),
     test="tare before and after; pressures in random order",

@@ -17,9 +17,10 @@ EACH_FORM = pytest.mark.parametrize(("effect", "form"), FORMS, ids=[f"{e.name}:{
 REMEMBER = {
     *(f"creep:{form}" for form in ("textbook", "logarithmic", "prony_3", "elastic", "force_driven")),
     *(f"presliding_hysteresis:{form}" for form in ("textbook", "dahl", "maxwell_slip_3")),
-    *(f"force_drift:{form}" for form in ("textbook", "settling", "logarithmic", "swinging")),
+    *(f"force_drift:{form}" for form in ("textbook", "settling", "settling_on", "logarithmic", "swinging")),
     *(f"thermal_softening:{form}" for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear")),
     "coulomb_friction:stuck",
+    "stribeck_friction:bending",
     "pressure_lag:lagging",
     "pressure_lag:conductance",
     "mullins_softening:pseudo_elastic",

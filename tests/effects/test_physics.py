@@ -287,6 +287,8 @@ def test_drift_is_counted_from_the_first_sample():
     np.testing.assert_allclose(settling, [0.0, 1.0 - math.exp(-0.5), 1.0 - math.exp(-2.0)])
     logarithmic = columns("force_drift:logarithmic", given, tau=60.0)[:, 0]
     np.testing.assert_allclose(logarithmic, [0.0, math.log(1.5), math.log(3.0)])
+    both = columns("force_drift:settling_on", given, tau=60.0)
+    np.testing.assert_array_equal(both, np.column_stack([settling, [0.0, 0.5, 2.0]]))
     swinging = columns("force_drift:swinging", given, T=240.0)  # an eighth of a turn, then a half
     np.testing.assert_allclose(swinging, [[0.0, 0.0], [0.5**0.5, 1.0 - 0.5**0.5], [0.0, 2.0]], atol=1e-12)
 
