@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import pairwise
 
 import pytest
 
@@ -109,6 +110,21 @@ def test_paper_holds_every_rung_and_the_folded_table(opened):
     assert not opened.locator("nav").is_visible() and not opened.locator("fieldset").first.is_visible()
     pdf = opened.pdf(prefer_css_page_size=True)
     assert pdf.startswith(b"%PDF-") and len(pdf) < 3_000_000
+
+
+def test_a_screen_reader_is_told_the_verdict_first_and_every_figure_and_table_by_name(opened, diagnosis):
+    """Chromium's accessibility tree, in reading order, is what such a reader speaks."""
+    told = opened.locator("main").aria_snapshot().splitlines()
+    roles = [line.strip().removeprefix("- ").strip("'\"") for line in told]
+    where = {role: [k for k, line in enumerate(roles) if line.startswith(role)] for role in ("heading", "img", "table")}
+    assert roles[where["heading"][1]].startswith('heading "Verdict" [level=3]')
+    spoken = next(k for k, line in enumerate(roles) if diagnosis.sentence[:40] in line)
+    assert where["heading"][1] < spoken < min(where["img"][0], where["table"][0])
+    levels = [int(re.search(r"level=(\d)", roles[k])[1]) for k in where["heading"]]
+    assert all(after <= before + 1 for before, after in pairwise(levels))
+    assert len(where["img"]) >= 10 and all(re.match(r'img "[^"]{10,}', roles[k]) for k in where["img"])
+    for table in opened.locator("table:visible").all():
+        assert table.get_by_role("columnheader").count() >= 2
 
 
 @pytest.mark.parametrize(("width", "rungs"), [(1200, (0, 2)), (380, (1,))])
