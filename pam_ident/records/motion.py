@@ -4,8 +4,9 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
-from .turning import pieces, pivots, thinned_holds
+from .turning import pieces, pivots, quantile, thinned_holds
 
 Array = np.ndarray
 NORMAL_MEDIAN = 0.6745
@@ -113,7 +114,7 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
         into.position[rows], slope = _smooth_stroke(time[rows], x[rows], noise)
         into.velocity[rows], moving[rows], stroke[rows] = slope, True, count
         direction[rows] = np.sign(x[end] - x[begin])
-        speed[rows] = np.median(np.abs(slope))
+        speed[rows] = quantile(np.abs(slope), 0.5)
     _carry(direction, moving, stroke, speed)
     _smooth_holds(into.position, x, np.flatnonzero(~moving), noise)
     return count
@@ -127,44 +128,49 @@ def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: floa
     first, last = int(inside[0]), int(inside[-1])
     tolerance = 3.0 * noise + 0.02 * abs(x[last] - x[first]) / len(inside)
 
-    def off(at: int, near: slice) -> float:
-        t, y = time[near] - time[near].mean(), x[near]
-        spread = float(t @ t)  # 0 where a clock is coarser than the rows
-        slope = float(t @ y) / spread if spread > 0.0 else 0.0
-        return abs(float(x[at] - y.mean()) - slope * float(time[at] - time[near].mean()))
+    def three(near: int) -> tuple[float, ...]:
+        """Times and positions of three samples in numbers of Python, which are quicker than arrays so small."""
+        return (*time[near : near + 3].tolist(), *x[near : near + 3].tolist())
 
-    def bend(near: slice) -> float:
+    def off(at: int, near: int) -> float:
+        """Distance of a sample from the line through the three from `near` on."""
+        t0, t1, t2, x0, x1, x2 = three(near)
+        t, y = (t0 + t1 + t2) / 3.0, (x0 + x1 + x2) / 3.0
+        spread = (t0 - t) ** 2 + (t1 - t) ** 2 + (t2 - t) ** 2  # 0 where a clock is coarser than the rows
+        slope = ((t0 - t) * x0 + (t1 - t) * x1 + (t2 - t) * x2) / spread if spread > 0.0 else 0.0
+        return abs(x.item(at) - y - slope * (time.item(at) - t))
+
+    def bend(near: int) -> float:
         """What a parabola through three samples adds to their line at the next, and more: by the clock, because
         steps that differ as the clock does are no bend."""
-        (t0, t1, t2), (x0, x1, x2) = time[near], x[near]
+        t0, t1, t2, x0, x1, x2 = three(near)
         if not t0 < t1 < t2:
             return 0.0
-        second = ((x2 - x1) / (t2 - t1) - (x1 - x0) / (t1 - t0)) / (t2 - t0)
-        return 2.0 * abs(float(second)) * float(t2 - t0) ** 2
+        return 2.0 * abs((x2 - x1) / (t2 - t1) - (x1 - x0) / (t1 - t0)) * (t2 - t0)
 
     for _ in range(2):
-        near = slice(last - 3, last)
+        near = last - 3
         if last - first > 6 and off(last, near) > 2.0 * tolerance + bend(near):
             last -= 1
-        near = slice(first + 1, first + 4)
+        near = first + 1
         if last - first > 6 and off(first, near) > 2.0 * tolerance + bend(near):
             first += 1
     # A neighbour at the level of an end is the hold already, and that end the corner.
     for _ in range(2):
         if last + 1 < len(x) and not taken[last + 1] and _steps(x, (last - 1, last, last + 1), tolerance, noise):
-            near = slice(last - 2, last + 1)
+            near = last - 2
             last += off(last + 1, near) < tolerance + bend(near)
         if first > 0 and not taken[first - 1] and _steps(x, (first + 1, first, first - 1), tolerance, noise):
-            near = slice(first, first + 3)
-            first -= off(first - 1, near) < tolerance + bend(near)
+            first -= off(first - 1, first) < tolerance + bend(first)
     return np.arange(first, last + 1)
 
 
 def _steps(x: Array, at: tuple[int, int, int], tolerance: float, noise: float) -> bool:
     """Whether the last step of a stroke and the one beyond its end both exceed the noise, in one direction: behind a
     turning point the next stroke begins, however round the turn."""
-    inner, end, outer = x[list(at)]
-    return abs(end - inner) > 1.5 * tolerance and (outer - end) * np.sign(end - inner) > 4.0 * noise
+    inner, end, outer = (x.item(k) for k in at)
+    onward = outer - end if end > inner else end - outer
+    return abs(end - inner) > 1.5 * tolerance and onward > 4.0 * noise
 
 
 def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
@@ -174,10 +180,11 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
         return x, np.zeros(n)
     if n >= 12:
         centred = 2.0 * (time - time[0]) / width - 1.0
-        curve = np.polynomial.Chebyshev.fit(centred, x, min(7, n // 6), domain=[-1.0, 1.0])
-        smooth = curve(centred)
+        waves = chebyshev.chebvander(centred, min(7, n // 6))
+        curve = np.linalg.lstsq(waves, x, rcond=None)[0]
+        smooth = waves @ curve
         missed = np.std(x - smooth)
-        slope = curve.deriv()(centred) * 2.0 / width
+        slope = waves[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
         if missed < NOISE_ONLY * noise:
             return smooth, slope
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
@@ -218,8 +225,8 @@ def _smooth_holds(position: Array, x: Array, rest: Array, noise: float) -> None:
     out of the hold's own scatter, in which the drive still brakes or speeds up."""
     for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1):
         if len(hold) >= 4 and np.std(x[hold]) < 2.0 * noise:
-            away = np.abs(x[hold] - np.median(x[hold]))
-            still = hold[away <= 3.0 * 1.4826 * np.median(away)]
+            away = np.abs(x[hold] - quantile(x[hold], 0.5))
+            still = hold[away <= 3.0 * 1.4826 * quantile(away, 0.5)]
             position[still] = x[still].mean()
 
 

@@ -1,5 +1,6 @@
 """What a record is made of, and which column holds it."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,6 +23,7 @@ QUANTITIES = {
 }
 """Quantity → dimension of its unit."""
 SHAPES = ("displacement", "contraction", "length")
+_LETTER = re.compile(r"[^\W\d_]")
 BRANCHES = {"contraction": 1.0, "extension": -1.0}
 
 
@@ -42,6 +44,8 @@ class Source:
 
 def quantity_of(header: str) -> str | None:
     """The quantity that a header names, None for any other header."""
+    if not _LETTER.search(header):
+        return None
     name, _ = split_header(header)
     return name if name in QUANTITIES else None
 

@@ -1,5 +1,6 @@
 """A table as a file holds it, before its columns are known: what every loader hands on."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -90,4 +91,4 @@ def number_of(cell: object, decimal: str = ".") -> float:
 
 def count_numbers(cells: Iterable[object], decimal: str = ".") -> int:
     """How many cells are finite numbers."""
-    return sum(bool(np.isfinite(number_of(cell, decimal))) for cell in cells)
+    return sum(math.isfinite(number_of(cell, decimal)) for cell in cells)

@@ -112,7 +112,8 @@ def _heading(lines: list[str], mapping: Mapping | None) -> tuple[str, list[list[
     """Delimiter, rows and heading: the delimiter under which most names are known, else most cells are numbers."""
     told = mapping.layout if mapping else {}
     best: tuple[tuple[int, int], str, list[list[str]], Heading] | None = None
-    for delimiter in (told["delimiter"],) if "delimiter" in told else DELIMITERS:
+    written = [delimiter for delimiter in DELIMITERS if any(delimiter in line for line in lines)] or DELIMITERS
+    for delimiter in (told["delimiter"],) if "delimiter" in told else written:
         rows = [cells_of(line, delimiter) if line.strip(f"{delimiter} \t") else [] for line in lines]
         heading = _one_heading(rows, mapping)
         sample = rows[heading.first : heading.first + 50]

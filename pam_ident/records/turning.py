@@ -142,5 +142,13 @@ def _pace(time: Array, x: Array) -> float:
     at = np.unique(np.linspace(0, len(x) - 1, min(len(x), 41)).astype(int))
     seconds, travel = np.diff(time[at]), np.diff(x[at]) * np.sign(x[-1] - x[0])
     speeds = travel / np.maximum(seconds, 1e-12)
-    live = speeds > 0.3 * max(float(np.quantile(speeds, 0.9)), 0.0)
+    live = speeds > 0.3 * max(quantile(speeds, 0.9), 0.0)
     return float(travel[live].sum() / max(float(seconds[live].sum()), 1e-12)) if live.any() else 0.0
+
+
+def quantile(values: Array, share: float) -> float:
+    """As NumPy's, of finite values (n,), n > 0; a tenth of its time where they are few."""
+    ordered = np.sort(values)
+    at = share * (len(ordered) - 1)
+    low, high = ordered[int(at)], ordered[min(int(at) + 1, len(ordered) - 1)]
+    return float(low + (at - int(at)) * (high - low))
