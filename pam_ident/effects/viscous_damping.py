@@ -6,10 +6,7 @@ from .base import AddsForce, Array, Effect, Shape, one, speed
 B = Param("B", "N·s/m", "damping (for n ≠ 1 at 10 mm/s)", 0.0, 1e5, scale=100.0)
 B_C = Param("B_c", "N·s/m", "damping in contraction", 0.0, 1e5, scale=100.0)
 B_E = Param("B_e", "N·s/m", "damping in extension", 0.0, 1e5, scale=100.0)
-B_0 = Param("B_0", "N·s/m", "damping without pressure (for n ≠ 1 at 10 mm/s)", 0.0, 1e5, scale=100.0)
-B_1 = Param(
-    "B_1", "N·s/m", "the same at 1 MPa: straight between, so that it takes energy at either", 0.0, 1e5, scale=100.0
-)
+B_P = Param("B_p", "N·s/(m·MPa)", "damping per pressure", 0.0, 1e5, scale=100.0)
 N = Param("n", "1", "exponent of the speed", 0.4, 2.5, start=0.7, grid=(0.5, 0.7, 1.5))
 V_1 = Param("v_1", "mm/s", "speed at which thinning has halved the damping", 4.0, 1000.0, start=20.0, grid=(8.0, 30.0))
 
@@ -36,8 +33,8 @@ def _asymmetric(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    column, share = _power(inputs, shape, force), inputs.pressure[:, None]
-    return inputs.xp.hstack([column * (1.0 - share), column * share])
+    column = _power(inputs, shape, force)
+    return inputs.xp.hstack([column, column * inputs.pressure[:, None]])
 
 
 EFFECT = Effect(
@@ -49,7 +46,7 @@ EFFECT = Effect(
         AddsForce("power", "−B |ẋ|^n sgn(ẋ)", (B,), _power, (N,)),
         AddsForce("thinning", "−B ẋ/(1 + |ẋ|/v_1)", (B,), _thinning, (V_1,)),
         AddsForce("asymmetric", "−B_c ẋ in contraction, −B_e ẋ in extension", (B_C, B_E), _asymmetric),
-        AddsForce("pressure", "−(B_0 (1−p) + B_1 p) |ẋ|^n sgn(ẋ), p in MPa", (B_0, B_1), _pressure, (N,)),
+        AddsForce("pressure", "−(B + B_p p) |ẋ|^n sgn(ẋ)", (B, B_P), _pressure, (N,)),
     ),
     test="at least two speeds: the gap between the branches grows with speed",
     needs=("branch", "motion"),
