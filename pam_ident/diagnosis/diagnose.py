@@ -25,8 +25,8 @@ REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
 MOSTLY, UNDER_A_NAME = 0.5, 0.1
 """Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
-STEEPS = 10
-"""Classes of steepness in each of which noise has a size of its own."""
+CORNER = 5
+"""Samples around a corner of the motion, where a position that is a little off is most."""
 HEAVY, STRUCK = 3.0, 0.1
 """Excess kurtosis of the innovations, and share of their squares that lies far out, from which bursts are told."""
 MOST = 10_000
@@ -157,14 +157,18 @@ def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
 def _bursts(trial: Trial, verdict: Verdict) -> Pattern | None:
     """What strikes now and then and dies away is in no normal noise, however coloured: its tails are too heavy.
 
-    Noise is taken as large as it is where the force is as steep over length: an unsure position does more there.
+    At the corners of the motion it is the position's, wherever the force is steep.
     """
-    time, view = trial.record.inputs.time, trial.view(verdict)
-    left = trial.noise.whiten(view.residual)
-    for rows in np.array_split(np.argsort(np.abs(view.around.contraction)), STEEPS):
-        left[rows] /= max(float(np.median(np.abs(left[rows]))) / 0.6745, 1e-12)
+    inputs = trial.record.inputs
+    if inputs.time is None:
+        return None
+    moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
+    corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
+    if corner.all():
+        return None
+    time, left = inputs.time[~corner], trial.noise.whiten(trial.view(verdict).residual)[~corner]
     square = float(np.mean(left**2))
-    if time is None or not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
+    if not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
         return None
     far = np.abs(left) > 5.0 * float(np.median(np.abs(left))) / 0.6745
     share = float(np.sum(left[far] ** 2) / np.sum(left**2))

@@ -6,7 +6,8 @@ from .base import AddsForce, Array, Effect, Shape, slip, speed
 from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, exponential_dip, gaussian_dip
 
 SIZES = (F_C, F_BREAK, F_HOLD, HOLD_GAIN)
-WIDTH = Param("x_s", "mm", "travel in which the contact bends before it slides", 0.02, 10.0, start=0.5, grid=(0.3, 1.0))
+WIDTH = Param("x_s", "mm", "travel in which the contact bends before it slides", 0.02, 1.2, start=0.5, grid=(0.3, 0.9))
+"""A longer one is presliding, which has a name of its own."""
 
 
 def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
