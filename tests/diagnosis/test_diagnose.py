@@ -50,9 +50,10 @@ def test_a_pair_is_found_as_a_pair(tmp_path):
     assert set(answer.selected) == {"coulomb_friction", "force_drift"}
 
 
-@pytest.mark.parametrize("noise", ["white", "ar1", "ou"])
-def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise):
-    record = rig_record(tmp_path, seed=43, law=EXPONENTIAL, noise=noise)
+@pytest.mark.parametrize(("noise", "seed"), [("white", 43), ("ar1", 43), ("ou", 43), ("ou", 53), ("ou", 64)])
+def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise, seed):
+    """In the last two the position at the corners of the motion stands far out of a noise that hardly changes there."""
+    record = rig_record(tmp_path, seed=seed, law=EXPONENTIAL, noise=noise)
     answer = diagnose(Model.build(EXPONENTIAL), record)
     assert answer.verdict == "adequate" and answer.selected == () and answer.pattern is None
 
