@@ -1,7 +1,7 @@
 """The rubber is stiffer in its first cycles."""
 
 from ..core import Inputs, Param
-from ._history import cycles_of_test, greatest_so_far
+from ._history import cycles_of_test, greatest_so_far, way_travelled
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
@@ -14,6 +14,7 @@ G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle"
 E_LOST = Param("E_lost", "MPa", "modulus that the bladder loses below its greatest stretch", -200.0, 200.0, scale=1.0)
 M = Param("m", "1", "way below the greatest energy at which it is lost", 0.003, 3.0, start=0.1, grid=(0.02, 0.1))
 EXPONENT = Param("q", "1", "exponent of the number of the cycle", 0.2, 4.0, start=1.0, grid=(0.6, 1.5))
+WAY = Param("s_0", "mm", "way over which the softening fades", 5.0, 1e4, start=150.0, grid=(60.0, 150.0, 400.0))
 N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 60.0, start=1.5, grid=(0.7, 1.5, 4.0))
 
 
@@ -65,6 +66,12 @@ def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return inputs.xp.column_stack([lost, -lost * inputs.contraction])
 
 
+def _travelled(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """What is gone, not what is counted, softens; between isobars the rubber rests."""
+    fading = inputs.xp.exp(-way_travelled(inputs) / shape["s_0"])
+    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
+
+
 def _pseudo_elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """The energy W = (r/r0 − 1)² is that of the hoop, over E/2."""
     energy = (inputs.specimen.radius_ratio(inputs.contraction) - 1.0) ** 2
@@ -93,6 +100,14 @@ EFFECT = Effect(
         AddsForce("logarithmic", "−(F_extra − G_extra ε) ln n", (F_EXTRA, G_EXTRA), _logarithmic),
         AddsForce(
             "whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,), remembers=True
+        ),
+        AddsForce(
+            "travelled",
+            "+(F_extra − G_extra ε) exp(−s/s_0), s the way gone",
+            (F_EXTRA, G_EXTRA),
+            _travelled,
+            (WAY,),
+            remembers=True,
         ),
         AddsForce(
             "pseudo_elastic",

@@ -24,6 +24,7 @@ REMEMBER = {
     "pressure_lag:lagging",
     "pressure_lag:conductance",
     "mullins_softening:pseudo_elastic",
+    "mullins_softening:travelled",
 }
 
 

@@ -59,6 +59,14 @@ def test_a_pseudo_elastic_bladder_is_itself_on_its_way_to_new_stretch_and_softer
     np.testing.assert_array_equal(rested[7:], 0.0)
 
 
+def test_softening_by_the_way_gone_counts_to_and_fro_and_begins_anew_after_a_rest():
+    """The muscle is 200 mm long: 0.1 of it to and fro are 40 mm."""
+    track, cycle = [0.0, 0.1, 0.0, 0.1, 0.0, 0.1], [1, 1, 2, 2, 1, 1]
+    found = columns("mullins_softening:travelled", track, cycle=cycle, s_0=40.0)
+    gone = np.array([0.0, 20.0, 40.0, 60.0, 0.0, 20.0])
+    np.testing.assert_allclose(found @ [3.0, 50.0], (3.0 - 50.0 * np.array(track)) * np.exp(-gone / 40.0), rtol=1e-12)
+
+
 @pytest.mark.parametrize("form", ["textbook", "dahl", "maxwell_slip_3"])
 def test_an_element_that_would_never_slip_still_opens_a_loop(form):
     """Without a limit on its travel it would be a spring, −W x/x_s on both branches, and pass for the bladder."""
