@@ -90,7 +90,7 @@ def cluster(workers: int, scheduler: str | None) -> Iterator[str]:
     if scheduler is not None:
         yield scheduler
         return
-    import dask
+    import dask.config
     from distributed import LocalCluster
 
     options: Any = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
