@@ -51,8 +51,11 @@ def _same_form(trial: Trial, term: Term) -> list[str]:
 
 
 def _others(trial: Trial, verdict: Verdict, effect: Effect) -> list[Effect]:
-    """An effect and those outside a set; what the law follows nearly, too, which a large misfit may still be."""
-    others = [*trial.suspects, *trial.absorbed]
+    """An effect and those outside a set; what the law follows nearly, too, which a large misfit may still be.
+
+    Not its own special cases: with more parameters they can always do the same.
+    """
+    others = [e for e in (*trial.suspects, *trial.absorbed) if e.special_case_of != effect.name]
     return [e for e in others if e.name == effect.name or e.name not in verdict.names]
 
 
@@ -77,7 +80,8 @@ def _fitted(trial: Trial, verdict: Verdict, effect: Effect) -> list[str]:
     rivals = [v for v in trial.weighed() if rest < v.names and len(v.names) == len(verdict.names)]
     close = sorted((v for v in rivals if v.cost < verdict.cost + CLOSE), key=lambda v: v.cost)
     names = dict.fromkeys(name for v in close for name in v.names - rest)
-    return [e.name for name in names for e in trial.suspects if e.name == name != effect.name]
+    others = [e.name for e in _others(trial, verdict, effect)]
+    return [name for name in names if name in others and name != effect.name]
 
 
 def _same_at_one_speed(trial: Trial, rest: Verdict, effect: Effect) -> list[str]:
