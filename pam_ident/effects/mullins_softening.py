@@ -23,6 +23,11 @@ def _fading(inputs: Inputs, shape: Shape) -> Array:
     return inputs.xp.exp(-(inputs.cycle - 1.0) / shape["n_0"])
 
 
+def _straight(inputs: Inputs, fading: Array) -> Array:
+    """What fades, (n,), as a force and as a force per contraction, shape (n, 2)."""
+    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
+
+
 def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(_fading(inputs, shape))
 
@@ -45,31 +50,26 @@ def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _whole_test(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Cycles counted from the start of the test, not of the isobar."""
-    fading = inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / shape["n_0"])
-    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
+    return _straight(inputs, inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / shape["n_0"]))
 
 
 def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    fading = _fading(inputs, shape)
-    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
+    return _straight(inputs, _fading(inputs, shape))
 
 
 def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.cycle is not None
-    fading = inputs.cycle ** -shape["q"]
-    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
+    return _straight(inputs, inputs.cycle ** -shape["q"])
 
 
 def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.cycle is not None
-    lost = -inputs.xp.log(inputs.cycle)
-    return inputs.xp.column_stack([lost, -lost * inputs.contraction])
+    return _straight(inputs, -inputs.xp.log(inputs.cycle))
 
 
 def _travelled(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """What is gone, not what is counted, softens; between isobars the rubber rests."""
-    fading = inputs.xp.exp(-way_travelled(inputs) / shape["s_0"])
-    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
+    return _straight(inputs, inputs.xp.exp(-way_travelled(inputs) / shape["s_0"]))
 
 
 def _pseudo_elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:

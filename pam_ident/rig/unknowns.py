@@ -38,23 +38,19 @@ def ripple_harmonics(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Se
     return {"pitch_mm": pitch, "second": more}, scaled(np.sin(turn) + more * np.sin(2 * turn + 1.0))
 
 
-def beat_in_time(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """Mains beating against the sampling: periodic in time, whatever the muscle does."""
-    period, at = rng.uniform(5.0, 40.0), _phase(rng)
-    return {"period_s": period}, scaled(np.sin(2 * np.pi * c.time / period + at))
+def _beat(shortest_s: float, longest_s: float, words: str) -> Form:
+    def form(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+        period, at = rng.uniform(shortest_s, longest_s), _phase(rng)
+        return {"period_s": period}, scaled(np.sin(2 * np.pi * c.time / period + at))
 
-
-def hum(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """A machine next door shakes the load cell, faster than the slowest strokes are sampled by tens."""
-    period, at = rng.uniform(0.8, 5.0), _phase(rng)
-    return {"period_s": period}, scaled(np.sin(2 * np.pi * c.time / period + at))
+    form.__doc__ = words
+    return form
 
 
 def pump_ripple(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The compressor starts and stops: a pressure wave in the muscle that the damped gauge hides."""
     period, at = rng.uniform(10.0, 60.0), _phase(rng)
-    slope = m.pressure_slope(c.pressure, c.eps)
-    return {"period_s": period}, scaled(slope / np.max(np.abs(slope)) * np.sin(2 * np.pi * c.time / period + at))
+    return {"period_s": period}, scaled(_pull_of_pressure(c, m) * np.sin(2 * np.pi * c.time / period + at))
 
 
 def _place(c: Course, rng: np.random.Generator) -> tuple[float, float]:
@@ -131,20 +127,25 @@ def _pull_of_pressure(c: Course, m: Muscle) -> Array:
     return slope / float(np.max(np.abs(slope)))
 
 
+def _wandering(c: Course, rng: np.random.Generator) -> Array:
+    """From 0 at the first sample to 1 or −1 at the last, shape (m,)."""
+    return float(rng.choice([-1.0, 1.0])) * c.time / c.time[-1]
+
+
 def wandering_zero(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The pressure gauge's zero wanders, and the true pressure with it."""
-    return {}, scaled(float(rng.choice([-1.0, 1.0])) * c.time / c.time[-1] * _pull_of_pressure(c, m))
+    return {}, scaled(_wandering(c, rng) * _pull_of_pressure(c, m))
 
 
 def wandering_gain(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The same of the pressure gauge's sensitivity."""
     pull = c.pressure / float(np.max(c.pressure)) * _pull_of_pressure(c, m)
-    return {}, scaled(float(rng.choice([-1.0, 1.0])) * c.time / c.time[-1] * pull)
+    return {}, scaled(_wandering(c, rng) * pull)
 
 
 def wandering_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The clamp creeps: the true contraction moves away from the measured; size in mm by the end."""
-    away = float(rng.choice([-1.0, 1.0])) * c.time / c.time[-1] / c.length_mm
+    away = _wandering(c, rng) / c.length_mm
     return {}, lambda size: m.force(c.pressure, c.eps - size * away) - m.force(c.pressure, c.eps)
 
 
@@ -160,9 +161,11 @@ FORMS: dict[str, dict[str, Form]] = {
         "textbook": ripple_sine,
         "loaded": ripple_loaded,
         "harmonics": ripple_harmonics,
-        "beat_in_time": beat_in_time,
+        "beat_in_time": _beat(
+            5.0, 40.0, "Mains beating against the sampling: periodic in time, whatever the muscle does."
+        ),
         "pump": pump_ripple,
-        "hum": hum,
+        "hum": _beat(0.8, 5.0, "A machine next door shakes the load cell, faster than slow strokes show."),
     },
     "rub": {
         "textbook": _rub("gaussian", False),
