@@ -163,7 +163,7 @@ class Model:
         inputs = self._geometry(inputs, values)
         xp = inputs.xp
         pressure, contraction = inputs.pressure, inputs.contraction
-        factor: Array | float = 1.0
+        factor: Array | None = None
         added: list[Array] = []
         for term in self.terms:
             if isinstance(term.form, TransformsPressure):
@@ -171,7 +171,8 @@ class Model:
             elif isinstance(term.form, TransformsContraction):
                 contraction = contraction + term.amount(inputs, values, force)
             elif isinstance(term.form, ScalesForce):
-                factor = factor * (1.0 + term.amount(inputs, values, force))
+                scale = 1.0 + term.amount(inputs, values, force)
+                factor = scale if factor is None else factor * scale
             else:
                 added.append(term.columns(inputs, values, force))
         if pressure is not inputs.pressure:
@@ -180,10 +181,9 @@ class Model:
             contraction = xp.clip(contraction, -0.5, 0.95)
         columns = self.law.columns(pressure, contraction, inputs.specimen, values)
         fixed = self.law.fixed(pressure, contraction, inputs.specimen, values)
-        if self.terms:
-            columns = xp.hstack([columns * xp.reshape(factor, (-1, 1)), *added])
-            fixed = fixed * factor
-        return columns, fixed
+        if factor is not None:
+            columns, fixed = columns * factor[:, None], fixed * factor
+        return xp.hstack([columns, *added]) if added else columns, fixed
 
     def force(self, inputs: Inputs, values: Values) -> Array:
         """Force in N, shape (n,); effects that depend on the force are solved for it, sample by sample."""

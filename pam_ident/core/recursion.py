@@ -34,7 +34,8 @@ def decaying_sum(decay: Array, gain: Array) -> Array:
 
     out = np.zeros((len(gain) + 1, *gain.shape[1:]))
     if gain.size:
-        band = np.vstack([np.ones(len(gain)), np.r_[-decay[1:], 0.0]])
+        band = np.zeros((2, len(gain)), order="F")
+        band[1, :-1] = -decay[1:]
         rows, _ = dtbtrs(band, gain.reshape(len(gain), -1), uplo="L", diag="U")
         out[1:] = rows.reshape(gain.shape)
     return out

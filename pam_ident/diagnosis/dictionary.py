@@ -87,6 +87,11 @@ def signature(form: Form, inputs: Inputs, shapes: Mapping[str, float], around: S
     return columns * around.contraction[:, None]
 
 
+def same_around_any(form: Form) -> bool:
+    """Whether a form's signature does not depend on the model that it is taken around."""
+    return isinstance(form, AddsForce) and not form.uses_force
+
+
 def grid(form: Form) -> list[dict[str, float]]:
     """All combinations of the values from which a form's shapes are searched."""
     names = [p.name for p in form.shapes]

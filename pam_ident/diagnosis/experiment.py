@@ -99,7 +99,7 @@ class Question:
 
 def _left(view: View, noise: Noise, atoms: Sequence[Atom]) -> tuple[float, dict[str, tuple[float, Atom]]]:
     """Whitened squares of a residual that the law leaves, and that each effect's best atom leaves, with that atom."""
-    data = view.compress(atoms, noise)
+    data = view.singly(atoms, noise)
     left: dict[str, tuple[float, Atom]] = {}
     for k, atom in enumerate(data.atoms):
         gain, _ = data.solve(data.columns([k]))

@@ -8,9 +8,8 @@ import numpy as np
 
 from ..core import Inputs
 from ..core.progress import tell
-from ..effects import AddsForce, Effect, Form
-from .dictionary import Atom, Slopes, atoms_at, closer, grid, signature
-from .search import orthonormal
+from ..effects import Effect, Form
+from .dictionary import Atom, Slopes, atoms_at, closer, grid, same_around_any, signature
 from .trial import Trial, Verdict
 
 Array = np.ndarray
@@ -35,11 +34,8 @@ class Ground:
 
     def __init__(self, trial: Trial, onto: Verdict) -> None:
         self.onto, self.view, self.noise = onto, trial.view(onto), trial.noise
-        self.basis = orthonormal(trial.noise.whiten(self.view.law))
-        residual = trial.noise.whiten(self.view.residual)
-        self.residual = residual - self.basis @ (self.basis.T @ residual)
-        self.frame = np.ascontiguousarray(np.column_stack([self.basis, self.residual]).T)
-        self.precise = _Sight(self.view.record.inputs, self.view.around, self.frame, 1e-10)
+        frame = self.view.frame(trial.noise)
+        self.precise = _Sight(self.view.record.inputs, self.view.around, frame.rows, 1e-10)
         self.rough = self.precise.rough()
 
 
@@ -85,8 +81,7 @@ def scan(effect: Effect, grounds: Sequence[Ground]) -> list[Lead]:
     for form in effect.forms:
         points = grid(form)
         tried += len(points)
-        shared = isinstance(form, AddsForce) and not form.uses_force
-        parts = [range(len(grounds))] if shared else [range(k, k + 1) for k in range(len(grounds))]
+        parts = [range(len(grounds))] if same_around_any(form) else [range(k, k + 1) for k in range(len(grounds))]
         for part in parts:
             for k, best in zip(part, _found(form, points, [grounds[k] for k in part]), strict=True):
                 found[k] = _better(found[k], best)

@@ -171,7 +171,7 @@ def _in_blocks(rows: Array, length: int) -> Array:
 
 
 def estimate_noise(
-    record: Record, residual: Array, slope: Array, parameters: int, outlier: Array | None = None, white: bool = False
+    record: Record, residual: Array, slope: Array, parameters: float, outlier: Array | None = None, white: bool = False
 ) -> Noise:
     """Noise from what a model leaves: white, or partly a first-order process.
 

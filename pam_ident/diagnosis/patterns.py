@@ -16,6 +16,8 @@ from ..effects.base import Array, Shape, slip
 
 SOURCE = "a description, not a physical effect"
 LENGTHS = 30
+FAR = 8.0
+"""Standard deviations at which a bell's tail stays what it is, 1e-14."""
 OVER_PRESSURE, PRESSURE_KNOTS = "over_pressure", 5
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
 AGAINST = Param("against", "N", "amplitude against motion", scale=10.0)
@@ -65,6 +67,11 @@ def _beyond(inputs: Inputs, shape: Shape) -> Array:
     return inputs.displacement_mm[:, None] - _like(inputs, shape["place"])
 
 
+def _bell(away: Array) -> Array:
+    """Gaussian at so many standard deviations; its tail ends before squares lose digits, which is slow."""
+    return np.exp(-0.5 * np.minimum(away * away, FAR**2))
+
+
 def _circle(angle: Array) -> Array:
     return np.cos(angle) + 1j * np.sin(angle)
 
@@ -87,7 +94,7 @@ def _beat(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _even_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return np.exp(-0.5 * (_beyond(inputs, shape) / _like(inputs, shape["width"])) ** 2)
+    return _bell(_beyond(inputs, shape) / _like(inputs, shape["width"]))
 
 
 def _odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -122,6 +129,12 @@ def _stop(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return np.maximum(_beyond(inputs, shape), 0.0)
 
 
+def _edge(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """From nothing to constant, soft by a hundredth of the stroke so that the place can be searched."""
+    soft = _like(inputs, max(0.01 * float(np.ptp(inputs.displacement_mm)), 1e-9))
+    return 0.5 + 0.5 * np.tanh(_beyond(inputs, shape) / soft)
+
+
 def _force_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.time is not None
     return _like(inputs, inputs.time[:, None] >= shape["moment"])
@@ -135,8 +148,7 @@ def _pulse(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _burst(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.time is not None
-    away = (inputs.time[:, None] - np.asarray(shape["moment"])) / np.asarray(shape["length"])
-    return _like(inputs, np.exp(-0.5 * away**2))
+    return _bell(_like(inputs, (inputs.time[:, None] - np.asarray(shape["moment"])) / np.asarray(shape["length"])))
 
 
 def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -163,8 +175,12 @@ def _pressure_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _passed(inputs) * inputs.pressure[:, None]
 
 
-def _zero_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _even_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _passed(inputs)
+
+
+def _stiffness_trend(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _passed(inputs) * inputs.contraction[:, None]
 
 
 def _time_curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -235,7 +251,8 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
                 ),
                 AddsForce("box", "step up and down", (SIZE,), _box, (place, width)),
                 AddsForce("odd_box", "step up and down against motion", (SIZE,), _odd_box, (place, width)),
-                AddsForce("stop", "force beyond a place", (SIZE,), _stop, (place,)),
+                AddsForce("stop", "force that grows beyond a place", (SIZE,), _stop, (place,)),
+                AddsForce("edge", "force that sets in at a place", (SIZE,), _edge, (place,)),
             ],
         ),
         _pattern(
@@ -307,9 +324,11 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
                 ("time",),
                 [
                     AddsForce("even", "free curve", _sizes(7), _time_curve),
+                    ScalesForce("gain", "trend of the force's scale", (GAIN,), _even_trend),
+                    AddsForce("stiffness", "trend of the stiffness", (SIZE,), _stiffness_trend),
                     TransformsContraction("length", "trend of the length", (STRETCH,), _length_trend),
                     TransformsPressure("pressure", "trend of the pressure's scale", (SENSE,), _pressure_trend),
-                    TransformsPressure("zero", "trend of the pressure's zero", (ZERO,), _zero_trend),
+                    TransformsPressure("zero", "trend of the pressure's zero", (ZERO,), _even_trend),
                 ],
             ),
         ]

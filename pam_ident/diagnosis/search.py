@@ -12,12 +12,15 @@ import numpy as np
 
 from ..model import Term
 from .dictionary import Atom
+from .noise import Noise
 
 Array = np.ndarray
 
 
 FLAT = 1e-9
 """Singular value, relative to the largest, below which columns of unit norm count as dependent."""
+NEARLY = 1e-10
+"""Share of a column's square that hides what rounding does to columns that nearly depend on others."""
 SPECIAL = -1.0
 """What a special case costs beyond the effect that it is a case of: where it is needed, it has the nearer name."""
 
@@ -32,30 +35,69 @@ class Choice:
     sizes: tuple[Array, ...] = ()
 
 
+class Frame:
+    """What a fitted model can follow, and what it leaves beyond that: both whitened.
+
+    `rows` (k + 1, m) are an orthonormal basis of the slopes `law` (m, ·), and last the `residual` (m,) freed of them.
+    """
+
+    def __init__(self, law: Array, residual: Array) -> None:
+        self.basis = orthonormal(law)
+        self.residual = self.free(residual)
+        self.rows = np.ascontiguousarray(np.column_stack([self.basis, self.residual]).T)
+
+    def free(self, columns: Array) -> Array:
+        """Columns (m, …) less what the model can follow."""
+        return columns - self.basis @ (self.basis.T @ columns)
+
+
 class Compressed:
     """Gram matrix of the atoms' signatures after projection off the law, and their products with the residual.
 
-    `residual` (m,) and `matrix` (m, k), all signatures side by side, are whitened; `law` spans what the base model can
-    follow.
+    `before` (k,) are the squares of all signatures, side by side, `gram` (k, k) and `product` (k,) what is left of them
+    beyond the law, and `total` the square of the residual.
     """
 
-    def __init__(self, atoms: Sequence[Atom], matrix: Array, law: Array, residual: Array) -> None:
+    def __init__(self, atoms: Sequence[Atom], before: Array, gram: Array, product: Array, total: float) -> None:
         self.atoms = tuple(atoms)
         self.starts = np.r_[0, np.cumsum([a.columns.shape[1] for a in atoms])].astype(int)
-        before = self.before = np.sqrt(np.einsum("mk,mk->k", matrix, matrix))
-        basis = orthonormal(law)
-        matrix = matrix - basis @ (basis.T @ matrix)
-        residual = residual - basis @ (basis.T @ residual)
-        gram = matrix.T @ matrix
-        norm = np.sqrt(np.diag(gram))
+        before = self.before = np.sqrt(before)
+        norm = np.sqrt(np.maximum(np.diag(gram), 0.0))
         self.left = np.divide(norm, before, out=np.zeros_like(before), where=before > 0)
         self.scale = np.where(norm > 1e-7 * np.maximum(before, 1e-300), norm, np.inf)
         self.gram = gram / self.scale / self.scale[:, None]
-        self.product = (matrix.T @ residual) / self.scale
-        self.total = float(residual @ residual)
+        self.product = product / self.scale
+        self.total = total
         bounds = [(p.lower - p.neutral, p.upper - p.neutral) for a in self.atoms for p in a.sizes]
         self.lower = np.array([b[0] for b in bounds]) if bounds else np.empty(0)
         self.upper = np.array([b[1] for b in bounds]) if bounds else np.empty(0)
+
+    @classmethod
+    def together(cls, atoms: Sequence[Atom], matrix: Array, frame: Frame) -> "Compressed":
+        """From all signatures side by side and whitened, `matrix` (m, k)."""
+        before = np.einsum("mk,mk->k", matrix, matrix)
+        matrix = frame.free(matrix)
+        return cls(atoms, before, matrix.T @ matrix, matrix.T @ frame.residual, float(frame.residual @ frame.residual))
+
+    @classmethod
+    def singly(cls, blocks: Sequence["Block"], frame: Frame) -> "Compressed":
+        """For atoms that are only looked at one by one: what they have in common is left out, and not worked out."""
+        atoms = [atom for block in blocks for atom in block.atoms]
+        before, product, begin = [], [], 0
+        size = sum(block.matrix.shape[1] for block in blocks)
+        gram = np.zeros((size, size))
+        for block in blocks:
+            seen = frame.rows @ block.matrix
+            m, width, _ = block.own.shape
+            basis = seen[:-1].reshape(-1, m, width)
+            own = block.own - np.einsum("bmi,bmj->mij", basis, basis)
+            index = begin + np.arange(m * width).reshape(m, width)
+            gram[index[:, :, None], index[:, None, :]] = own
+            before.append(np.diagonal(block.own, axis1=1, axis2=2).ravel())
+            product.append(seen[-1])
+            begin += m * width
+        joined = [np.concatenate(parts) if parts else np.empty(0) for parts in (before, product)]
+        return cls(atoms, joined[0], gram, joined[1], float(frame.residual @ frame.residual))
 
     def only(self, atoms: Sequence[int]) -> "Compressed":
         """The same with some of the atoms."""
@@ -78,8 +120,7 @@ class Compressed:
         active = [int(c) for c in columns if np.isfinite(self.scale[c])]
         x = np.zeros(0)
         while active:
-            gram = self.gram[np.ix_(active, active)] + 1e-9 * np.eye(len(active))
-            x = np.linalg.solve(gram, self.product[active])
+            x = np.linalg.solve(self._grams(np.array(active)), self.product[active])
             wrong = [i for i, c in enumerate(active) if x[i] < 0 <= self.lower[c] or x[i] > 0 >= self.upper[c]]
             if not wrong:
                 break
@@ -89,12 +130,32 @@ class Compressed:
         gain = float(sum(sizes[c] * self.product[c] for c in active))
         return gain, np.array([sizes.get(int(c), 0.0) / self.scale[c] for c in columns])
 
+    def solve_all(self, sets: Sequence[Array]) -> list[tuple[float, Array]]:
+        """The same for many sets of columns, those of one number at once."""
+        found: list[tuple[float, Array] | None] = [None] * len(sets)
+        alike: dict[int, list[int]] = {}
+        for k, columns in enumerate(sets):
+            alike.setdefault(len(columns), []).append(k)
+        for which in alike.values():
+            columns = np.stack([sets[k] for k in which])
+            product, scale = self.product[columns], self.scale[columns]
+            x = np.linalg.solve(self._grams(columns), product[..., None])[..., 0]
+            held = ((x < 0.0) & (self.lower[columns] >= 0.0)) | ((x > 0.0) & (self.upper[columns] <= 0.0))
+            gains, sizes = np.sum(x * product, axis=1), x / scale
+            for i in np.flatnonzero(np.all(np.isfinite(scale) & ~held, axis=1)):
+                found[which[i]] = float(gains[i]), sizes[i]
+        return [self.solve(sets[k]) if one is None else one for k, one in enumerate(found)]
+
+    def _grams(self, columns: Array) -> Array:
+        """Gram matrices of sets of columns (…, k), shape (…, k, k)."""
+        return self.gram[columns[..., :, None], columns[..., None, :]] + 1e-9 * np.eye(columns.shape[-1])
+
     def gains_beyond(self, chosen: Sequence[int]) -> Array:
         """Upper bound on the gain of each further atom once `chosen` are in, signs ignored, shape (atoms,)."""
         used = [c for c in self.columns(chosen) if np.isfinite(self.scale[c])]
         gram, product = self.gram, self.product
         if used:
-            factor = np.linalg.solve(gram[np.ix_(used, used)] + 1e-9 * np.eye(len(used)), gram[used])
+            factor = np.linalg.solve(self._grams(np.array(used)), gram[used])
             gram = gram - gram[:, used] @ factor
             product = product - factor.T @ product[used]
         gains = np.zeros(len(self.atoms))
@@ -108,6 +169,16 @@ class Compressed:
         return gains
 
 
+class Block:
+    """The atoms of one form, their signatures side by side and whitened, `matrix` (m, k), and what each has squared."""
+
+    def __init__(self, atoms: Sequence[Atom], noise: Noise) -> None:
+        self.atoms = atoms
+        self.matrix = noise.whiten(np.hstack([a.columns for a in atoms]))
+        parts = self.matrix.reshape(len(self.matrix), len(atoms), -1)
+        self.own = np.einsum("nmi,nmj->mij", parts, parts)
+
+
 def orthonormal(matrix: Array) -> Array:
     """Orthonormal basis of the columns, nearly dependent ones left out, shape (m, rank)."""
     if matrix.shape[1] == 0:
@@ -117,13 +188,16 @@ def orthonormal(matrix: Array) -> Array:
     return u[:, s > FLAT * s[0]]
 
 
-def remainder(matrix: Array, target: Array) -> tuple[Array, int]:
-    """What of a target (m,) no combination of columns (m, k) reaches, and the rank of the columns."""
+def remainder(matrix: Array, target: Array) -> tuple[Array, float]:
+    """What of a target (m,) columns (m, k) leave, and how many degrees of freedom they take (Hastie & Tibshirani 1990).
+
+    A ridge of NEARLY keeps dependent columns solvable, at the price of a Gram matrix.
+    """
     norm = np.linalg.norm(matrix, axis=0)
     matrix = matrix / np.where(norm > 0, norm, 1.0)
-    triangle: Array = np.linalg.qr(np.column_stack([matrix, target]), mode="r")  # pyright: ignore
-    x, _, rank, _ = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=FLAT)
-    return target - matrix @ x, int(rank)
+    gram = matrix.T @ matrix
+    inverse = np.linalg.inv(gram + NEARLY * np.eye(len(gram)))
+    return target - matrix @ (inverse @ (matrix.T @ target)), float(np.sum(inverse * gram))
 
 
 def beam_search(data: Compressed, price: "Price", most: int, width: int = 24) -> list[Choice]:
@@ -132,7 +206,7 @@ def beam_search(data: Compressed, price: "Price", most: int, width: int = 24) ->
     seen: dict[tuple[int, ...], Choice] = {(): front[0]}
     prices = np.array([price.of(atom) for atom in data.atoms])
     for _ in range(most):
-        grown: dict[tuple[int, ...], Choice] = {}
+        wanted: dict[tuple[int, ...], None] = {}
         for choice in front:
             kin = {data.atoms[a].term.effect.kin for a in choice.atoms}
             bound = data.gains_beyond(choice.atoms)
@@ -143,9 +217,8 @@ def beam_search(data: Compressed, price: "Price", most: int, width: int = 24) ->
                 if data.atoms[a].term.effect.kin in kin or taken.get(effect, 0) >= 3 or bound[a] < price.least:
                     continue
                 taken[effect] = taken.get(effect, 0) + 1
-                atoms = tuple(sorted((*choice.atoms, int(a))))
-                if atoms not in seen and atoms not in grown:
-                    grown[atoms] = evaluate(data, price, atoms)
+                wanted.setdefault(tuple(sorted((*choice.atoms, int(a)))))
+        grown = {choice.atoms: choice for choice in evaluate(data, price, [w for w in wanted if w not in seen])}
         if not grown:
             break
         seen |= grown
@@ -153,12 +226,14 @@ def beam_search(data: Compressed, price: "Price", most: int, width: int = 24) ->
     return sorted(seen.values(), key=lambda c: c.cost)
 
 
-def evaluate(data: Compressed, price: "Price", atoms: tuple[int, ...]) -> Choice:
-    """Gain and cost of a set."""
-    gain, sizes = data.solve(data.columns(atoms))
-    parts = np.split(sizes, np.cumsum([len(data.atoms[a].sizes) for a in atoms])[:-1]) if atoms else []
-    cost = -gain + sum(price.of(data.atoms[a]) for a in atoms)
-    return Choice(atoms, gain, cost, tuple(parts))
+def evaluate(data: Compressed, price: "Price", sets: Sequence[tuple[int, ...]]) -> list[Choice]:
+    """Gain and cost of sets of atoms."""
+    found = []
+    for atoms, (gain, sizes) in zip(sets, data.solve_all([data.columns(atoms) for atoms in sets]), strict=True):
+        parts = np.split(sizes, np.cumsum([len(data.atoms[a].sizes) for a in atoms])[:-1])
+        cost = -gain + sum(price.of(data.atoms[a]) for a in atoms)
+        found.append(Choice(atoms, gain, cost, tuple(parts)))
+    return found
 
 
 def _diverse(choices: list[Choice], data: Compressed, width: int) -> list[Choice]:

@@ -4,19 +4,20 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import groupby
 
 import numpy as np
 
 from ..core.progress import steps, tell
-from ..effects import AddsForce, Effect, Form
+from ..effects import Effect, Form
 from ..fitting import Fit
 from ..fitting.descent import GIVEN_UP
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
-from .dictionary import Atom, Slopes, atoms_at, grid, slopes
+from .dictionary import Atom, Slopes, atoms_at, grid, same_around_any, slopes
 from .noise import Noise, estimate_noise
-from .search import Choice, Compressed, Price, remainder
+from .search import Block, Choice, Compressed, Frame, Price, remainder
 
 Array = np.ndarray
 NAME_MARGIN = 12.0
@@ -106,6 +107,7 @@ class Trial:
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
         self.known: dict[tuple[str, ...], Verdict] = {} if before is None else before.known
         self.borrowed: dict[tuple[str, ...], Verdict] = {}
+        self.blocks: dict[str, Block] = {}
         self.refits = 0
 
     def _excess(self) -> float:
@@ -201,7 +203,8 @@ class Trial:
         """Signatures of further effects around a set, free of what the set itself can follow; `record` may stand in."""
         model = self.base.model.adding(*verdict.terms)
         view = self.view(verdict) if record is None else View(record, model, verdict.values)
-        return view.compress([a for e in effects for a in view.atoms(e)], self.noise)
+        atoms = [a for e in effects for a in view.atoms(e)]
+        return view.singly(atoms, self.noise, self.blocks if record is None else {})
 
     @lru_cache(maxsize=4)  # noqa: B019 - a trial lives as long as one diagnosis
     def view(self, verdict: Verdict) -> "View":
@@ -218,9 +221,9 @@ class Trial:
         """Noise is what the law, all suspects together and free curves over contraction still leave."""
         free = [] if self.record.inputs.time is None else [a.columns for a in atoms]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
-        left, rank = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
+        left, taken = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
         slope = view.around.contraction / self.record.specimen.initial_length_mm
-        return estimate_noise(self.record, left, slope, rank)
+        return estimate_noise(self.record, left, slope, taken)
 
     def _drop_unseen(self, data: Compressed) -> None:
         """Note effects that the law absorbs or the record does not excite."""
@@ -261,18 +264,35 @@ class View:
         return [a for form in effect.forms for a in self._atoms_in(effect, form)]
 
     def _atoms_in(self, effect: Effect, form: Form) -> list[Atom]:
-        if not isinstance(form, AddsForce) or form.uses_force:
+        if not same_around_any(form):
             return atoms_at(effect, form, grid(form), self.record.inputs, self.around)
         key = f"{effect.name}:{form.name}"
         if key not in self.kept:
             self.kept[key] = atoms_at(effect, form, grid(form), self.record.inputs, self.around)
         return self.kept[key]
 
+    def frame(self, noise: Noise) -> Frame:
+        """What the model can follow and what it leaves, whitened."""
+        return Frame(noise.whiten(self.law), noise.whiten(self.residual))
+
     def compress(self, atoms: Sequence[Atom], noise: Noise) -> Compressed:
         """Whitened Gram matrix of some atoms, free of what the model itself can follow."""
-        whole = noise.whiten(np.hstack([self.law, self.residual[:, None], *[a.columns for a in atoms]]))
-        k = self.law.shape[1]
-        return Compressed(atoms, whole[:, k + 1 :], whole[:, :k], whole[:, k])
+        matrix = np.hstack([np.empty((len(self.residual), 0)), *[a.columns for a in atoms]])
+        return Compressed.together(atoms, noise.whiten(matrix), self.frame(noise))
+
+    def singly(self, atoms: Sequence[Atom], noise: Noise, kept: dict[str, Block] | None = None) -> Compressed:
+        """The same for atoms, those of a form in a row, that are looked at one by one.
+
+        Blocks that are the same around any model are taken from those `kept`, or added to them.
+        """
+        kept = {} if kept is None else kept
+        blocks = []
+        for label, run in groupby(atoms, key=lambda a: a.term.label):
+            block = kept.get(label) or Block(list(run), noise)
+            if same_around_any(block.atoms[0].term.form):
+                kept[label] = block
+            blocks.append(block)
+        return Compressed.singly(blocks, self.frame(noise))
 
 
 def _free_curves(record: Record) -> Array:

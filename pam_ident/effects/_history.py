@@ -27,10 +27,12 @@ def relax(inputs: Inputs, drive: Array, tau: float | Array) -> Array:
     if inputs.live is not None:
         return _relax_live(inputs.live, inputs, drive, tau + inputs.xp.zeros_like(drive))
     decay = np.diff(inputs.time) / (0.5 * (tau[1:] + tau[:-1]) if isinstance(tau, np.ndarray) else tau)
-    answer = np.where(decay > 1e-9, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
-    answer = np.where(np.diff(inputs.segment) != 0, np.exp(-decay), answer)
-    gain = np.diff(drive) * answer
-    return decaying_sum(np.exp(-decay), gain)
+    lost = -np.expm1(-decay)
+    kept = 1.0 - lost
+    answer = np.divide(lost, decay, out=np.ones(len(decay)), where=decay > 1e-9)
+    jumps = np.flatnonzero(np.diff(inputs.segment))
+    answer[jumps] = kept[jumps]
+    return decaying_sum(kept, np.diff(drive) * answer)
 
 
 def _relax_live(live: Live, inputs: Inputs, drive: Array, tau: Array) -> Array:

@@ -53,7 +53,7 @@ def _spring(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _mooney_rivlin(inputs: Inputs, shape: Shape, force: Array) -> Array:
     _, d1, d2 = invariant_slopes(inputs)
     section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
-    return -section * inputs.xp.column_stack([d1, d2])
+    return -section * inputs.xp.stack([d1, d2]).T
 
 
 def _gent(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -66,7 +66,7 @@ def _yeoh(inputs: Inputs, shape: Shape, force: Array) -> Array:
     xp = inputs.xp
     i1, d1, _ = invariant_slopes(inputs)
     section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
-    return -section * d1[:, None] * xp.column_stack([xp.ones_like(i1), 2.0 * i1, 3.0 * i1**2])
+    return -section * d1[:, None] * xp.stack([xp.ones_like(i1), 2.0 * i1, 3.0 * i1**2]).T
 
 
 EFFECT = Effect(

@@ -23,7 +23,7 @@ def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -inputs.xp.column_stack(slip(inputs))
+    return -inputs.xp.stack(slip(inputs)).T
 
 
 def _stuck(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -37,7 +37,7 @@ def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
     xp = inputs.xp
     moving, held = slip(inputs)
     ramp = xp.tanh(speed(inputs) / shape["v_0"]) if inputs.velocity is not None else 1.0
-    return -xp.column_stack([moving * ramp, held])
+    return -xp.stack([moving * ramp, held]).T
 
 
 def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -46,7 +46,7 @@ def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
         return _held(inputs, shape, force)
     moving, held = slip(inputs)
     fading = inputs.xp.exp(-time_held(inputs, held != 0.0) / shape["tau_h"])
-    return -inputs.xp.column_stack([moving, held * fading])
+    return -inputs.xp.stack([moving, held * fading]).T
 
 
 def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
@@ -56,8 +56,8 @@ def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
     """
     moving, held = slip(inputs)
     if inputs.velocity is None or inputs.stroke_speed is None:
-        return -inputs.xp.column_stack([moving, 0.0 * moving, held, 0.0 * held])
-    return -inputs.xp.column_stack([moving, moving * dip(speed(inputs)), held, held * dip(inputs.stroke_speed)])
+        return -inputs.xp.stack([moving, 0.0 * moving, held, 0.0 * held]).T
+    return -inputs.xp.stack([moving, moving * dip(speed(inputs)), held, held * dip(inputs.stroke_speed)]).T
 
 
 def gaussian_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:

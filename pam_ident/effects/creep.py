@@ -30,7 +30,7 @@ def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _prony(inputs: Inputs, shape: Shape, force: Array) -> Array:
     times = [shape["tau"] * ratio for ratio in (0.1, 1.0, 10.0)]
-    return inputs.xp.column_stack([_drive(inputs, inputs.contraction, tau) for tau in times])
+    return inputs.xp.stack([_drive(inputs, inputs.contraction, tau) for tau in times]).T
 
 
 def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:

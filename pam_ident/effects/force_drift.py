@@ -39,7 +39,7 @@ def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _swinging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     xp = inputs.xp
     angle = elapsed(inputs) * (2.0 * xp.pi / shape["T"])
-    return xp.column_stack([xp.sin(angle), 1.0 - xp.cos(angle)])
+    return xp.stack([xp.sin(angle), 1.0 - xp.cos(angle)]).T
 
 
 EFFECT = Effect(

@@ -8,6 +8,8 @@ from .bladder_elasticity import hoop_force
 EXTRA = Param("s", "1", "extra force in the first cycle, as a share", -1.0, 1.0, scale=0.02)
 S_EXTRA = Param("s_e", "1", "growth of that share with contraction", -20.0, 20.0, scale=0.1)
 S_LATER = Param("s_later", "1", "the same on the isobars after the first", -1.0, 1.0, scale=0.02)
+F_LATER = Param("F_later", "N", "extra force on the isobars after the first", -2000.0, 2000.0, scale=10.0)
+G_LATER = Param("G_later", "N", "the same per contraction", -1e5, 1e5, scale=100.0)
 E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", -200.0, 200.0, scale=1.0)
 F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.0, scale=10.0)
 G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)
@@ -25,7 +27,7 @@ def _fading(inputs: Inputs, shape: Shape) -> Array:
 
 def _straight(inputs: Inputs, fading: Array) -> Array:
     """What fades, (n,), as a force and as a force per contraction, shape (n, 2)."""
-    return inputs.xp.column_stack([fading, -fading * inputs.contraction])
+    return inputs.xp.stack([fading, -fading * inputs.contraction]).T
 
 
 def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -34,14 +36,14 @@ def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _shaped(inputs: Inputs, shape: Shape, force: Array) -> Array:
     fading = _fading(inputs, shape)
-    return inputs.xp.column_stack([fading, fading * inputs.contraction])
+    return inputs.xp.stack([fading, fading * inputs.contraction]).T
 
 
 def _recovering(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Between isobars the rubber rests, and recovers in part."""
     assert inputs.segment is not None
     fading, first = _fading(inputs, shape), inputs.segment == inputs.segment[0]
-    return inputs.xp.column_stack([fading * first, fading * ~first])
+    return inputs.xp.stack([fading * first, fading * ~first]).T
 
 
 def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -55,6 +57,12 @@ def _whole_test(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _straight(inputs, _fading(inputs, shape))
+
+
+def _rested(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.segment is not None
+    fading, first = _fading(inputs, shape), inputs.segment == inputs.segment[0]
+    return inputs.xp.hstack([_straight(inputs, fading * first), _straight(inputs, fading * ~first)])
 
 
 def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -96,6 +104,13 @@ EFFECT = Effect(
         ),
         AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
+        AddsForce(
+            "rested",
+            "the same, with F_later and G_later after the first isobar",
+            (F_EXTRA, G_EXTRA, F_LATER, G_LATER),
+            _rested,
+            (N0,),
+        ),
         AddsForce("power", "+(F_extra − G_extra ε) n^(−q)", (F_EXTRA, G_EXTRA), _power, (EXPONENT,)),
         AddsForce("logarithmic", "−(F_extra − G_extra ε) ln n", (F_EXTRA, G_EXTRA), _logarithmic),
         AddsForce(

@@ -39,7 +39,7 @@ def _dahl(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _three(inputs: Inputs, shape: Shape, force: Array) -> Array:
     widths = [_slipping(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
-    return -inputs.xp.column_stack([stop_operator(inputs, width) for width in widths])
+    return -inputs.xp.stack([stop_operator(inputs, width) for width in widths]).T
 
 
 EFFECT = Effect(

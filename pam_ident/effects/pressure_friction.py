@@ -23,7 +23,7 @@ def _constant(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -inputs.xp.column_stack(slip(inputs)) * inputs.pressure[:, None]
+    return -inputs.xp.stack(slip(inputs)).T * inputs.pressure[:, None]
 
 
 def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -34,7 +34,7 @@ def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
     share = inputs.xp.maximum(inputs.pressure, 1e-6) / 0.3
-    return -inputs.xp.column_stack(slip(inputs)) * (0.3 * share ** shape["n"])[:, None]
+    return -inputs.xp.stack(slip(inputs)).T * (0.3 * share ** shape["n"])[:, None]
 
 
 EFFECT = Effect(

@@ -22,7 +22,7 @@ def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _bending(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Dahl's contact, whose strength falls with speed: LuGre's model while the speed changes slowly."""
     state = dahl_operator(inputs, shape["x_s"])
-    return -inputs.xp.column_stack([state, state * inputs.xp.exp(-((speed(inputs) / shape["v_s"]) ** 2))])
+    return -inputs.xp.stack([state, state * inputs.xp.exp(-((speed(inputs) / shape["v_s"]) ** 2))]).T
 
 
 EFFECT = Effect(

@@ -33,11 +33,11 @@ def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
     loss = -inputs.pressure * warming(inputs)
-    return inputs.xp.column_stack([loss, loss * inputs.contraction])
+    return inputs.xp.stack([loss, loss * inputs.contraction]).T
 
 
 def _quadratic(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -inputs.xp.column_stack([warming(inputs), warming(inputs) ** 2])
+    return -inputs.xp.stack([warming(inputs), warming(inputs) ** 2]).T
 
 
 def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:

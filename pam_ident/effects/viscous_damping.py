@@ -29,7 +29,7 @@ def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _asymmetric(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.velocity is not None
     xp, v = inputs.xp, inputs.velocity * 1e-3
-    return -xp.column_stack([xp.maximum(v, 0.0), xp.minimum(v, 0.0)])
+    return -xp.stack([xp.maximum(v, 0.0), xp.minimum(v, 0.0)]).T
 
 
 def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:

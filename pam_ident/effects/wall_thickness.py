@@ -24,7 +24,7 @@ def _parts(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """The two terms of the textbook's sum by themselves."""
     t = inputs.specimen.wall_thickness_mm or 1.0
     ends = -math.pi * inputs.pressure * t**2
-    return inputs.xp.column_stack([_wall(inputs, t) - ends, ends])
+    return inputs.xp.stack([_wall(inputs, t) - ends, ends]).T
 
 
 def _wall(inputs: Inputs, t: Array | float) -> Array:

@@ -65,7 +65,9 @@ class Problem:
         """The projection at curved parameters (len(curved),); a residual of HUGE where the design is not finite."""
         point = dict(zip([p.name for p in self.curved], map(float, q), strict=True))
         columns, fixed = self.design(point)
-        packed = self.whiten(np.column_stack([columns, self.target - fixed]))
+        packed = np.empty((len(self.target), len(self.linear) + 1), order="F")
+        packed[:, :-1], packed[:, -1] = columns, self.target - fixed
+        packed = self.whiten(packed)
         triangle: Array = np.linalg.qr(packed, mode="r")  # pyright: ignore
         sizes = within_bounds(triangle, *bounds(self.linear)) if np.all(np.abs(triangle) < HUGE) else np.array([np.inf])
         if not np.all(np.isfinite(sizes)):

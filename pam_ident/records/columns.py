@@ -81,7 +81,7 @@ def _column(table: Table, block: Block, source: Source, key: str) -> Array:
     finite = np.isfinite(numbers)
     if not finite.all():
         bad = np.flatnonzero(~finite)
-        cell = cells.iloc[int(bad[0])]
+        cell = np.asarray(cells)[bad[0]]
         what = "is empty or NaN" if cell is None or cell != cell else f"holds {str(cell)[:40]!r}"
         more = f" (and {len(bad) - 1} more rows)" if len(bad) > 1 else ""
         mark = " with a decimal comma, as elsewhere" if table.decimal == "," else ""

@@ -1,6 +1,6 @@
 """A record from a table of pandas."""
 
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from ..core import DataError, Specimen
 from .columns import join_runs, read_columns
@@ -9,8 +9,11 @@ from .quantities import find_sources
 from .record import Record
 from .table import table_in_memory
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-def record_from_frame(frame: pd.DataFrame, specimen: Specimen, name: str = "") -> Record:
+
+def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "") -> Record:
     """A record from a table whose columns are found by name and unit, as those of a file are (`Pressure [bar]`).
 
     Errors count rows from 0, as `frame.iloc` does. Raises DataError for columns that are missing or of unknown unit,

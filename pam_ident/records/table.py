@@ -1,13 +1,16 @@
 """A table as a file holds it, before its columns are known: what every loader hands on."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from ..core import UsageError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -16,7 +19,7 @@ class Block:
     `starts` are the rows (from 0 in this block) at which the file begins anew, with its header repeated.
     """
 
-    cells: dict[int, pd.Series]
+    cells: "Mapping[int, pd.Series | np.ndarray]"
     rows: Sequence[int]
     starts: tuple[int, ...] = ()
 
@@ -41,7 +44,7 @@ class Table:
 
 
 def table_in_memory(
-    place: str, head: str, frame: pd.DataFrame, first_row: int, names: Sequence[str] = (), decimal: str = "."
+    place: str, head: str, frame: "pd.DataFrame", first_row: int, names: Sequence[str] = (), decimal: str = "."
 ) -> Table:
     """A table whose columns are read already; `frame`'s columns are the headers, its first row is `first_row`.
 
@@ -61,9 +64,11 @@ def table_in_memory(
     return Table(place, head, tuple(names) or tuple(map(str, frame.columns)), tuple(headers), read, decimal)
 
 
-def _clock(column: pd.Series) -> pd.Series | None:
+def _clock(column: "pd.Series") -> "pd.Series | None":
     """Seconds since the first of a column of clock times or of time spans; None for any other."""
     if column.dtype == object and hasattr(column.iloc[0], "isoformat"):
+        import pandas as pd
+
         column = pd.to_datetime(column, errors="coerce")
     if column.dtype.kind == "M":
         column = column - column.iloc[0]

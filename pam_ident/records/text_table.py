@@ -7,9 +7,9 @@ import warnings
 import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
-import pandas as pd
+import numpy as np
 
 from ..core import DataError
 from ..core.progress import tell
@@ -17,7 +17,12 @@ from .mapping import Mapping
 from .table import Block, Table
 from .text_layout import HEAD_BYTES, Layout, cells_of, find_layout
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 BLOCK_BYTES = 1 << 24
+SMALL_BYTES = 1 << 20
+"""Text up to which numbers are parsed sooner by NumPy than pandas is imported."""
 
 
 def read_text(path: Path, mapping: Mapping | None = None) -> list[Table]:
@@ -116,10 +121,13 @@ def _plain(text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Bl
     n = len(marks) // len(row)
     if marks != row * n:
         return None
+    rows = range(first, first + n)
+    if len(text) <= SMALL_BYTES and (numbers := _numbers(text, layout, wanted)) is not None and len(numbers) == n:
+        return Block(dict(zip(wanted, numbers.T, strict=True)), rows)
     frame = _frame(text, layout, wanted)
     if len(frame) != n or frame.iloc[:, 0].isna().any():
         return None
-    return Block({k: pd.Series(frame[k]) for k in wanted}, range(first, first + n))
+    return Block(_cells(frame, wanted), rows)
 
 
 def _mended(place: str, text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Block:
@@ -129,15 +137,29 @@ def _mended(place: str, text: bytes, first: int, layout: Layout, wanted: Sequenc
         raise DataError(f"{place}, row {row}: holds a byte that is no text; expected a table. Copy the file again")
     text, rows, starts = _checked(place, text, first, layout)
     if not rows:
-        return Block({k: pd.Series(dtype=float) for k in wanted}, rows, starts)
+        return Block({k: np.empty(0) for k in wanted}, rows, starts)
     frame = _frame(text, layout, wanted)
     if len(frame) != len(rows):
         raise DataError(f"{place}: not a readable CSV file (quotation marks around line ends?); write it without them")
-    return Block({k: pd.Series(frame[k]) for k in wanted}, rows, starts)
+    return Block(_cells(frame, wanted), rows, starts)
 
 
-def _frame(text: bytes, layout: Layout, wanted: Sequence[int]) -> pd.DataFrame:
+def _numbers(text: bytes, layout: Layout, wanted: Sequence[int]) -> np.ndarray | None:
+    """The wanted columns of lines of numbers, shape (n, len(wanted)); None where a cell is none."""
+    if layout.decimal != "." or not wanted:
+        return None
+    try:
+        lines = io.StringIO(text.decode())
+        found = np.loadtxt(lines, delimiter=layout.delimiter, comments=None, usecols=list(wanted), ndmin=2)
+    except ValueError:
+        return None
+    return found if np.isfinite(found).all() else None
+
+
+def _frame(text: bytes, layout: Layout, wanted: Sequence[int]) -> "pd.DataFrame":
     """The wanted columns, by their positions, of lines that have as many cells as the header."""
+    import pandas as pd
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", pd.errors.DtypeWarning)  # of a bad cell, which is named later
         return pd.read_csv(
@@ -151,6 +173,12 @@ def _frame(text: bytes, layout: Layout, wanted: Sequence[int]) -> pd.DataFrame:
             skipinitialspace=b" " in text,
             skip_blank_lines=False,
         )
+
+
+def _cells(frame: "pd.DataFrame", wanted: Sequence[int]) -> "dict[int, pd.Series]":
+    import pandas as pd
+
+    return {k: pd.Series(frame[k]) for k in wanted}
 
 
 def _checked(place: str, text: bytes, first: int, layout: Layout) -> tuple[bytes, list[int], tuple[int, ...]]:
