@@ -1,10 +1,12 @@
 """Air must flow through hose and valve, so that the muscle's pressure lags the sensor's while it moves."""
 
+from dataclasses import replace
+
 from ..core import Inputs, Param
 from ._history import relax
 from .base import Array, Effect, Shape, TransformsPressure, one
 
-ATMOSPHERE_MPA = 0.101325
+ATMOSPHERE_MPA, BARE_MPA = 0.101325, 0.1
 
 LAG = Param(
     "T_p",
@@ -14,9 +16,15 @@ LAG = Param(
     10.0,
     scale=0.01,
 )
-FILLING = Param("T_fill", "s", "the same while the muscle fills", 0.0, 10.0, scale=0.01)
-VENTING = Param("T_vent", "s", "the same while it is vented", 0.0, 10.0, scale=0.01)
+BARE = Param("T_0", "s", "the same per 0.1 MPa that stays without gauge pressure", 0.0, 10.0, scale=0.01)
+PARTS = (replace(LAG, doc="the same per gauge pressure"), BARE)
+FILLING, VENTING = (
+    tuple(replace(part, name=f"{part.name}_{way}", doc=f"{part.doc}, {words}") for part in PARTS)
+    for way, words in (("fill", "while the muscle fills"), ("vent", "while it is vented"))
+)
 KAPPA = Param("kappa", "1", "polytropic index of the gas in the muscle", 0.0, 50.0, scale=0.1)
+KAPPA_P = Param("kappa_p", "1", "the same per gauge pressure", 0.0, 50.0, scale=0.1)
+KAPPA_0 = Param("kappa_0", "1", "the same per 0.1 MPa that stays without gauge pressure", 0.0, 50.0, scale=0.1)
 TAU = Param("tau", "s", "time in which the pressure recovers", 0.002, 30.0, start=0.1, grid=(0.01, 0.04, 0.15, 0.6))
 N = Param("n", "1", "exponent of the flow", 0.4, 2.5, start=1.5, grid=(0.6, 1.5, 2.0))
 
@@ -52,16 +60,30 @@ def _volume_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-_rate(inputs) * _volume(inputs) / (inputs.pressure + ATMOSPHERE_MPA) * 0.3)
 
 
+def _parts(inputs: Inputs, drive: Array) -> Array:
+    """A drive (n,) per gauge pressure and per 0.1 MPa, shape (n, 2): what the gas is reckoned from is left open."""
+    return inputs.xp.stack([inputs.pressure * drive, BARE_MPA * drive]).T
+
+
+def _affine(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -_parts(inputs, _widening(inputs))
+
+
 def _two_ways(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A valve has one conductance from the supply and another to the exhaust."""
-    rate, xp = _rate(inputs), inputs.xp
-    return -xp.stack([xp.maximum(rate, 0.0), xp.minimum(rate, 0.0)]).T
+    rate, xp = _widening(inputs), inputs.xp
+    return -xp.hstack([_parts(inputs, xp.maximum(rate, 0.0)), _parts(inputs, xp.minimum(rate, 0.0))])
 
 
 def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
-    log_volume = inputs.xp.log(_volume(inputs))
-    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, log_volume, shape["tau"]))
+    return -_parts(inputs, relax(inputs, inputs.xp.log(_volume(inputs)), shape["tau"]))
+
+
+def _filling(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """The same by the rate, where it changes smoothly and samples are far between."""
+    rate = _widening(inputs)
+    return -_parts(inputs, rate - relax(inputs, rate, shape["tau"]))
 
 
 def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -78,7 +100,7 @@ def _orifice(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _throttled(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A loss in proportion to the gas's density, and to a power of its speed."""
     rate, xp = _widening(inputs), inputs.xp
-    return one(-xp.sign(rate) * 0.3 * (inputs.pressure + ATMOSPHERE_MPA) * (xp.abs(rate) / 0.3) ** shape["n"])
+    return -_parts(inputs, xp.sign(rate) * 0.3 * (xp.abs(rate) / 0.3) ** shape["n"])
 
 
 EFFECT = Effect(
@@ -89,13 +111,34 @@ EFFECT = Effect(
         TransformsPressure("textbook", "p → p − T_p p_abs V̇/V", (LAG,), _quasi_steady),
         TransformsPressure("mass_flow", "p → p − T_p p_abs V̇/V0", (LAG,), _mass_flow),
         TransformsPressure("volume_flow", "p → p − T_p · 0.3 MPa · V̇/V0", (LAG,), _volume_flow),
+        TransformsPressure("affine", "p → p − (T_p p + T_0 · 0.1 MPa) V̇/V", PARTS, _affine),
         TransformsPressure(
-            "two_ways", "p → p − T p_abs V̇/V, T_fill where V̇ > 0, else T_vent", (FILLING, VENTING), _two_ways
+            "two_ways",
+            "the same, T_p_fill and T_0_fill where V̇ > 0, else …_vent",
+            FILLING + VENTING,
+            _two_ways,
         ),
-        TransformsPressure("lagging", "p → p − κ p_abs q, q̇ = V̇/V − q/τ", (KAPPA,), _lagging, (TAU,), remembers=True),
-        TransformsPressure("conductance", "the same with τ V/V0 for τ", (KAPPA,), _conductance, (TAU,), remembers=True),
+        TransformsPressure(
+            "lagging",
+            "p → p − (κ_p p + κ_0 · 0.1 MPa) q, q̇ = V̇/V − q/τ",
+            (KAPPA_P, KAPPA_0),
+            _lagging,
+            (TAU,),
+            remembers=True,
+        ),
+        TransformsPressure(
+            "filling",
+            "p → p − (T_p p + T_0 · 0.1 MPa) w, ẇ = (V̇/V − w)/τ",
+            PARTS,
+            _filling,
+            (TAU,),
+            remembers=True,
+        ),
+        TransformsPressure(
+            "conductance", "p → p − κ p_abs q, τ V/V0 for τ", (KAPPA,), _conductance, (TAU,), remembers=True
+        ),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
-        TransformsPressure("throttled", "p → p − T_p p_abs |V̇/V|^n sgn(V̇)", (LAG,), _throttled, (N,)),
+        TransformsPressure("throttled", "p → p − (T_p p + T_0 · 0.1 MPa) |V̇/V|^n sgn(V̇)", PARTS, _throttled, (N,)),
     ),
     test="a pressure sensor at the muscle, at several speeds",
     needs=("branch", "motion", "time"),
