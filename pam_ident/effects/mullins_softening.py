@@ -1,5 +1,7 @@
 """The rubber is stiffer in its first cycles."""
 
+from dataclasses import replace
+
 from ..core import Inputs, Param
 from ._history import cycles_of_test, greatest_so_far, way_travelled
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
@@ -8,6 +10,7 @@ from .bladder_elasticity import hoop_force
 EXTRA = Param("s", "1", "extra force in the first cycle, as a share", -1.0, 1.0, scale=0.02)
 S_EXTRA = Param("s_e", "1", "growth of that share with contraction", -20.0, 20.0, scale=0.1)
 S_LATER = Param("s_later", "1", "the same on the isobars after the first", -1.0, 1.0, scale=0.02)
+P_EXTRA = Param("P_extra", "N/MPa", "extra force per pressure in the first cycle", 0.0, 2e4, scale=100.0)
 F_LATER = Param("F_later", "N", "extra force on the isobars after the first", -2000.0, 2000.0, scale=10.0)
 G_LATER = Param("G_later", "N", "the same per contraction", -1e5, 1e5, scale=100.0)
 E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", -200.0, 200.0, scale=1.0)
@@ -59,6 +62,11 @@ def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _straight(inputs, _fading(inputs, shape))
 
 
+def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    fading = _fading(inputs, shape)
+    return inputs.xp.stack([fading, fading * inputs.pressure]).T
+
+
 def _rested(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.segment is not None
     fading, first = _fading(inputs, shape), inputs.segment == inputs.segment[0]
@@ -105,8 +113,11 @@ EFFECT = Effect(
         AddsForce("elastic", "E → E + E_extra exp(−(n−1)/n_0) in the bladder's force", (E_EXTRA,), _elastic, (N0,)),
         AddsForce("linear", "+(F_extra − G_extra ε) exp(−(n−1)/n_0)", (F_EXTRA, G_EXTRA), _linear, (N0,)),
         AddsForce(
+            "pressed", "+(F_extra + P_extra p) exp(−(n−1)/n_0)", (replace(F_EXTRA, lower=0.0), P_EXTRA), _pressed, (N0,)
+        ),
+        AddsForce(
             "rested",
-            "the same, with F_later and G_later after the first isobar",
+            "as linear, with F_later and G_later after the first isobar",
             (F_EXTRA, G_EXTRA, F_LATER, G_LATER),
             _rested,
             (N0,),
@@ -114,7 +125,12 @@ EFFECT = Effect(
         AddsForce("power", "+(F_extra − G_extra ε) n^(−q)", (F_EXTRA, G_EXTRA), _power, (EXPONENT,)),
         AddsForce("logarithmic", "−(F_extra − G_extra ε) ln n", (F_EXTRA, G_EXTRA), _logarithmic),
         AddsForce(
-            "whole_test", "the same over all cycles of the test", (F_EXTRA, G_EXTRA), _whole_test, (N0,), remembers=True
+            "whole_test",
+            "as linear, over all cycles of the test",
+            (F_EXTRA, G_EXTRA),
+            _whole_test,
+            (N0,),
+            remembers=True,
         ),
         AddsForce(
             "travelled",

@@ -26,6 +26,7 @@ KAPPA = Param("kappa", "1", "polytropic index of the gas in the muscle", 0.0, 50
 KAPPA_P = Param("kappa_p", "1", "the same per gauge pressure", 0.0, 50.0, scale=0.1)
 KAPPA_0 = Param("kappa_0", "1", "the same per 0.1 MPa that stays without gauge pressure", 0.0, 50.0, scale=0.1)
 TAU = Param("tau", "s", "time in which the pressure recovers", 0.002, 30.0, start=0.1, grid=(0.01, 0.04, 0.15, 0.6))
+WAYS = Param("venting", "1", "time constant of venting over that of filling", 0.1, 10.0, start=1.5, grid=(0.6, 1.7))
 N = Param("n", "1", "exponent of the flow", 0.4, 2.5, start=1.5, grid=(0.6, 1.5, 2.0))
 
 
@@ -92,6 +93,14 @@ def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), shape["tau"] * volume))
 
 
+def _valve(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """The same with one conductance from the supply and another to the exhaust."""
+    volume = _volume(inputs)
+    ways = inputs.xp.where(inputs.direction > 0.0, 1.0, shape["venting"])
+    tau = shape["tau"] * volume * ways
+    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), tau))
+
+
 def _orifice(inputs: Inputs, shape: Shape, force: Array) -> Array:
     rate, xp = _rate(inputs), inputs.xp
     return one(-xp.sign(rate) * 0.1 * (xp.abs(rate) / 0.1) ** shape["n"])
@@ -136,6 +145,14 @@ EFFECT = Effect(
         ),
         TransformsPressure(
             "conductance", "p → p − κ p_abs q, τ V/V0 for τ", (KAPPA,), _conductance, (TAU,), remembers=True
+        ),
+        TransformsPressure(
+            "valve",
+            "the same, and times `venting` while the muscle is vented",
+            (KAPPA,),
+            _valve,
+            (TAU, WAYS),
+            remembers=True,
         ),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
         TransformsPressure("throttled", "p → p − (T_p p + T_0 · 0.1 MPa) |V̇/V|^n sgn(V̇)", PARTS, _throttled, (N,)),

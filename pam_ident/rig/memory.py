@@ -51,6 +51,24 @@ def lag_first_order(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Set
     return {"polytropic": n}, force
 
 
+def lag_two_ways(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The same with a valve that vents more slowly than it fills."""
+    n, slower = rng.uniform(1.0, KAPPA), rng.uniform(0.4, 0.8)
+    volume = m.specimen.volume(c.eps)
+    opening = (volume[0] / volume).tolist()
+    growth = _growth(c, m)
+    valve = c.pressure.tolist()
+
+    def force(size: float) -> Array:
+        def slope(i: int, p: float) -> tuple[float, float]:
+            way = opening[i] * (1.0 if valve[i] > p else slower) / size
+            return way * (valve[i] - p) - n * (p + AMBIENT_MPA) * growth[i], -way - n * growth[i]
+
+        return _by_gas(c, m, stiff_path(c.time, valve[0], slope))
+
+    return {"polytropic": n, "venting": slower}, force
+
+
 def lag_orifice(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Gas balance (9) with the orifice (10), (11), b' = 0.3..0.5, and a laminar part near equal pressures.
 
@@ -175,6 +193,13 @@ def mullins_force(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Setti
     return {"n0": n0}, scaled(m.force(c.pressure, c.eps) * np.exp(-(c.cycle - 1) / n0))
 
 
+def mullins_rested(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Between isobars the rubber recovers only a share of what the first one took."""
+    n0, share = rng.uniform(0.8, 2.5), rng.uniform(0.3, 0.8)
+    left = np.where(c.isobar == c.isobar[c.rows[0]], 1.0, share)
+    return {"n0": n0, "recovered": share}, scaled(left * np.exp(-(c.cycle - 1) / n0))
+
+
 def _bladder(c: Course, m: Muscle) -> Array:
     """Elastic shape of the bladder (hoop energy), dimensionless."""
     return (1 - c.eps) * (1 - m.specimen.initial_radius_mm / m.specimen.radius(c.eps))
@@ -233,7 +258,12 @@ def thermal_saturating(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[
 
 
 FORMS: dict[str, dict[str, Form]] = {
-    "pressure_lag": {"textbook": lag_quasi_steady, "first_order": lag_first_order, "orifice": lag_orifice},
+    "pressure_lag": {
+        "textbook": lag_quasi_steady,
+        "first_order": lag_first_order,
+        "two_ways": lag_two_ways,
+        "orifice": lag_orifice,
+    },
     "force_drift": {"textbook": drift_linear, "settling": drift_settling, "log": drift_log},
     "creep": {
         "textbook": creep_solid,
@@ -248,6 +278,7 @@ FORMS: dict[str, dict[str, Form]] = {
         "power": mullins_power,
         "force_share": mullins_force,
         "elastic_share": mullins_elastic,
+        "rested": mullins_rested,
         "travel": mullins_travel,
         "whole_test": mullins_whole_test,
     },

@@ -90,6 +90,14 @@ def threshold_soft(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Sett
     return {"width_MPa": w}, lambda size: _at_pressure(c, m, w * np.logaddexp(0.0, (c.pressure - size) / w))
 
 
+def threshold_stretching(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The wider the braid, the more the bladder must be stretched to touch it: p_th grows along the stroke."""
+    growth = rng.uniform(0.2, 0.6) / float(c.eps.max())
+    return {"growth": growth}, lambda size: _at_pressure(
+        c, m, np.maximum(c.pressure - size * (1 + growth * c.eps), 0.0)
+    )
+
+
 def threshold_rational(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> p^2/(p + p_th)."""
     return {}, lambda size: _at_pressure(c, m, c.pressure**2 / (c.pressure + size))
@@ -161,6 +169,7 @@ FORMS: dict[str, dict[str, Form]] = {
         "textbook": threshold_hard,
         "soft": threshold_soft,
         "rational": threshold_rational,
+        "stretching": threshold_stretching,
     },
     "series_compliance": {
         "textbook": compliance_linear,

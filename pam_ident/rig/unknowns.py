@@ -91,6 +91,12 @@ def end_stop(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, 
     return {"from": at}, scaled(-np.maximum(c.eps - at, 0.0) / 0.01)
 
 
+def fold_snaps(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """A fold of the bladder opens at one contraction and closes there again: the force jumps, within a thousandth."""
+    at = rng.uniform(0.3, 0.6) * float(c.eps.max())
+    return {"at": at}, scaled(0.5 * (1 + np.tanh((c.eps - at) / 1e-3)))
+
+
 def leaned_on(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Somebody leans on the bench for a while: one place in time."""
     when, long = _moment(c, rng), rng.uniform(0.01, 0.03) * float(c.time[-1])
@@ -122,6 +128,12 @@ def gauge_jump(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings
     return {"time_s": when}, scaled((c.time >= when) * _pull_of_pressure(c, m))
 
 
+def cell_jump(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The load cell's sensitivity jumps; size its relative change."""
+    when = _moment(c, rng)
+    return {"time_s": when}, scaled((c.time >= when) * float(rng.choice([-1.0, 1.0])) * m.force(c.pressure, c.eps))
+
+
 def _pull_of_pressure(c: Course, m: Muscle) -> Array:
     slope = m.pressure_slope(c.pressure, c.eps)
     return slope / float(np.max(np.abs(slope)))
@@ -149,6 +161,16 @@ def wandering_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Se
     return {}, lambda size: m.force(c.pressure, c.eps - size * away) - m.force(c.pressure, c.eps)
 
 
+def wandering_cell(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """The load cell's sensitivity wanders; size its relative change by the end."""
+    return {}, scaled(_wandering(c, rng) * m.force(c.pressure, c.eps))
+
+
+def tiring(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Something beside the muscle softens all the while: a stiffness that grows or falls with time."""
+    return {}, scaled(_wandering(c, rng) * c.eps / float(c.eps.max()))
+
+
 def slip_and_back(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The zero jumps and jumps back after a tenth to a quarter of the record."""
     when = _moment(c, rng)
@@ -174,8 +196,21 @@ FORMS: dict[str, dict[str, Form]] = {
         "cosine_odd": _rub("cosine", True),
         "two_places": two_rubs,
         "end_stop": end_stop,
+        "fold": fold_snaps,
         "leaned_on": leaned_on,
     },
-    "mount_slip": {"textbook": slip_length, "load": slip_load, "and_back": slip_and_back, "gauge": gauge_jump},
-    "wandering_sensor": {"textbook": wandering_zero, "gain": wandering_gain, "length": wandering_length},
+    "mount_slip": {
+        "textbook": slip_length,
+        "load": slip_load,
+        "and_back": slip_and_back,
+        "gauge": gauge_jump,
+        "cell": cell_jump,
+    },
+    "wandering_sensor": {
+        "textbook": wandering_zero,
+        "gain": wandering_gain,
+        "length": wandering_length,
+        "cell": wandering_cell,
+        "tiring": tiring,
+    },
 }
