@@ -17,6 +17,8 @@ from .trial import Trial, Verdict, labels
 
 LIGHT, LIGHT_PATTERN = 0.04, 0.1
 """Share of the noise's variance that an effect, or a pattern, must explain: for less a wrong name is worse."""
+LIGHT_COLOURED = 0.1
+"""What is added to it where all noise is coloured: no noise has the colour it is given exactly."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 NEAR = 30.0
@@ -70,8 +72,9 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
 
 def _weighed(trial: Trial, verdict: Verdict) -> Verdict:
     """Take out, lightest first, what is significant but does not matter: less than LIGHT of the noise's variance."""
+    name, pattern = (light + LIGHT_COLOURED * trial.noise.share for light in (LIGHT, LIGHT_PATTERN))
     while verdict.terms:
-        least = [LIGHT if term.effect.candidate else LIGHT_PATTERN for term in verdict.terms]
+        least = [name if term.effect.candidate else pattern for term in verdict.terms]
         weights = [trial.weight(verdict, term) / limit for term, limit in zip(verdict.terms, least, strict=True)]
         lightest = int(np.argmin(weights))
         if weights[lightest] >= 1.0:

@@ -7,6 +7,7 @@ of k sizes, all of the first size first; where the contraction is given in singl
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,9 +19,12 @@ SOURCE = "a description, not a physical effect"
 LENGTHS = 30
 FAR = 8.0
 """Standard deviations at which a bell's tail stays what it is, 1e-14."""
+PLACES = 16
+"""Places from which each of two is sought."""
 OVER_PRESSURE, PRESSURE_KNOTS = "over_pressure", 5
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
 AGAINST = Param("against", "N", "amplitude against motion", scale=10.0)
+AGAIN = Param("again", "N", "amplitude in the other place", scale=10.0)
 COS = Param("cosine", "N", "cosine part", scale=10.0)
 SIN = Param("sine", "N", "sine part", scale=10.0)
 WAVE = (COS, SIN)
@@ -113,6 +117,11 @@ def _pressed_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _pressed_odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -_pressed_bump(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _two_bumps(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    other = {**shape, "place": shape["second"]}
+    return np.hstack([_even_bump(inputs, shape, force), _even_bump(inputs, other, force)])
 
 
 def _box(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -231,6 +240,9 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
         start=stroke * 0.05,
         grid=tuple(stroke * w for w in (0.015, 0.035, 0.08)),
     )
+    first = replace(place, grid=_steps(low, stroke, PLACES))
+    second = replace(first, name="second", doc="where else")
+    wide = replace(width, grid=tuple(stroke * w for w in (0.05, 0.1)))
     over_pressure = AddsForce(OVER_PRESSURE, "free curve over pressure", _sizes(PRESSURE_KNOTS - 1), _over_pressure)
     found = [
         _pattern(
@@ -249,6 +261,7 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
                     _pressed_odd_bump,
                     (place, width),
                 ),
+                AddsForce("two_places", "bumps in two places", (SIZE, AGAIN), _two_bumps, (first, second, wide)),
                 AddsForce("box", "step up and down", (SIZE,), _box, (place, width)),
                 AddsForce("odd_box", "step up and down against motion", (SIZE,), _odd_box, (place, width)),
                 AddsForce("stop", "force that grows beyond a place", (SIZE,), _stop, (place,)),
