@@ -131,8 +131,9 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
     coordinate = "time" if name in ("step", "burst", "beat", "trend") else "displacement" if shape else "contraction"
     coordinate = "pressure" if term.form.name == OVER_PRESSURE else coordinate
     places = [f"{shape[key][0]:.3g}" for key in ("place", "second") if key in shape]
+    where = f"{'two places' if places[1:] else 'one place'}, around {' and '.join(places)} mm of contraction"
     words = {
-        "local": f"a force in {'two places' if places[1:] else 'one place'}, around {' and '.join(places)} mm of contraction",
+        "local": f"a force in {where}",
         "periodic": f"a ripple with a period of {value or 0:.3g} mm",
         "beat": f"a beat with a period of {value or 0:.3g} s",
         "step": f"a step at {value or 0:.4g} s",
