@@ -4,7 +4,10 @@ from ..core import Inputs, Param
 from .base import Array, Effect, Shape, TransformsPressure, one
 
 P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01)
-P_EPS = Param("p_e", "MPa", "growth of the threshold with contraction", -3.0, 3.0, scale=0.1)
+GROWTH = Param(
+    "g", "1", "growth of the threshold with contraction, per contraction", 0.0, 5.0, start=2.0, grid=(1.0, 3.0)
+)
+"""What were nothing without contraction, and then grew, is the bladder's own force."""
 WIDTH = Param("w", "MPa", "pressure over which the threshold is reached", 0.005, 0.15, start=0.08, grid=(0.03, 0.08))
 
 
@@ -18,7 +21,7 @@ def _soft(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _stretching(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """The wider the braid, the more the bladder must be stretched to touch it."""
-    return -inputs.xp.stack([inputs.xp.ones(len(inputs)), inputs.contraction]).T
+    return one(-(1.0 + shape["g"] * inputs.contraction))
 
 
 EFFECT = Effect(
@@ -27,7 +30,7 @@ EFFECT = Effect(
     source="Chou & Hannaford 1996, IEEE Trans. Robotics and Automation 12(1), 90–102",
     forms=(
         TransformsPressure("textbook", "p → max(p − p_th, 0)", (P_TH,), _hard),
-        TransformsPressure("stretching", "p → max(p − p_th − p_e ε, 0)", (P_TH, P_EPS), _stretching),
+        TransformsPressure("stretching", "p → max(p − p_th (1 + g ε), 0)", (P_TH,), _stretching, (GROWTH,)),
         TransformsPressure("soft", "p → p − p_th (1 − exp(−p/w))", (P_TH,), _soft, (WIDTH,)),
     ),
     test="low pressures in small steps, and the pressure gauge against a second one",

@@ -33,9 +33,8 @@ def lag_quasi_steady(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Se
     return {}, lambda size: _by_gas(c, m, c.pressure - size * fall)
 
 
-def lag_first_order(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """Gas balance (9) with a linear valve: p' = (V0/V)(p_v - p)/T - n p_abs V'/V; size T in s, n 1..1.4."""
-    n = rng.uniform(1.0, KAPPA)
+def _through_valve(c: Course, m: Muscle, n: float, venting: float = 1.0) -> Force:
+    """Gas balance (9) with a linear valve: p' = (V0/V)(p_v - p)/T - n p_abs V'/V, times `venting` where p > p_v."""
     volume = m.specimen.volume(c.eps)
     opening = (volume[0] / volume).tolist()
     growth = _growth(c, m)
@@ -43,30 +42,24 @@ def lag_first_order(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Set
 
     def force(size: float) -> Array:
         def slope(i: int, p: float) -> tuple[float, float]:
-            rate = opening[i] * (valve[i] - p) / size - n * (p + AMBIENT_MPA) * growth[i]
-            return rate, -opening[i] / size - n * growth[i]
-
-        return _by_gas(c, m, stiff_path(c.time, valve[0], slope))
-
-    return {"polytropic": n}, force
-
-
-def lag_two_ways(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """The same with a valve that vents more slowly than it fills."""
-    n, slower = rng.uniform(1.0, KAPPA), rng.uniform(0.4, 0.8)
-    volume = m.specimen.volume(c.eps)
-    opening = (volume[0] / volume).tolist()
-    growth = _growth(c, m)
-    valve = c.pressure.tolist()
-
-    def force(size: float) -> Array:
-        def slope(i: int, p: float) -> tuple[float, float]:
-            way = opening[i] * (1.0 if valve[i] > p else slower) / size
+            way = opening[i] * (1.0 if valve[i] > p else venting) / size
             return way * (valve[i] - p) - n * (p + AMBIENT_MPA) * growth[i], -way - n * growth[i]
 
         return _by_gas(c, m, stiff_path(c.time, valve[0], slope))
 
-    return {"polytropic": n, "venting": slower}, force
+    return force
+
+
+def lag_first_order(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """A linear valve; size T in s, n 1..1.4."""
+    n = rng.uniform(1.0, KAPPA)
+    return {"polytropic": n}, _through_valve(c, m, n)
+
+
+def lag_two_ways(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """A valve that vents more slowly than it fills."""
+    n, slower = rng.uniform(1.0, KAPPA), rng.uniform(0.4, 0.8)
+    return {"polytropic": n, "venting": slower}, _through_valve(c, m, n, slower)
 
 
 def lag_orifice(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:

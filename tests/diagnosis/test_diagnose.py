@@ -61,6 +61,16 @@ def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise, seed):
     assert answer.verdict == "adequate" and answer.selected == () and answer.pattern is None
 
 
+@pytest.mark.parametrize(("noise", "named"), [("white", True), ("ar1", False)])
+def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, named):
+    """A tenth of the noise's variance: significant in both, but no noise has the colour that it is given exactly."""
+    secret = Secret("coulomb_friction", "textbook", 0.3)
+    record = rig_record(tmp_path, seed=43, law=EXPONENTIAL, noise=noise, secrets=(secret,))
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert ("coulomb_friction" in answer.selected) == named
+    assert answer.verdict == ("missing_effect" if named else "adequate")
+
+
 @pytest.mark.parametrize(
     ("unknown", "form", "kind"),
     [
@@ -69,6 +79,7 @@ def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise, seed):
         ("rub", "textbook", "local"),
         ("rub", "leaned_on", "local"),
         ("rub", "fold", "local"),
+        ("rub", "two_places", "local"),
         ("mount_slip", "textbook", "step"),
         ("mount_slip", "gauge", "step"),
         ("wandering_sensor", "textbook", "trend"),
