@@ -18,7 +18,7 @@ LAG = Param(
 )
 BARE = Param("T_0", "s", "the same per 0.1 MPa that stays without gauge pressure", 0.0, 10.0, scale=0.01)
 PARTS = (replace(LAG, doc="the same per gauge pressure"), BARE)
-FILLING, VENTING = (
+FILLS, VENTS = (
     tuple(replace(part, name=f"{part.name}_{way}", doc=f"{part.doc}, {words}") for part in PARTS)
     for way, words in (("fill", "while the muscle fills"), ("vent", "while it is vented"))
 )
@@ -26,7 +26,7 @@ KAPPA = Param("kappa", "1", "polytropic index of the gas in the muscle", 0.0, 50
 KAPPA_P = Param("kappa_p", "1", "the same per gauge pressure", 0.0, 50.0, scale=0.1)
 KAPPA_0 = Param("kappa_0", "1", "the same per 0.1 MPa that stays without gauge pressure", 0.0, 50.0, scale=0.1)
 TAU = Param("tau", "s", "time in which the pressure recovers", 0.002, 30.0, start=0.1, grid=(0.01, 0.04, 0.15, 0.6))
-WAYS = Param("venting", "1", "time constant of venting over that of filling", 0.1, 10.0, start=1.5, grid=(0.6, 1.7))
+VENTING = Param("w", "1", "time constant of venting over that of filling", 0.1, 10.0, start=1.5, grid=(0.6, 1.7))
 N = Param("n", "1", "exponent of the flow", 0.4, 2.5, start=1.5, grid=(0.6, 1.5, 2.0))
 
 
@@ -96,7 +96,7 @@ def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _valve(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """The same with one conductance from the supply and another to the exhaust."""
     volume = _volume(inputs)
-    ways = inputs.xp.where(inputs.direction > 0.0, 1.0, shape["venting"])
+    ways = inputs.xp.where(inputs.direction > 0.0, 1.0, shape["w"])
     tau = shape["tau"] * volume * ways
     return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), tau))
 
@@ -124,7 +124,7 @@ EFFECT = Effect(
         TransformsPressure(
             "two_ways",
             "the same, T_p_fill and T_0_fill where V̇ > 0, else …_vent",
-            FILLING + VENTING,
+            FILLS + VENTS,
             _two_ways,
         ),
         TransformsPressure(
@@ -148,10 +148,10 @@ EFFECT = Effect(
         ),
         TransformsPressure(
             "valve",
-            "the same, and times `venting` while the muscle is vented",
+            "p → p − κ p_abs q, τ V/V0 for τ, w τ V/V0 where V̇ < 0",
             (KAPPA,),
             _valve,
-            (TAU, WAYS),
+            (TAU, VENTING),
             remembers=True,
         ),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),

@@ -1,6 +1,7 @@
 """Memory operators against loops that take one small step after the other."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -84,8 +85,34 @@ def test_a_lagging_pressure_is_the_relaxation_of_the_volume():
     ratio = np.array([(MUSCLE.radius_ratio(np.array(e))) for e in inputs.contraction])
     volume = np.log(ratio**2 * (1.0 - inputs.contraction))
     _, form = get_effect("pressure_lag:lagging")
-    got = form.columns(inputs, {"tau": 0.4}, np.zeros(len(inputs)))[:, 0]
+    got = form.columns(inputs, {"tau": 0.4}, np.zeros(len(inputs))) @ [1.0, 1.01325]
     np.testing.assert_allclose(got, -(0.3 + 0.101325) * relax_by_steps(inputs, volume, 0.4), atol=1e-9)
+
+
+def test_a_filling_follows_the_rate_as_a_first_order_lag():
+    """ẇ = (V̇/V − w)/τ in small steps; where τ is short it is the rate itself."""
+    inputs = path()
+    speed = np.random.default_rng(3).uniform(-40.0, 40.0, len(inputs))
+    inputs = replace(inputs, velocity=speed)
+    _, form = get_effect("pressure_lag:filling")
+    _, steady = get_effect("pressure_lag:affine")
+    got = form.columns(inputs, {"tau": 0.4}, np.zeros(len(inputs)))[:, 1]
+    rate = steady.columns(inputs, {}, np.zeros(len(inputs)))[:, 1]
+    np.testing.assert_allclose(got, rate - relax_by_steps(inputs, rate, 0.4), atol=1e-9)
+    at_once = form.columns(inputs, {"tau": 1e-4}, np.zeros(len(inputs)))[:, 1]
+    np.testing.assert_allclose(at_once, rate, atol=0.02 * np.max(np.abs(rate)))
+
+
+def test_a_valve_of_two_conductances_is_one_where_they_are_alike_and_slower_where_it_vents():
+    inputs = path()
+    _, valve = get_effect("pressure_lag:valve")
+    _, plain = get_effect("pressure_lag:conductance")
+    force = np.zeros(len(inputs))
+    alike = valve.columns(inputs, {"tau": 0.2, "w": 1.0}, force)
+    np.testing.assert_allclose(alike, plain.columns(inputs, {"tau": 0.2}, force), atol=1e-12)
+    venting = inputs.direction < 0.0
+    slower = valve.columns(inputs, {"tau": 0.2, "w": 3.0}, force)
+    assert np.abs(slower[venting]).mean() > 1.5 * np.abs(alike[venting]).mean()
 
 
 @pytest.mark.parametrize("shape", [(50,), (50, 3)])

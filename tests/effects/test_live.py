@@ -21,8 +21,7 @@ REMEMBER = {
     *(f"thermal_softening:{form}" for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear")),
     "coulomb_friction:stuck",
     "stribeck_friction:bending",
-    "pressure_lag:lagging",
-    "pressure_lag:conductance",
+    *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve")),
     "mullins_softening:pseudo_elastic",
     "mullins_softening:travelled",
 }
