@@ -18,7 +18,10 @@ from stream import PEAK, ROOT
 
 LAW = "exponential_law"
 HEAD = "[protocol]\npressures_MPa = [0.1, 0.2, 0.3, 0.4, 0.5]\nspeeds_mm_s = [2, 10, 40]\ncycles_per_speed = 3\n"
-RUNS = {5_000: "hold_s = 4.0\nmove_rows = 40\nhold_rows = 12\n", 50_000: "hold_s = 4.0\nmove_rows = 400\nhold_rows = 120\n"}
+RUNS = {
+    5_000: "hold_s = 4.0\nmove_rows = 40\nhold_rows = 12\n",
+    50_000: "hold_s = 4.0\nmove_rows = 400\nhold_rows = 120\n",
+}
 ROWS_OF_RUN = {5_000: 4_680, 50_000: 46_800}
 
 

@@ -16,6 +16,8 @@ from .repeats import without_repeats
 
 Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
+PINK_SHARES, PINK_POWERS = (0.03, 0.1, 0.2, 0.4, 0.7, 1.0), (0.6, 0.8, 1.0, 1.2)
+"""Of noise whose spectrum rises to slow changes as a power, 1/f and its like: shares, and powers."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour lead to the same answer."""
 BLOCK = 16
@@ -31,7 +33,7 @@ class Noise:
     time, in samples or in seconds as `clock` says; `gain` and `spread` are the Kalman gains and innovation deviations
     of a first-order process plus white noise, `decay` its memory from the sample before. `outlier` marks isolated
     samples that no smooth model reaches, and turning points. `deviance` is minus twice the log likelihood of the
-    residual it was estimated from, up to a constant.
+    residual it was estimated from, up to a constant: of this process, or of 1/f noise where that is likelier.
     """
 
     sigma: float
@@ -197,6 +199,8 @@ def estimate_noise(
     if own is not residual:
         whole = innovations(np.where(outlier, 0.0, residual / middle)[:, None], decay, gain)[:, 0] / spread
         deviance += float(whole @ whole - left @ left) * (middle / sigma) ** 2
+    if share > 0.0:
+        deviance -= _likelier_pink(z / np.sqrt(1.0 + extra), share, float(np.median(decay[1:])))
     whole = sigma * math.sqrt(1.0 + float(np.mean(extra[~outlier]))) if not outlier.all() else sigma
     return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance)
 
@@ -238,6 +242,23 @@ def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, 
             decay[0] = 0.0
             best, least = (float(SHARES[j]), float(MEMORY_SAMPLES[k]) * seconds, clock, decay), cost
     return best
+
+
+def _likelier_pink(z: Array, share: float, decay: float) -> float:
+    """By how much the deviance of z (n,) falls if it is 1/f noise and not a first-order process, at least 0.
+
+    Both by Whittle's likelihood over the frequencies: Whittle 1953, Arkiv för Matematik 2, 423–434.
+    """
+    power = np.abs(np.fft.rfft(z)[1:]) ** 2
+    half = np.pi * np.arange(1, len(power) + 1) / len(z)
+    first = share * (1.0 - decay**2) / (1.0 + decay**2 - 2.0 * decay * np.cos(2.0 * half)) + 1.0 - share
+
+    def deviance(spectrum: Array) -> float:
+        return 2.0 * len(power) * float(np.log(np.mean(power / spectrum))) + 2.0 * float(np.sum(np.log(spectrum)))
+
+    slow = [(2.0 * np.sin(half)) ** -exponent for exponent in PINK_POWERS]
+    pink = [deviance(w * rise / np.mean(rise) + 1.0 - w) for rise in slow for w in PINK_SHARES]
+    return max(deviance(first) - min(pink), 0.0)
 
 
 def _most_likely(advance: Array, z: Array, extra: Array) -> tuple[tuple[int, int], float]:

@@ -61,6 +61,18 @@ def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise, seed):
     assert answer.verdict == "adequate" and answer.selected == () and answer.pattern is None
 
 
+@pytest.mark.parametrize("seed", [2, 6])
+def test_the_slow_end_of_1_over_f_noise_is_no_drift(tmp_path, seed):
+    secret = Secret("pressure_friction", "textbook", 4.0)
+    record = rig_record(tmp_path, seed=43, law=EXPONENTIAL, secrets=(secret,))
+    frequency = np.fft.rfftfreq(len(record))
+    white = np.fft.rfft(np.random.default_rng(seed).standard_normal(len(record)))
+    pink = np.fft.irfft(np.r_[0.0, white[1:] / np.sqrt(frequency[1:])], len(record))
+    noisy = replace(record, force=record.force + 6.0 * pink / np.std(pink))
+    answer = diagnose(Model.build(EXPONENTIAL), noisy)
+    assert answer.selected == ("pressure_friction",)
+
+
 @pytest.mark.parametrize(("noise", "named"), [("white", True), ("ar1", False)])
 def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, named):
     """A tenth of the noise's variance: significant in both, but no noise has the colour that it is given exactly."""
