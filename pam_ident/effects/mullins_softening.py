@@ -12,7 +12,7 @@ S_EXTRA = Param("s_e", "1", "growth of that share with contraction", -20.0, 20.0
 S_LATER = Param("s_later", "1", "the same on the isobars after the first", -1.0, 1.0, scale=0.02)
 P_EXTRA = Param("P_extra", "N/MPa", "extra force per pressure in the first cycle", 0.0, 2e4, scale=100.0)
 F_LATER = Param("F_later", "N", "extra force on the isobars after the first", -2000.0, 2000.0, scale=10.0)
-G_LATER = Param("G_later", "N", "the same per contraction", -1e5, 1e5, scale=100.0)
+G_LATER = Param("G_later", "N", "extra force per contraction on the isobars after the first", -1e5, 1e5, scale=100.0)
 E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", -200.0, 200.0, scale=1.0)
 F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.0, scale=10.0)
 G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)

@@ -16,15 +16,15 @@ LAG = Param(
     10.0,
     scale=0.01,
 )
-BARE = Param("T_0", "s", "the same per 0.1 MPa that stays without gauge pressure", 0.0, 10.0, scale=0.01)
-PARTS = (replace(LAG, doc="the same per gauge pressure"), BARE)
+BARE = Param("T_0", "s", "droop per relative rate of volume and 0.1 MPa, at any pressure", 0.0, 10.0, scale=0.01)
+PARTS = (replace(LAG, doc="droop per relative rate of volume and gauge pressure"), BARE)
 FILLS, VENTS = (
     tuple(replace(part, name=f"{part.name}_{way}", doc=f"{part.doc}, {words}") for part in PARTS)
     for way, words in (("fill", "while the muscle fills"), ("vent", "while it is vented"))
 )
 KAPPA = Param("kappa", "1", "polytropic index of the gas in the muscle", 0.0, 50.0, scale=0.1)
-KAPPA_P = Param("kappa_p", "1", "the same per gauge pressure", 0.0, 50.0, scale=0.1)
-KAPPA_0 = Param("kappa_0", "1", "the same per 0.1 MPa that stays without gauge pressure", 0.0, 50.0, scale=0.1)
+KAPPA_P = Param("kappa_p", "1", "polytropic index, per gauge pressure", 0.0, 50.0, scale=0.1)
+KAPPA_0 = Param("kappa_0", "1", "polytropic index, per 0.1 MPa at any pressure", 0.0, 50.0, scale=0.1)
 TAU = Param("tau", "s", "time in which the pressure recovers", 0.002, 30.0, start=0.1, grid=(0.01, 0.04, 0.15, 0.6))
 VENTING = Param("w", "1", "time constant of venting over that of filling", 0.1, 10.0, start=1.5, grid=(0.6, 1.7))
 N = Param("n", "1", "exponent of the flow", 0.4, 2.5, start=1.5, grid=(0.6, 1.5, 2.0))
