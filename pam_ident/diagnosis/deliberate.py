@@ -19,6 +19,8 @@ LIGHT, LIGHT_PATTERN = 0.04, 0.1
 """Share of the noise's variance that an effect, or a pattern, must explain: for less a wrong name is worse."""
 LIGHT_COLOURED = 0.1
 """What is added to it where all noise is coloured: no noise has the colour it is given exactly."""
+FAINT = 1.2
+"""Squares that the law alone may leave, over those that an answer leaves, for it to be slow noise after all."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 NEAR = 30.0
@@ -33,13 +35,15 @@ where it takes the place of two names and has no more parameters than they."""
 def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[Trial, Verdict]:
     """The answer to a record, with the noise and the effects made to agree.
 
-    Slow noise and an effect can each pass for the other. So where noise is coloured the record is judged again
-    against the noise that the law alone would imply, and against that which a new answer leaves; the answers and all
-    their parts are then compared by their full likelihood, each with its own noise.
+    Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
+    colour is, the record is judged again against the noise that the law alone would imply, and against that which a
+    new answer leaves; the answers and all their parts are then compared by their full likelihood, each with its own
+    noise.
     """
     trial = Trial(base, suspects)
     verdict = _answer(trial, most)
-    if not (trial.noise.coloured or trial.noise_left_by(verdict).coloured):
+    faint = trial.empty.squares < FAINT * verdict.squares and trial.noise_left_by(trial.empty).coloured
+    if not (trial.noise.coloured or trial.noise_left_by(verdict).coloured or faint):
         return trial, _weighed(trial, verdict)
     trials = [(trial, verdict)]
 
