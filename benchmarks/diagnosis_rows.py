@@ -8,13 +8,11 @@ largest record as in the largest but one, or where creep is not what is named.
 """
 
 import json
-import os
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from stream import PEAK, ROOT
+from stream import timed
 
 LAW = "exponential_law"
 HEAD = "[protocol]\npressures_MPa = [0.1, 0.2, 0.3, 0.4, 0.5]\nspeeds_mm_s = [2, 10, 40]\ncycles_per_speed = 3\n"
@@ -23,16 +21,6 @@ RUNS = {
     50_000: "hold_s = 4.0\nmove_rows = 400\nhold_rows = 120\n",
 }
 ROWS_OF_RUN = {5_000: 4_680, 50_000: 46_800}
-
-
-def cost(*words: object) -> tuple[float, float]:
-    """Seconds of the processor and peak memory in GiB of `pam-ident` with some words."""
-    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    command = [sys.executable, "-c", PEAK, sys.executable, str(ROOT / "cli.py"), *map(str, words)]
-    environment = {**os.environ, **one_thread, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
-    seconds, peak = map(float, done.stdout.split())
-    return seconds, peak
 
 
 def main(sizes: list[int]) -> int:
@@ -44,10 +32,10 @@ def main(sizes: list[int]) -> int:
             folder = Path(name)
             (folder / "run.toml").write_text(HEAD + RUNS[run])
             words = ("--law", LAW, "--effect", "creep", "--repeat", max(1, round(size / ROWS_OF_RUN[run])))
-            cost("rig", folder / "set", "--protocol", folder / "run.toml", *words)
+            timed(folder, "rig", folder / "set", "--protocol", folder / "run.toml", *words)
             path, target = folder / "set" / "record.csv", folder / "answer.json"
-            alone, _ = cost("fit", path, "--law", LAW)
-            seconds, peak = cost("diagnose", path, "--law", LAW, "--json", target)
+            _, alone, _ = timed(folder, "fit", path, "--law", LAW)
+            _, seconds, peak = timed(folder, "diagnose", path, "--law", LAW, "--json", target)
             answer = json.loads(target.read_text())
         a_row.append(seconds / answer["n"])
         names.append(answer["selected"])

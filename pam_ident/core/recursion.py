@@ -34,7 +34,7 @@ def decaying_sum(decay: Array, gain: Array) -> Array:
 
     out = np.zeros((len(gain) + 1, *gain.shape[1:]))
     if gain.size:
-        band = np.zeros((2, len(gain)), order="F")
+        band = np.zeros((2, len(gain)), order="F")  # the diagonal, of ones, is not read
         band[1, :-1] = -decay[1:]
         rows, _ = dtbtrs(band, gain.reshape(len(gain), -1), uplo="L", diag="U")
         out[1:] = rows.reshape(gain.shape)

@@ -102,8 +102,7 @@ def _same_at_one_speed(trial: Trial, rest: Verdict, effect: Effect) -> list[str]
 def _best_costs(trial: Trial, data: Compressed, priced: bool = True) -> dict[str, tuple[float, int]]:
     """Cheapest atom of each effect: its cost (or minus its gain) and its number."""
     best: dict[str, tuple[float, int]] = {}
-    for k, atom in enumerate(data.atoms):
-        gain, _ = data.solve(data.columns([k]))
+    for k, (atom, (gain, _)) in enumerate(zip(data.atoms, data.singles(), strict=True)):
         cost = (trial.price.of(atom) if priced else 0.0) - gain
         if cost < best.get(atom.effect, (np.inf, 0))[0]:
             best[atom.effect] = (cost, k)

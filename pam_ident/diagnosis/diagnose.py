@@ -189,8 +189,7 @@ def _ranking(
     Long records are judged linearised around the base model, short ones (up to EXACT rows) by refits.
     """
     best: dict[str, tuple[float, int]] = {}
-    for k, atom in enumerate(trial.data.atoms):
-        gain, _ = trial.data.solve(trial.data.columns([k]))
+    for k, (atom, (gain, _)) in enumerate(zip(trial.data.atoms, trial.data.singles(), strict=True)):
         if gain > best.get(atom.effect, (-1.0, 0))[0]:
             best[atom.effect] = (gain, k)
     alone = _alone_exactly if len(trial.record) <= EXACT else _alone_linearised

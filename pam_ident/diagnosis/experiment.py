@@ -101,8 +101,7 @@ def _left(view: View, noise: Noise, atoms: Sequence[Atom]) -> tuple[float, dict[
     """Whitened squares of a residual that the law leaves, and that each effect's best atom leaves, with that atom."""
     data = view.singly(atoms, noise)
     left: dict[str, tuple[float, Atom]] = {}
-    for k, atom in enumerate(data.atoms):
-        gain, _ = data.solve(data.columns([k]))
+    for atom, (gain, _) in zip(data.atoms, data.singles(), strict=True):
         if atom.effect not in left or data.total - gain < left[atom.effect][0]:
             left[atom.effect] = (max(data.total - gain, 0.0), atom)
     return data.total, left

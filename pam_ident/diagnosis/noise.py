@@ -256,8 +256,8 @@ def _likelier_pink(z: Array, share: float, decay: float) -> float:
     def deviance(spectrum: Array) -> float:
         return 2.0 * len(power) * float(np.log(np.mean(power / spectrum))) + 2.0 * float(np.sum(np.log(spectrum)))
 
-    slow = [(2.0 * np.sin(half)) ** -exponent for exponent in PINK_POWERS]
-    pink = [deviance(w * rise / np.mean(rise) + 1.0 - w) for rise in slow for w in PINK_SHARES]
+    slow = [rise / np.mean(rise) for rise in (np.sin(half) ** -exponent for exponent in PINK_POWERS)]
+    pink = [deviance(w * rise + 1.0 - w) for rise in slow for w in PINK_SHARES]
     return max(deviance(first) - min(pink), 0.0)
 
 

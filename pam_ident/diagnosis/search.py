@@ -38,12 +38,14 @@ class Choice:
 class Frame:
     """What a fitted model can follow, and what it leaves beyond that: both whitened.
 
-    `rows` (k + 1, m) are an orthonormal basis of the slopes `law` (m, ·), and last the `residual` (m,) freed of them.
+    `rows` (k + 1, m) are an orthonormal basis of the slopes `law` (m, ·), and last the `residual` (m,) freed of them,
+    whose square is `total`.
     """
 
     def __init__(self, law: Array, residual: Array) -> None:
         self.basis = orthonormal(law)
         self.residual = self.free(residual)
+        self.total = float(self.residual @ self.residual)
         self.rows = np.ascontiguousarray(np.column_stack([self.basis, self.residual]).T)
 
     def free(self, columns: Array) -> Array:
@@ -77,13 +79,13 @@ class Compressed:
         """From all signatures side by side and whitened, `matrix` (m, k)."""
         before = np.einsum("mk,mk->k", matrix, matrix)
         matrix = frame.free(matrix)
-        return cls(atoms, before, matrix.T @ matrix, matrix.T @ frame.residual, float(frame.residual @ frame.residual))
+        return cls(atoms, before, matrix.T @ matrix, matrix.T @ frame.residual, frame.total)
 
     @classmethod
     def singly(cls, blocks: Sequence["Block"], frame: Frame) -> "Compressed":
         """For atoms that are only looked at one by one: what they have in common is left out, and not worked out."""
         atoms = [atom for block in blocks for atom in block.atoms]
-        before, product, begin = [], [], 0
+        before, product, begin = [np.empty(0)], [np.empty(0)], 0
         size = sum(block.matrix.shape[1] for block in blocks)
         gram = np.zeros((size, size))
         for block in blocks:
@@ -96,8 +98,7 @@ class Compressed:
             before.append(np.diagonal(block.own, axis1=1, axis2=2).ravel())
             product.append(seen[-1])
             begin += m * width
-        joined = [np.concatenate(parts) if parts else np.empty(0) for parts in (before, product)]
-        return cls(atoms, joined[0], gram, joined[1], float(frame.residual @ frame.residual))
+        return cls(atoms, np.concatenate(before), gram, np.concatenate(product), frame.total)
 
     def only(self, atoms: Sequence[int]) -> "Compressed":
         """The same with some of the atoms."""
@@ -145,6 +146,10 @@ class Compressed:
             for i in np.flatnonzero(np.all(np.isfinite(scale) & ~held, axis=1)):
                 found[which[i]] = float(gains[i]), sizes[i]
         return [self.solve(sets[k]) if one is None else one for k, one in enumerate(found)]
+
+    def singles(self) -> list[tuple[float, Array]]:
+        """The same for each atom by itself."""
+        return self.solve_all([self.columns([k]) for k in range(len(self.atoms))])
 
     def _grams(self, columns: Array) -> Array:
         """Gram matrices of sets of columns (…, k), shape (…, k, k)."""

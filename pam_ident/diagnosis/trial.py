@@ -204,13 +204,14 @@ class Trial:
         model = self.base.model.adding(*verdict.terms)
         view = self.view(verdict) if record is None else View(record, model, verdict.values)
         atoms = [a for e in effects for a in view.atoms(e)]
-        return view.singly(atoms, self.noise, self.blocks if record is None else {})
+        return view.singly(atoms, self.noise, self.blocks if record is None else None)
 
     @lru_cache(maxsize=4)  # noqa: B019 - a trial lives as long as one diagnosis
     def view(self, verdict: Verdict) -> "View":
         """A set's model with its slopes."""
         return View(self.record, self.base.model.adding(*verdict.terms), verdict.values, self.law.kept)
 
+    @lru_cache(maxsize=4)  # noqa: B019 - as above
     def noise_left_by(self, verdict: Verdict, white: bool = False) -> Noise:
         """Noise as it must be if a set is the whole truth."""
         view = self.view(verdict)

@@ -58,7 +58,7 @@ def _mass_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _volume_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A line in which the gas is taken as incompressible loses pressure in proportion to the volume that flows."""
-    return one(-_rate(inputs) * _volume(inputs) / (inputs.pressure + ATMOSPHERE_MPA) * 0.3)
+    return one(-_widening(inputs) * _volume(inputs) * 0.3)
 
 
 def _parts(inputs: Inputs, drive: Array) -> Array:
@@ -87,29 +87,34 @@ def _filling(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -_parts(inputs, rate - relax(inputs, rate, shape["tau"]))
 
 
-def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _through_valve(inputs: Inputs, tau: Array | float, ways: Array | float = 1.0) -> Array:
     """A valve of fixed conductance fills a larger volume more slowly: τ grows with V."""
     volume = _volume(inputs)
-    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), shape["tau"] * volume))
+    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), tau * volume * ways))
+
+
+def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _through_valve(inputs, shape["tau"])
 
 
 def _valve(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """The same with one conductance from the supply and another to the exhaust."""
-    volume = _volume(inputs)
-    ways = inputs.xp.where(inputs.direction > 0.0, 1.0, shape["w"])
-    tau = shape["tau"] * volume * ways
-    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), tau))
+    return _through_valve(inputs, shape["tau"], inputs.xp.where(inputs.direction > 0.0, 1.0, shape["w"]))
+
+
+def _to_the_power(inputs: Inputs, rate: Array, n: float, unit: float) -> Array:
+    """A rate (n,) whose size, in units of `unit`, is raised to the n-th power."""
+    xp = inputs.xp
+    return xp.sign(rate) * unit * (xp.abs(rate) / unit) ** n
 
 
 def _orifice(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    rate, xp = _rate(inputs), inputs.xp
-    return one(-xp.sign(rate) * 0.1 * (xp.abs(rate) / 0.1) ** shape["n"])
+    return one(-_to_the_power(inputs, _rate(inputs), shape["n"], 0.1))
 
 
 def _throttled(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A loss in proportion to the gas's density, and to a power of its speed."""
-    rate, xp = _widening(inputs), inputs.xp
-    return -_parts(inputs, xp.sign(rate) * 0.3 * (xp.abs(rate) / 0.3) ** shape["n"])
+    return -_parts(inputs, _to_the_power(inputs, _widening(inputs), shape["n"], 0.3))
 
 
 EFFECT = Effect(

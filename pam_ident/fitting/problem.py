@@ -65,7 +65,7 @@ class Problem:
         """The projection at curved parameters (len(curved),); a residual of HUGE where the design is not finite."""
         point = dict(zip([p.name for p in self.curved], map(float, q), strict=True))
         columns, fixed = self.design(point)
-        packed = np.empty((len(self.target), len(self.linear) + 1), order="F")
+        packed = np.empty((len(self.target), len(self.linear) + 1), order="F")  # as LAPACK reads it
         packed[:, :-1], packed[:, -1] = columns, self.target - fixed
         packed = self.whiten(packed)
         triangle: Array = np.linalg.qr(packed, mode="r")  # pyright: ignore
