@@ -37,8 +37,8 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
 
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
     colour is, the record is judged again against the noise that the law alone would imply, and against that which a
-    new answer leaves; the answers and all their parts are then compared by their full likelihood, each with its own
-    noise.
+    new answer leaves; the answers and all their parts, fitted against each of these noises, are then compared by their
+    full likelihood, each with its own noise.
     """
     trial = Trial(base, suspects)
     verdict = _answer(trial, most)
@@ -57,14 +57,11 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     last, answer = trials[-1]
     if not any(answer.labels == found.labels for court, found in trials if court is not last):
         judge_again(last.noise_left_by(answer))
-    rivals: dict[frozenset[str], tuple[Trial, Verdict]] = {}
-    for court, found in trials:
-        for size in range(len(found.terms) + 1):
-            for terms in combinations(found.terms, size):
-                rivals.setdefault(labels(terms), (court, court.refit(terms, found.values)))
-    scored = [(_full_cost(court, found), k) for k, (court, found) in enumerate(rivals.values())]
+    sets = {labels(terms): (terms, v.values) for _, v in reversed(trials) for terms in _subsets(v.terms)}
+    fits = [(court, court.refit(terms, start)) for terms, start in sets.values() for court, _ in trials]
+    scored = [(_full_cost(court, found), k) for k, (court, found) in enumerate(fits)]
     (_, noise), k = min(scored, key=lambda item: item[0][0])
-    _, found = list(rivals.values())[k]
+    _, found = fits[k]
     final = Trial(base, suspects, noise, trial)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _weighed(final, final.refit(seen, found.values))
@@ -72,6 +69,10 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
         final = Trial(base, suspects, final.noise_left_by(kept), trial)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
+
+
+def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:
+    return [some for size in range(len(terms) + 1) for some in combinations(terms, size)]
 
 
 def _weighed(trial: Trial, verdict: Verdict) -> Verdict:

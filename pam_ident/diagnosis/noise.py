@@ -22,7 +22,10 @@ ALIKE = 0.1
 """Difference in size up to which noises of one colour lead to the same answer."""
 BLOCK = 16
 """Rows that are filtered as one."""
-MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, 40.0, 80.0])
+MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, *40.0 * 2.0 ** np.arange(6)])
+"""Up to a wander over minutes: noise that is slower than any here passes for a drift."""
+TAPERS = 3
+"""Windows over which a spectrum is averaged: without one a drift leaks into all of it."""
 
 
 @dataclass(frozen=True)
@@ -247,9 +250,11 @@ def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, 
 def _likelier_pink(z: Array, share: float, decay: float) -> float:
     """By how much the deviance of z (n,) falls if it is 1/f noise and not a first-order process, at least 0.
 
-    Both by Whittle's likelihood over the frequencies: Whittle 1953, Arkiv för Matematik 2, 423–434.
+    Both by Whittle's likelihood over the frequencies (Whittle 1953, Arkiv för Matematik 2, 423–434) of a spectrum by
+    sine tapers (Riedel & Sidorenko 1995, IEEE Trans. Signal Processing 43, 188–195).
     """
-    power = np.abs(np.fft.rfft(z)[1:]) ** 2
+    tapers = np.sin(np.outer(np.arange(1, TAPERS + 1), np.linspace(0.0, np.pi, len(z))))
+    power = np.mean(np.abs(np.fft.rfft(z * tapers)[:, 1:]) ** 2, axis=0)
     half = np.pi * np.arange(1, len(power) + 1) / len(z)
     first = share * (1.0 - decay**2) / (1.0 + decay**2 - 2.0 * decay * np.cos(2.0 * half)) + 1.0 - share
 

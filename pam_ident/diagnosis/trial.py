@@ -95,8 +95,7 @@ class Trial:
         self.absorbed = [e for e in self.suspects if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
         self.suspects = [e for e in self.suspects if e.name not in self.excluded]
         self.data = data.only([k for k, a in enumerate(atoms) if a.effect not in self.excluded])
-        squares = self.squares(base.model, base.values)
-        self.empty = Verdict((), base.values, squares, squares)
+        self.empty = self._law_alone()
         self.excess = self._excess()
         base_price = 2.0 * np.log(max(len(suspects), 2)) + NAME_MARGIN
         self.price = Price(
@@ -109,6 +108,17 @@ class Trial:
         self.borrowed: dict[tuple[str, ...], Verdict] = {}
         self.blocks: dict[str, Block] = {}
         self.refits = 0
+
+    def _law_alone(self) -> Verdict:
+        """The base model by itself; where noise is slow, it has taken the plain fit along, and is fitted anew."""
+        model, values = self.base.model, self.base.values
+        squares = self.squares(model, values)
+        if self.noise.coloured:
+            found = solve(model, self.record.inputs, self.record.force, self.noise.whiten, values, quick=True)
+            fitted = self.squares(model, found.values)
+            if fitted < squares:
+                values, squares = found.values, fitted
+        return Verdict((), values, squares, squares)
 
     def _excess(self) -> float:
         """Whitened squares beyond the noise that the law alone leaves, without the effects already in the model."""

@@ -109,6 +109,11 @@ def slip(inputs: Inputs) -> tuple[Array, Array]:
     return inputs.direction * inputs.moving, inputs.direction * ~inputs.moving
 
 
+def bladder_area(inputs: Inputs) -> Array:
+    """Area of the bladder's cylinder over its area at rest, shape (n,)."""
+    return inputs.specimen.radius_ratio(inputs.contraction) * (1.0 - inputs.contraction)
+
+
 def speed(inputs: Inputs) -> Array:
     """|dx/dt| in mm/s, shape (n,)."""
     assert inputs.velocity is not None

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from ..core import Inputs, Param
 from ._history import stop_operator, time_held
-from .base import AddsForce, Array, Effect, Shape, one, slip, speed
+from .base import AddsForce, Array, Effect, Shape, bladder_area, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
 F_HOLD = Param("F_hold", "N", "friction force left in holds", -2000.0, 2000.0, scale=10.0)
@@ -12,6 +12,7 @@ F_BREAK = Param("F_s_minus_F_c", "N", "what friction gains towards rest", 0.0, 2
 HOLD_GAIN = Param("F_hold_gain", "N", "what that gains after slow strokes", -2000.0, 2000.0, scale=10.0)
 V_S = Param("v_s", "mm/s", "Stribeck speed", 0.2, 100.0, start=5.0, grid=(1.5, 5.0, 15.0))
 V_0 = Param("v_0", "mm/s", "speed at which friction is fully developed", 0.05, 4.0, start=1.0, grid=(0.5, 2.0))
+GROWTH = Param("growth", "1", "exponent of the contact area", -6.0, 6.0, start=1.0, grid=(1.5, -1.5))
 TAU_H = Param("tau_h", "s", "time in which friction fades in a hold", 0.05, 1000.0, start=2.0, grid=(0.7, 3.0))
 
 CONTACT_MM = 0.05
@@ -31,6 +32,11 @@ def _stuck(inputs: Inputs, shape: Shape, force: Array) -> Array:
     if inputs.time is None:
         return _sliding(inputs, shape, force)
     return one(-stop_operator(inputs, CONTACT_MM))
+
+
+def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """The bladder's area over its area at rest, to a power."""
+    return _held(inputs, shape, force) * bladder_area(inputs)[:, None] ** shape["growth"]
 
 
 def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -77,6 +83,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−F_c sgn(ε̇)", (F_C,), _sliding),
         AddsForce("held", "−F_c sgn(ε̇), F_hold in holds", (F_C, F_HOLD), _held),
+        AddsForce("contact_area", "−F_c S(ε)^g sgn(ε̇), S the bladder's area", (F_C, F_HOLD), _area, (GROWTH,)),
         AddsForce("stuck", "−F_c clip(Δx/0.05 mm, ±1)", (F_C,), _stuck, remembers=True),
         AddsForce(
             "relaxing", "−F_c sgn(ε̇), F_hold exp(−t/τ_h) in holds", (F_C, F_HOLD), _relaxing, (TAU_H,), remembers=True

@@ -1,7 +1,7 @@
 """Dry friction in proportion to the contact pressure of the braid."""
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, slip
+from .base import AddsForce, Array, Effect, Shape, bladder_area, slip
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
 MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
@@ -27,9 +27,8 @@ def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    """Contact area of the bladder's cylinder over its area at rest, to a power."""
-    area = inputs.specimen.radius_ratio(inputs.contraction) * (1.0 - inputs.contraction)
-    return _held(inputs, shape, force) * area[:, None] ** shape["growth"]
+    """The bladder's area over its area at rest, to a power."""
+    return _held(inputs, shape, force) * bladder_area(inputs)[:, None] ** shape["growth"]
 
 
 def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:

@@ -3,7 +3,7 @@
 import math
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, one
+from .base import AddsForce, Array, Effect, Shape, bladder_area, one
 
 SHARE = Param("wall_share", "1", "share of the wall's thickness that acts", 0.0, 5.0, scale=0.3)
 ENDS = Param("end_share", "1", "the same for the wall's section at the ends", 0.0, 50.0, scale=1.0)
@@ -15,9 +15,7 @@ def _thick(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Rubber keeps its volume: the wall thins as the muscle grows, and thickens as it shortens."""
-    s = inputs.specimen
-    room = s.radius_ratio(inputs.contraction) * (1.0 - inputs.contraction)
-    return one(_wall(inputs, (s.wall_thickness_mm or 1.0) / room))
+    return one(_wall(inputs, (inputs.specimen.wall_thickness_mm or 1.0) / bladder_area(inputs)))
 
 
 def _parts(inputs: Inputs, shape: Shape, force: Array) -> Array:

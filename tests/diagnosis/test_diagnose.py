@@ -61,6 +61,24 @@ def test_nothing_is_proposed_when_the_rest_is_noise(tmp_path, noise, seed):
     assert answer.verdict == "adequate" and answer.selected == () and answer.pattern is None
 
 
+@pytest.mark.parametrize(
+    ("seed", "protocol", "sigma"),
+    [(48, "standard", 2.0), (81, "standard", 2.0), (85, "standard", 2.0), (82100054, "four_pressures", 1.0)],
+)
+def test_a_wander_over_minutes_is_noise(tmp_path, seed, protocol, sigma):
+    """It fits itself into the law, and what is left of it into a drift, or a braid that gives way."""
+    record = rig_record(tmp_path, seed=seed, law=EXPONENTIAL, noise="slow", protocol=protocol, sigma_N=sigma)
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert answer.verdict == "adequate" and answer.selected == () and answer.pattern is None
+
+
+def test_a_drift_is_still_one_beside_a_wander(tmp_path):
+    record = rig_record(
+        tmp_path, seed=48, law=EXPONENTIAL, noise="slow", secrets=(Secret("force_drift", "settling", 2.0),)
+    )
+    assert diagnose(Model.build(EXPONENTIAL), record).selected == ("force_drift",)
+
+
 @pytest.mark.parametrize("seed", [2, 6])
 def test_the_slow_end_of_1_over_f_noise_is_no_drift(tmp_path, seed):
     secret = Secret("pressure_friction", "textbook", 4.0)
