@@ -1,6 +1,6 @@
 """From suspects to the set that explains the record: search, exact refits, and second thoughts."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -37,8 +37,8 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
 
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
     colour is, the record is judged again against the noise that the law alone would imply, and against that which a
-    new answer leaves; the answers and all their parts, fitted against each of these noises, are then compared by their
-    full likelihood, each with its own noise.
+    new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
+    by their full likelihood, each with its own noise.
     """
     trial = Trial(base, suspects)
     verdict = _answer(trial, most)
@@ -58,7 +58,7 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     if not any(answer.labels == found.labels for court, found in trials if court is not last):
         judge_again(last.noise_left_by(answer))
     sets = {labels(terms): (terms, v.values) for _, v in reversed(trials) for terms in _subsets(v.terms)}
-    fits = [(court, court.refit(terms, start)) for terms, start in sets.values() for court, _ in trials]
+    fits = [_likeliest([court for court, _ in trials], terms, start) for terms, start in sets.values()]
     scored = [(_full_cost(court, found), k) for k, (court, found) in enumerate(fits)]
     (_, noise), k = min(scored, key=lambda item: item[0][0])
     _, found = fits[k]
@@ -69,6 +69,12 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
         final = Trial(base, suspects, final.noise_left_by(kept), trial)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
+
+
+def _likeliest(trials: Sequence[Trial], terms: Sequence[Term], start: Mapping[str, float]) -> tuple[Trial, Verdict]:
+    """The fit of a set against the noise, one of some trials', by which it is likeliest; and that trial."""
+    fits = [(trial, trial.refit(terms, start)) for trial in trials]
+    return min(fits, key=lambda item: item[1].squares + item[0].noise.volume)
 
 
 def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:

@@ -73,6 +73,11 @@ class Noise:
         return out[:, 0] if flat else out
 
     @cached_property
+    def volume(self) -> float:
+        """What is added to the squares of its innovations for minus twice the log likelihood, up to a constant."""
+        return 2.0 * float(np.sum(np.log(self.sigma * self.spread)))
+
+    @cached_property
     def _weight(self) -> Array:
         """What a row is multiplied with where noise is white: none of an outlier."""
         return np.where(self.outlier, 0.0, 1.0 / (self.sigma * self.spread))
