@@ -59,9 +59,8 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
         judge_again(last.noise_left_by(answer))
     sets = {labels(terms): (terms, v.values) for _, v in reversed(trials) for terms in _subsets(v.terms)}
     fits = [_likeliest([court for court, _ in trials], terms, start) for terms, start in sets.values()]
-    scored = [(_full_cost(court, found), k) for k, (court, found) in enumerate(fits)]
-    (_, noise), k = min(scored, key=lambda item: item[0][0])
-    _, found = fits[k]
+    scored = [(*_full_cost(court, found), found) for court, found in fits]
+    _, noise, found = min(scored, key=lambda item: item[0])
     final = Trial(base, suspects, noise, trial)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _weighed(final, final.refit(seen, found.values))
