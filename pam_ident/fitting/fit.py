@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from .solvers import Solver
 from .weigh import PLAIN, Weighing
 
 Array = np.ndarray
-OneFit = TypeVar("OneFit", bound="Fit")
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
 
@@ -47,25 +45,37 @@ class Estimate:
 class Fit:
     """A model fitted to the rows `rows` (mask, shape (n,)) of a record; force and residual cover all n rows.
 
-    `valid` needs convergence and every parameter identified; `problems` says in words what is wrong. `weights` (n,)
-    multiply the residuals that were minimised, `held` are the values of parameters that were not fitted.
+    `values` are those of the parameters by name. `valid` needs convergence and every parameter
+    identified; `problems` says in words what is wrong. `weights` (n,) multiply the residuals that were minimised,
+    `held` are the values of parameters that were not fitted. Errors of the parameters come from `sums`, None where
+    they were not asked for, when somebody looks at them, unless estimates found otherwise are `given`.
     """
 
     model: Model
     record: Record
     rows: Array
-    estimates: tuple[Estimate, ...]
+    values: dict[str, float]
     converged: bool
     message: str
     weights: Array | None = None
     held: Mapping[str, float] = field(default_factory=dict)
     weighing: Weighing = PLAIN
-    covariance: Covariance | None = None
+    sums: Sums | None = None
+    given: tuple[Estimate, ...] | None = None
+
+    @property
+    def estimates(self) -> tuple[Estimate, ...]:
+        """What is known of each parameter, in the model's order."""
+        return self._estimated[0] if self.given is None else self.given
+
+    @property
+    def covariance(self) -> Covariance | None:
+        """Covariance of the `free` parameters; None where no errors were asked for, or there are none to have."""
+        return self._estimated[1]
 
     @cached_property
-    def values(self) -> dict[str, float]:
-        """Parameter values by name."""
-        return {e.name: e.value for e in self.estimates}
+    def _estimated(self) -> tuple[tuple[Estimate, ...], Covariance | None]:
+        return _estimates(self)
 
     @cached_property
     def force(self) -> Array:
@@ -173,10 +183,11 @@ def fit(
     if is_large(model, record, rows) and weighing == PLAIN and not held and solver is None:
         found = solve_large(model, record, start or {}, detail and not white)
         if found is not None:
-            return with_estimates(Fit(model, record, rows, (), True, "by ever more samples"), *found)
+            values, known = found
+            return Fit(model, record, rows, values, True, "by ever more samples", sums=known)
     solution, weights = _in_turns(model, record, rows, start or {}, held, weighing, solver)
-    one = Fit(model, record, rows, (), solution.converged, solution.message, weights, held, weighing)
-    return with_estimates(one, solution.values, _sums(one, solution.values, white) if detail else None)
+    one = Fit(model, record, rows, solution.values, solution.converged, solution.message, weights, held, weighing)
+    return replace(one, sums=_sums(one, white)) if detail else one
 
 
 def _in_turns(
@@ -252,28 +263,29 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
             )
 
 
-def _sums(one: Fit, values: Mapping[str, float], white: bool) -> Sums:
+def _sums(one: Fit, white: bool) -> Sums:
     """Sums of the weighed Jacobian and residual over the fitted rows."""
     model, record, pick = one.model, one.record, picker(one.rows, one.weights)
-    residual = pick(record.force - model.force(record.inputs, values))
-    matrix = pick(jacobian(model, record.inputs, values, record.force))
+    residual = pick(one.residual)
+    matrix = pick(jacobian(model, record.inputs, one.values, record.force))
     found = sums(matrix, residual, None if white else clusters(record, one.rows))
     factor = one.weighing.inflation(residual)
     return replace(found, squares=found.squares * factor, scores=found.scores * math.sqrt(factor))
 
 
-def with_estimates(one: OneFit, values: Mapping[str, float], known: Sums | None) -> OneFit:
-    """The fit with an estimate of each parameter, in the model's order; what stands at a bound is taken as given."""
-    params = one.model.bounded(one.record.inputs)
+def _estimates(one: Fit) -> tuple[tuple[Estimate, ...], Covariance | None]:
+    """An estimate of each parameter, in the model's order, and their covariance; what stands at a bound is taken as
+    given."""
+    params, values = one.model.bounded(one.record.inputs), one.values
     stuck = {p.name for p in params if p.name not in one.held and at_bound(p, values[p.name])}
     given = {p.name: HELD if p.name in one.held else AT_BOUND for p in params if p.name in one.held or p.name in stuck}
     found: dict[str, Estimate] = {}
     cov = None
-    if known is not None and params:
+    if one.sums is not None and params:
         fitted = [k for k, p in enumerate(params) if p.name not in one.held]
-        flat = flat_directions([params[k].name for k in fitted], known.triangle[:, fitted])
+        flat = flat_directions([params[k].name for k in fitted], one.sums.triangle[:, fitted])
         free = [k for k, p in enumerate(params) if p.name not in given]
-        cov = covariance_of(known.take(free))
+        cov = covariance_of(one.sums.take(free))
         found = {e.name: e for e in _determined([params[k] for k in free], values, cov, flat)}
         given |= {name: verdict for name, verdict in flat.items() if name in stuck}
     estimates = []
@@ -282,7 +294,7 @@ def with_estimates(one: OneFit, values: Mapping[str, float], known: Sums | None)
         loose = verdict.kind in ("flat", "dead")
         plain = Estimate(p.name, p.unit, p.doc, values[p.name], math.nan, p.name in stuck, not loose, verdict=verdict)
         estimates.append(found.get(p.name, plain))
-    return replace(one, estimates=tuple(estimates), covariance=cov)
+    return tuple(estimates), cov
 
 
 def _determined(

@@ -13,7 +13,7 @@ from ..core import Param, UsageError
 from ..model import Model
 from ..records import Record
 from ..records.long import LongRecord
-from .fit import Fit, check, with_estimates
+from .fit import Fit, check
 from .long_rows import UNREAD, Rows, Summary
 from .problem import bounds, within_bounds
 from .readings import reached, with_memory
@@ -81,8 +81,10 @@ def fit_long(
     found = {}
     for name, (sums, summary) in known.items():
         one, message = searches[name], "by readings of all rows"
-        plain = LongFit(model, sample, masks[name], (), one.done, message, held=held, summary=summary)
-        found[name] = with_estimates(plain, one.values | held, sums)
+        values = one.values | held
+        found[name] = LongFit(
+            model, sample, masks[name], values, one.done, message, held=held, sums=sums, summary=summary
+        )
     return found
 
 

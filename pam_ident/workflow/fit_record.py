@@ -164,7 +164,7 @@ def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[
     estimates = tuple(
         replace(e, low=ends[e.name][0], high=ends[e.name][1]) if e.name in ends else e for e in one.estimates
     )
-    return replace(one, estimates=estimates), tuple(found.values())
+    return replace(one, given=estimates), tuple(found.values())
 
 
 def _covers(table: IsobarTable, branch: str, one: Fit) -> bool:
@@ -177,9 +177,10 @@ def _from_lines(one: Fit, table: IsobarTable, branch: str) -> Fit:
     errors = _line_errors(table, branch)
     return replace(
         one,
-        estimates=tuple(_on_lines(e, values[e.name], *errors.get(e.name, (e.stderr, e.dof))) for e in one.estimates),
+        values=values,
+        given=tuple(_on_lines(e, values[e.name], *errors.get(e.name, (e.stderr, e.dof))) for e in one.estimates),
         message="two-stage",
-        covariance=None,
+        sums=None,
     )
 
 

@@ -54,7 +54,7 @@ def both_ways(path, model, branches=BRANCHES, **how):
         assert values == pytest.approx(one.values, rel=1e-6)
         found[name] = (
             streamed[name],
-            replace(one, estimates=tuple(replace(e, value=values[e.name]) for e in one.estimates)),
+            replace(one, values=values, given=tuple(replace(e, value=values[e.name]) for e in one.estimates)),
         )
     return found
 

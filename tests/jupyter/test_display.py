@@ -113,7 +113,7 @@ def test_no_name_of_a_user_becomes_markup(shown, record, diagnosis, ladder):
     told = replace(diagnosis, sentence=HOSTILE, ranking=(suspect, *diagnosis.ranking[1:]))
     rung = replace(ladder.rungs[1], why=HOSTILE)
     one = fit(Model.build("modified_chou_hannaford"), mine)
-    odd = replace(one, estimates=(replace(one.estimates[0], doc=HOSTILE, unit=HOSTILE), *one.estimates[1:]))
+    odd = replace(one, given=(replace(one.estimates[0], doc=HOSTILE, unit=HOSTILE), *one.estimates[1:]))
     comparison = replace(compare(diagnosis.base), sentence=HOSTILE)
     for result in (specimen, mine, told, replace(ladder, rungs=(ladder.rungs[0], rung)), odd, comparison):
         html = shown(result)["text/html"]

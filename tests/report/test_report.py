@@ -168,7 +168,7 @@ def test_no_standard_error_where_nothing_is_determined(diagnosis):
     assert stderr(loose) == "not determined"
     assert standing(loose) == "not determined by this record"
     assert standing(replace(loose, identified=True, at_bound=True)) == "at its bound"
-    broken = replace(diagnosis.best, estimates=(loose, *diagnosis.best.estimates[1:]))
+    broken = replace(diagnosis.best, given=(loose, *diagnosis.best.estimates[1:]))
     row = tables.parameters(broken, "x").rows[0]
     assert "0.12" not in " ".join(row)
 
