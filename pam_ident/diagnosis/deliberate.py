@@ -116,10 +116,10 @@ def deliberate(trial: Trial, most: int = 3) -> Verdict:
         pool.append(trial.refit_choice(trial.data, choice, trial.empty, second))
     if len(trial.record) <= EXACT:
         pool += _pairs(trial)
-    ranked = sorted([trial.empty, *pool], key=lambda v: v.cost)
-    best = ranked[0]
-    for start in ranked[:2]:
-        best = min(best, _mend(trial, start, most), key=lambda v: v.cost)
+    first, second, *_ = *sorted([trial.empty, *pool], key=lambda v: v.cost), trial.empty
+    best = _mend(trial, first, most)
+    if not first.terms or not first.names <= second.names:  # what it has beyond the first is tried on the first, too
+        best = min(best, _mend(trial, second, most), key=lambda v: v.cost)
     return best
 
 

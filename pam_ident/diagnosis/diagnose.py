@@ -43,7 +43,7 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     known = catalogue(extra)
     suspects = [e for e in known.values() if e.candidate and e.name not in model.effect_names]
     steady = thinned(replace(record, inputs=record.steady), MOST)
-    trial, verdict = investigate(fit(model, steady, detail=False), suspects)
+    trial, verdict = investigate(fit(model, steady, start=base.values, detail=False), suspects)
     verdict = _likely(trial, verdict)
     named = [t for t in verdict.terms if t.effect.candidate]
     weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}

@@ -37,6 +37,10 @@ class Slopes:
     contraction: Array
     pressure: Array
 
+    def take(self, rows: Array) -> "Slopes":
+        """Those at some samples, by index (m,)."""
+        return Slopes(self.force[rows], self.contraction[rows], self.pressure[rows])
+
 
 def slopes(model: Model, inputs: Inputs, values: Mapping[str, float]) -> Slopes:
     """By central differences; histories are left as they are, for the shift is the same at every sample."""

@@ -10,11 +10,14 @@ from ..core import Inputs
 from ..core.progress import tell
 from ..effects import Effect, Form
 from .dictionary import Atom, Slopes, atoms_at, closer, grid, same_around_any, signature
+from .noise import Noise
 from .trial import Trial, Verdict
 
 Array = np.ndarray
 TOGETHER = 1 << 20
 """Numbers in the columns that are made and whitened in one go: so many stay in the processor's cache."""
+MANY = 2000
+"""Samples of which half show where a pattern is best: it must gain far more than chance before it is told."""
 Point = Mapping[str, float]
 
 
@@ -33,9 +36,9 @@ class Ground:
     """What a set leaves, whitened and free of what the set can follow."""
 
     def __init__(self, trial: Trial, onto: Verdict) -> None:
-        self.onto, self.view, self.noise = onto, trial.view(onto), trial.noise
+        self.onto, self.view = onto, trial.view(onto)
         frame = self.view.frame(trial.noise)
-        self.precise = _Sight(self.view.record.inputs, self.view.around, frame.rows, 1e-10)
+        self.precise = _Sight(self.view.record.inputs, self.view.around, frame.rows, trial.noise, 1e-10)
         self.rough = self.precise.rough()
 
 
@@ -46,12 +49,20 @@ class _Sight:
     inputs: Inputs
     around: Slopes
     frame: Array
+    noise: Noise
     ridge: float
 
     def rough(self) -> "_Sight":
-        """In single precision, all but the time, of which little may differ."""
-        inputs = replace(_single(self.inputs), time=self.inputs.time)
-        return _Sight(inputs, _single(self.around), self.frame.astype(np.float32), 1e-4)
+        """In single precision, all but the time, of which little may differ; of many samples by half of them.
+
+        These are drawn, lest a period be taken for another, and only where no noise connects the samples.
+        """
+        inputs, around, frame, noise = self.inputs, self.around, self.frame, self.noise
+        if len(inputs) >= MANY and not noise.coloured:
+            rows = np.flatnonzero(np.random.default_rng(0).random(len(inputs)) < 0.5)
+            inputs, around, frame, noise = inputs.take(rows), around.take(rows), frame[:, rows], noise.take(rows)
+        inputs = replace(_single(inputs), time=inputs.time)
+        return _Sight(inputs, _single(around), frame.astype(np.float32), noise, 1e-4)
 
 
 def _single(one: Any) -> Any:
@@ -116,7 +127,7 @@ def _found(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> li
 def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground], rough: bool = False) -> list[_Best]:
     """On each ground the point of a form with the largest gain in whitened squares."""
     sights = [ground.rough if rough else ground.precise for ground in grounds]
-    noise, width = grounds[0].noise, len(form.sizes)
+    noise, width = sights[0].noise, len(form.sizes)
     found: list[_Best | None] = [None] * len(grounds)
     many = max(1, TOGETHER // (len(sights[0].inputs) * width))
     for begin in range(0, len(points), many):

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
@@ -59,6 +59,11 @@ class Noise:
         """Whether another noise has the same colour and practically the same size."""
         same = (self.share, self.memory, self.clock) == (other.share, other.memory, other.clock)
         return same and abs(self.sigma - other.sigma) < ALIKE * other.sigma
+
+    def take(self, rows: Array) -> "Noise":
+        """The noise of some samples, by index (m,), as if they followed each other."""
+        parts = {name: getattr(self, name)[rows] for name in ("decay", "gain", "spread", "outlier")}
+        return replace(self, **parts)
 
     def whiten(self, columns: Array) -> Array:
         """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same, as precise."""
