@@ -1,10 +1,11 @@
 """The diagnosis beside what a careful user would try: stepwise regression by BIC, and PySINDy on the residual.
 
-    python benchmarks/diagnosis_peers.py [--n 60] [--seed 103] [--workers 2] [--markdown docs/diagnosis.md]
+    python benchmarks/diagnosis_peers.py [--n 60] [--seed 103] [--workers 2] [--markdown docs/diagnosis.md] [--out SET]
 
 All answer the same sealed set, are scored by the same rules, and have the textbook formulas from the same catalogue.
 Prints right / exact by kind and the median time of a record for each; `--markdown` writes the table between the marks
-in a file. PySINDy is left out where it is not installed (extra `test`).
+in a file. `--out` keeps the set and each method's answers, for `pam-ident challenge --out SET --answers FILE` to tell
+more of. PySINDy is left out where it is not installed (extra `test`).
 """
 
 import argparse
@@ -172,15 +173,19 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=103)
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--markdown", type=Path)
+    parser.add_argument("--out", type=Path)
     asked = parser.parse_args()
     if pysindy is None:
         print("PySINDy is not installed and left out: pip install 'pam-ident[test]'", file=sys.stderr)
     with TemporaryDirectory() as temporary:
-        folder = Path(temporary, "set")
+        folder = asked.out or Path(temporary, "set")
         write_challenge(str(folder), asked.n, asked.seed)
         names = questions(folder)
         with ProcessPoolExecutor(asked.workers) as pool:
             answers = list(pool.map(case, [folder] * len(names), names, names.values()))
+        for method in answers[0]:
+            lines = [json.dumps({"case": name} | a[method][0]) for name, a in zip(names, answers, strict=True)]
+            (folder / f"{method}.jsonl").write_text("\n".join(lines))
         truth = json.loads((folder / "truth.json").read_text())
     text = table(truth, answers)
     print(text)

@@ -7,7 +7,7 @@ import numpy as np
 from ..effects import Effect
 from ..model import Term
 from ..records import Record
-from .search import Choice, Compressed
+from .search import Choice
 from .trial import Trial, Verdict
 
 Array = np.ndarray
@@ -62,7 +62,7 @@ def _others(trial: Trial, verdict: Verdict, effect: Effect) -> list[Effect]:
 def _close(trial: Trial, verdict: Verdict, rest: Verdict, effect: Effect) -> list[str]:
     """Effects that cost nearly as little in the place of `effect`: looked up on compressed data, then fitted."""
     data = trial.beyond(rest, _others(trial, verdict, effect))
-    best = best_costs(trial, data)
+    best = data.cheapest(trial.price)
     mine = min(best.get(effect.name, (np.inf, 0))[0], verdict.cost - rest.cost)
     found = []
     for name, (cost, atom) in best.items():
@@ -92,18 +92,8 @@ def _same_at_one_speed(trial: Trial, rest: Verdict, effect: Effect) -> list[str]
     nominal = inputs.direction * inputs.stroke_speed * inputs.moving
     record = replace(trial.record, inputs=replace(inputs, velocity=nominal))
     data = trial.beyond(rest, [e for e in trial.suspects if e.name not in rest.names], record)
-    gains = {name: -cost for name, (cost, _) in best_costs(trial, data, priced=False).items()}
+    gains = {name: -cost for name, (cost, _) in data.cheapest().items()}
     mine = gains.get(effect.name, 0.0)
     levered = [e.name for e in trial.suspects if "speed" in e.levers or "speed" in effect.levers]
     close = [n for n, g in gains.items() if n != effect.name and n in levered and g > mine - max(CLOSE, 0.02 * mine)]
     return sorted(close, key=lambda n: -gains[n])
-
-
-def best_costs(trial: Trial, data: Compressed, priced: bool = True) -> dict[str, tuple[float, int]]:
-    """Cheapest atom of each effect: its cost (or minus its gain) and its number."""
-    best: dict[str, tuple[float, int]] = {}
-    for k, (atom, (gain, _)) in enumerate(zip(data.atoms, data.singles(), strict=True)):
-        cost = (trial.price.of(atom) if priced else 0.0) - gain
-        if cost < best.get(atom.effect, (np.inf, 0))[0]:
-            best[atom.effect] = (cost, k)
-    return best

@@ -10,7 +10,7 @@ from ..effects import Effect, catalogue
 from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record, thinned
-from .confounding import best_costs, groups
+from .confounding import groups
 from .deliberate import EXACT, investigate
 from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
@@ -188,7 +188,7 @@ def _ranking(
 
     Long records are judged linearised around the base model, short ones (up to EXACT rows) by refits.
     """
-    best = best_costs(trial, trial.data, priced=False)
+    best = trial.data.cheapest()
     alone = _alone_exactly if len(trial.record) <= EXACT else _alone_linearised
     found = []
     for effect in suspects:

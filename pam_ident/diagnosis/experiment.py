@@ -100,11 +100,8 @@ class Question:
 def _left(view: View, noise: Noise, atoms: Sequence[Atom]) -> tuple[float, dict[str, tuple[float, Atom]]]:
     """Whitened squares of a residual that the law leaves, and that each effect's best atom leaves, with that atom."""
     data = view.singly(atoms, noise)
-    left: dict[str, tuple[float, Atom]] = {}
-    for atom, (gain, _) in zip(data.atoms, data.singles(), strict=True):
-        if atom.effect not in left or data.total - gain < left[atom.effect][0]:
-            left[atom.effect] = (max(data.total - gain, 0.0), atom)
-    return data.total, left
+    best = data.cheapest().items()
+    return data.total, {name: (max(data.total + cost, 0.0), data.atoms[k]) for name, (cost, k) in best}
 
 
 def _worth(found: Sequence[Separation]) -> float:

@@ -11,6 +11,7 @@ from ..core.progress import tell
 from ..effects import Effect, Form
 from .dictionary import Atom, Slopes, atoms_at, closer, grid, same_around_any, signature
 from .noise import Noise
+from .search import Frame
 from .trial import Trial, Verdict
 
 Array = np.ndarray
@@ -60,7 +61,8 @@ class _Sight:
         inputs, around, frame, noise = self.inputs, self.around, self.frame, self.noise
         if len(inputs) >= MANY and not noise.coloured:
             rows = np.flatnonzero(np.random.default_rng(0).random(len(inputs)) < 0.5)
-            inputs, around, frame, noise = inputs.take(rows), around.take(rows), frame[:, rows], noise.take(rows)
+            inputs, around, noise = inputs.take(rows), around.take(rows), noise.take(rows)
+            frame = Frame(frame[:-1, rows].T, frame[-1, rows]).rows  # half a basis is none
         inputs = replace(_single(inputs), time=inputs.time)
         return _Sight(inputs, _single(around), frame.astype(np.float32), noise, 1e-4)
 

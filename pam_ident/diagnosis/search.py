@@ -151,6 +151,15 @@ class Compressed:
         """The same for each atom by itself."""
         return self.solve_all([self.columns([k]) for k in range(len(self.atoms))])
 
+    def cheapest(self, price: "Price | None" = None) -> dict[str, tuple[float, int]]:
+        """The best atom of each effect: its cost, or minus its gain where nothing has a price, and its number."""
+        best: dict[str, tuple[float, int]] = {}
+        for k, (atom, (gain, _)) in enumerate(zip(self.atoms, self.singles(), strict=True)):
+            cost = (price.of(atom) if price else 0.0) - gain
+            if cost < best.get(atom.effect, (np.inf, 0))[0]:
+                best[atom.effect] = (cost, k)
+        return best
+
     def _grams(self, columns: Array) -> Array:
         """Gram matrices of sets of columns (…, k), shape (…, k, k)."""
         return self.gram[columns[..., :, None], columns[..., None, :]] + 1e-9 * np.eye(columns.shape[-1])
