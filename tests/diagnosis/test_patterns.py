@@ -5,7 +5,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis.dictionary import grid
-from pam_ident.diagnosis.ground import Ground, _best, _found
+from pam_ident.diagnosis.ground import MANY, Ground, _best, _found
 from pam_ident.diagnosis.patterns import patterns
 from pam_ident.diagnosis.trial import Trial
 from pam_ident.fitting import fit
@@ -13,14 +13,22 @@ from pam_ident.model import Model
 from pam_ident.records import build_record
 
 
+def ripple(x):
+    return 3.0 * np.sin(2.0 * np.pi * x / 6.4)
+
+
+def loops(n, hidden=ripple):
+    time = np.arange(n) * 0.1
+    x = 20.0 - 20.0 * np.cos(2.0 * np.pi * time / 30.0)
+    noise = np.random.default_rng(1).standard_normal(n)
+    force = 400.0 - 5.0 * x + hidden(x) + noise
+    pressure = np.where(time < 0.05 * n, 0.3, 0.4)
+    return build_record("loop", Specimen("bench", 200.0, 10.0, 25.4, 1.5), pressure, x / 200.0, force, time=time)
+
+
 @pytest.fixture
 def record():
-    time = np.arange(900) * 0.1
-    x = 20.0 - 20.0 * np.cos(2.0 * np.pi * time / 30.0)
-    noise = np.random.default_rng(1).standard_normal(900)
-    force = 400.0 - 5.0 * x + 3.0 * np.sin(2.0 * np.pi * x / 6.4) + noise
-    pressure = np.where(time < 45.0, 0.3, 0.4)
-    return build_record("loop", Specimen("bench", 200.0, 10.0, 25.4, 1.5), pressure, x / 200.0, force, time=time)
+    return loops(900)
 
 
 def test_columns_of_many_shapes_are_those_of_each(record):
@@ -66,6 +74,21 @@ def test_what_single_precision_finds_is_as_good_as_what_double_finds(record, beg
             points = grid(form)
             rough, precise = _found(form, points, [ground])[0], _best(form, points, [ground])[0]
             assert 0.98 * precise.gain <= rough.gain <= (1.0 + 1e-9) * precise.gain
+
+
+def test_half_of_many_samples_shows_what_all_of_them_show():
+    record = loops(2 * MANY, lambda x: 3.0 * np.exp(-0.5 * ((x - 27.0) / 4.0) ** 2))
+    trial = Trial(fit(Model.build("polynomial"), record), [])
+    ground = Ground(trial, trial.empty)
+    assert len(ground.rough.inputs) == pytest.approx(MANY, rel=0.1)
+    strong = 0
+    for effect in patterns(record.inputs):
+        for form in effect.forms:
+            rough, precise = (f(form, grid(form), [ground])[0].gain for f in (_found, _best))
+            if precise > 0.1 * len(record):
+                strong += 1
+                assert rough > 0.98 * precise, form.name
+    assert strong > 5
 
 
 def test_columns_are_made_and_whitened_in_the_precision_of_the_inputs(record):
