@@ -1,6 +1,6 @@
 """Where patterns are looked for: what sets of effects leave, with many atoms tried on it one by one."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -17,8 +17,8 @@ from .trial import Trial, Verdict
 Array = np.ndarray
 TOGETHER = 1 << 20
 """Numbers in the columns that are made and whitened in one go: so many stay in the processor's cache."""
-MANY = 2000
-"""Samples of which half show where a pattern is best: it must gain far more than chance before it is told."""
+MANY, FEW = 2000, 5
+"""Samples of which half show where a pattern is best, and how many such places are judged by all of them."""
 Point = Mapping[str, float]
 
 
@@ -119,18 +119,32 @@ def _better(one: "_Best | None", other: _Best) -> _Best:
 
 
 def _found(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> list[_Best]:
-    """On each ground the best of some points, looked for in single precision and judged in double."""
-    if len(points) > 1:
-        rough = _best(form, points, grounds, True)
-        return [_best(form, [one.point], [ground])[0] for one, ground in zip(rough, grounds, strict=True)]
-    return _best(form, points, grounds)
+    """On each ground the best of some points: the FEW that look best are judged by all samples in double precision."""
+    if len(points) <= FEW:
+        return _best(form, points, grounds)
+    gains: list[list[Array]] = [[] for _ in grounds]
+    for _, k, found, _ in _tried(form, points, [ground.rough for ground in grounds]):
+        gains[k].append(found)
+    leading = [np.argsort(-np.concatenate(found))[:FEW] for found in gains]
+    return [
+        _best(form, [points[i] for i in places], [ground])[0] for places, ground in zip(leading, grounds, strict=True)
+    ]
 
 
-def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground], rough: bool = False) -> list[_Best]:
+def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground]) -> list[_Best]:
     """On each ground the point of a form with the largest gain in whitened squares."""
-    sights = [ground.rough if rough else ground.precise for ground in grounds]
-    noise, width = sights[0].noise, len(form.sizes)
     found: list[_Best | None] = [None] * len(grounds)
+    for some, k, gains, sizes in _tried(form, points, [ground.precise for ground in grounds]):
+        i = int(np.argmax(gains))
+        found[k] = _better(found[k], _Best(float(gains[i]), form, some[i], sizes[i]))
+    return [best for best in found if best is not None]
+
+
+def _tried(
+    form: Form, points: Sequence[Point], sights: Sequence[_Sight]
+) -> Iterator[tuple[Sequence[Point], int, Array, Array]]:
+    """Points in order, some at a time, with the number of a sight, and in it their gains (m,) and sizes (m, ·)."""
+    noise, width = sights[0].noise, len(form.sizes)
     many = max(1, TOGETHER // (len(sights[0].inputs) * width))
     for begin in range(0, len(points), many):
         tell("looking for patterns")
@@ -147,10 +161,7 @@ def _best(form: Form, points: Sequence[Point], grounds: Sequence[Ground], rough:
             gram[bad], product[bad] = 0.0, 0.0
             gram += ridge[:, None, None] * np.eye(width)
             sizes = np.linalg.solve(gram, product[:, :, None])[:, :, 0]
-            gains = np.sum(product * sizes, axis=1)
-            i = int(np.argmax(gains))
-            found[k] = _better(found[k], _Best(float(gains[i]), form, some[i], sizes[i]))
-    return [best for best in found if best is not None]
+            yield some, k, np.sum(product * sizes, axis=1), sizes
 
 
 def _grams(matrix: Array, width: int) -> Array:
