@@ -118,7 +118,7 @@ def deliberate(trial: Trial, most: int = 3) -> Verdict:
         pool += _pairs(trial)
     first, second, *_ = *sorted([trial.empty, *pool], key=lambda v: v.cost), trial.empty
     best = _mend(trial, first, most)
-    if not first.terms or not first.names <= second.names:  # what it has beyond the first is tried on the first, too
+    if not first.terms or not first.kin <= second.kin:  # what it has beyond the first is tried on the first, too
         best = min(best, _mend(trial, second, most), key=lambda v: v.cost)
     return best
 
@@ -182,8 +182,7 @@ def _without(values: dict[str, float], terms: Sequence[Term]) -> dict[str, float
 
 
 def _additions(trial: Trial, verdict: Verdict) -> list[Verdict]:
-    kin = {term.effect.kin for term in verdict.terms}
-    data = trial.beyond(verdict, [e for e in trial.suspects if e.kin not in kin])
+    data = trial.beyond(verdict, [e for e in trial.suspects if e.kin not in verdict.kin])
     choices = [c for c in beam_search(data, trial.price, 1) if c.atoms and c.gain > trial.price.least]
     return [trial.refit_choice(data, c, verdict, verdict.cost) for c in choices[:2]]
 

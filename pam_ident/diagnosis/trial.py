@@ -55,6 +55,11 @@ class Verdict:
         return frozenset(t.effect.name for t in self.terms)
 
     @property
+    def kin(self) -> frozenset[str]:
+        """The kin of its effects, of which a set has one each."""
+        return frozenset(t.effect.kin for t in self.terms)
+
+    @property
     def labels(self) -> frozenset[str]:
         """Effects of the set with their forms."""
         return labels(self.terms)

@@ -45,13 +45,16 @@ def solve(
         hope = enough if model.separable else ACTING * enough
         solver = replace(QUICK, max_starts=max_starts, enough=hope) if quick else VariableProjection(max_starts)
     problem = separated(model, inputs, force, start or {}, whiten).holding(**held)
-    found = _with(solver.solve(problem), held)
-    if model.separable or found.message == GIVEN_UP:
+    if model.separable:
+        return _with(solver.solve(problem), held)
+    near = replace(solver, polish=False) if isinstance(solver, VariableProjection) else solver
+    found = _with(near.solve(problem), held)
+    if found.message == GIVEN_UP:
         return found
     for _ in range(2):
         acting = np.clip(model.force(inputs, found.values), -1e6, 1e6)
         problem = separated(model, inputs, force, found.values, whiten, acting).holding(**held)
-        found = _with(solver.solve(problem), held)
+        found = _with(near.solve(problem), held)
     if quick:
         return found
     return _with(solver.solve(whole(model, inputs, force, found.values, whiten).holding(**held)), held)
