@@ -21,6 +21,9 @@ LIGHT_COLOURED = 0.1
 """What is added to it where all noise is coloured: no noise has the colour it is given exactly."""
 FAINT = 1.2
 """Squares that the law alone may leave, over those that an answer leaves, for it to be slow noise after all."""
+SURE = 500.0
+"""Cost by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it had
+lost by 160 at most."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 NEAR = 30.0
@@ -38,12 +41,14 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
     colour is, the record is judged again against the noise that the law alone would imply, and against that which a
     new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
-    by their full likelihood, each with its own noise.
+    by their full likelihood, each with its own noise. Not where no noise could take the place of any name: a little
+    colour is what a form leaves that is not exactly right.
     """
     trial = Trial(base, suspects)
     verdict = _answer(trial, most)
     faint = trial.empty.squares < FAINT * verdict.squares and trial.noise_left_by(trial.empty).coloured
-    if not (trial.noise.coloured or trial.noise_left_by(verdict).coloured or faint):
+    white = not (trial.noise.coloured or trial.noise_left_by(verdict).coloured or faint)
+    if white or (not trial.noise.coloured and _sure(trial, verdict)):
         return trial, _weighed(trial, verdict)
     trials = [(trial, verdict)]
 
@@ -68,6 +73,13 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
         final = Trial(base, suspects, final.noise_left_by(kept), trial)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
+
+
+def _sure(trial: Trial, verdict: Verdict) -> bool:
+    """Whether a set is far likelier than without any one of its terms, each with the noise that it leaves."""
+    cost, _ = _full_cost(trial, verdict)
+    fewer = [trial.refit(verdict.without(term), verdict.values) for term in verdict.terms]
+    return bool(fewer) and all(_full_cost(trial, rest)[0] > cost + SURE for rest in fewer)
 
 
 def _likeliest(trials: Sequence[Trial], terms: Sequence[Term], start: Mapping[str, float]) -> tuple[Trial, Verdict]:
