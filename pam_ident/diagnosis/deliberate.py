@@ -47,8 +47,8 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     trial = Trial(base, suspects)
     verdict = _answer(trial, most)
     faint = trial.empty.squares < FAINT * verdict.squares and trial.noise_left_by(trial.empty).coloured
-    white = not (trial.noise.coloured or trial.noise_left_by(verdict).coloured or faint)
-    if white or (not trial.noise.coloured and _sure(trial, verdict)):
+    doubtful = trial.noise_left_by(verdict).coloured or faint
+    if not trial.noise.coloured and (not doubtful or _sure(trial, verdict)):
         return trial, _weighed(trial, verdict)
     trials = [(trial, verdict)]
 

@@ -56,7 +56,8 @@ class _Sight:
     def rough(self) -> "_Sight":
         """In single precision, all but the time, of which little may differ; of many samples by half of them.
 
-        These are drawn, lest a period be taken for another, and only where no noise connects the samples.
+        These are drawn, lest a period be taken for another, and only where no noise connects the samples; the same
+        for all grounds, because they share what is made of them.
         """
         inputs, around, frame, noise = self.inputs, self.around, self.frame, self.noise
         if len(inputs) >= MANY and not noise.coloured:

@@ -45,10 +45,10 @@ class Estimate:
 class Fit:
     """A model fitted to the rows `rows` (mask, shape (n,)) of a record; force and residual cover all n rows.
 
-    `values` are those of the parameters by name. `valid` needs convergence and every parameter
-    identified; `problems` says in words what is wrong. `weights` (n,) multiply the residuals that were minimised,
-    `held` are the values of parameters that were not fitted. Errors of the parameters come from `sums`, None where
-    they were not asked for, when somebody looks at them, unless estimates found otherwise are `given`.
+    `values` are those of the parameters by name. `valid` needs convergence and every parameter identified; `problems`
+    says in words what is wrong. `weights` (n,) multiply the residuals that were minimised, `held` are the values of
+    parameters that were not fitted. Errors of the parameters come from `sums` (None where they were not asked for),
+    when somebody looks at them, unless estimates found otherwise are `given`.
     """
 
     model: Model
