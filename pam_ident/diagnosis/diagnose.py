@@ -11,7 +11,7 @@ from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record, thinned
 from .confounding import groups
-from .deliberate import EXACT, investigate
+from .deliberate import EXACT, PATTERN_TOLERANCE, investigate
 from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
@@ -149,7 +149,7 @@ def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
     n = len(trial.record)
     left, all_of_it = verdict.squares - n, max(trial.empty.squares - n, 1e-9)
     most_of_it = bool(verdict.terms) and left > MOSTLY * all_of_it
-    if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < 0.02 * all_of_it:
+    if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < PATTERN_TOLERANCE * all_of_it:
         return None if verdict.terms else _bursts(trial, verdict)
     size = trial.noise.sigma * math.sqrt(left / n)
     text = f"about {size:.3g} N rms without a shape of its own, {left / all_of_it:.0%} of what is left unexplained"

@@ -25,6 +25,7 @@ OVER_PRESSURE, PRESSURE_KNOTS = "over_pressure", 5
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
 AGAINST = Param("against", "N", "amplitude against motion", scale=10.0)
 AGAIN = Param("again", "N", "amplitude in the other place", scale=10.0)
+LATER = Param("later", "N", "size of the second", scale=10.0)
 COS = Param("cosine", "N", "cosine part", scale=10.0)
 SIN = Param("sine", "N", "sine part", scale=10.0)
 WAVE = (COS, SIN)
@@ -149,10 +150,9 @@ def _force_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _like(inputs, inputs.time[:, None] >= shape["moment"])
 
 
-def _pulse(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    assert inputs.time is not None
-    time, begin = inputs.time[:, None], np.asarray(shape["moment"])
-    return _like(inputs, (time >= begin) & (time < begin + shape["length"]))
+def _two_steps(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    second = {"moment": shape["moment"] + shape["length"]}
+    return np.hstack([_force_step(inputs, shape, force), _force_step(inputs, second, force)])
 
 
 def _burst(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -301,6 +301,7 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
             start=first + duration / 2,
             grid=_steps(first, duration, 150),
         )
+        early = replace(moment, grid=_steps(first, duration, 75))
         length = Param("length", "s", "how long", 0.0, duration, start=duration / 8, grid=_steps(0.0, duration / 2, 12))
         lasting = _span("length", "s", "how long", tuple(duration * w for w in (0.08, 0.03, 0.012)))
         slow = _span("period", "s", "period in time", tuple(duration / np.arange(3.0, 400.0, 0.4)))
@@ -318,7 +319,7 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
                 ("time",),
                 [
                     AddsForce("force", "step of the force", (SIZE,), _force_step, (moment,)),
-                    AddsForce("pulse", "step of the force, and back", (SIZE,), _pulse, (moment, length)),
+                    AddsForce("two", "two steps of the force", (SIZE, LATER), _two_steps, (early, length)),
                     ScalesForce("gain", "step of the force's scale", (GAIN,), _force_step, (moment,)),
                     TransformsContraction("length", "step of the length", (SHIFT,), _length_step, (moment,)),
                     TransformsPressure("pressure", "step of the pressure", (ZERO,), _force_step, (moment,)),

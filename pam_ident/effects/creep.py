@@ -17,6 +17,7 @@ THREE = tuple(
 )
 E_R = Param("E_r", "MPa", "relaxing part of the bladder's modulus", 0.0, 1e3, scale=0.1)
 SHARE = Param("share", "1", "share of a change of force that relaxes", 0.0, 2.0, scale=0.02)
+LATE = Param("late", "1", "share of a change of force that comes late", 0.0, 1.0, scale=0.02)
 DECADES = np.logspace(-1.0, 3.0, 9)
 
 
@@ -41,6 +42,11 @@ def _force(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-_drive(inputs, force, shape["tau"]))
 
 
+def _following(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """The muscle creeps on the way it was pulled or pressed."""
+    return -_force(inputs, shape, force)
+
+
 def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-_drive(inputs, hoop_force(inputs), shape["tau"]))
 
@@ -55,6 +61,9 @@ EFFECT = Effect(
         AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (MIDDLE,), remembers=True),
         AddsForce("elastic", "+E_r q, q̇ = ḟ − q/τ, E f the bladder's force", (E_R,), _elastic, (TAU,), remembers=True),
         AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True, remembers=True),
+        AddsForce(
+            "following", "−late · q, q̇ = Ḟ − q/τ", (LATE,), _following, (MIDDLE,), uses_force=True, remembers=True
+        ),
     ),
     test="holds over three decades of time",
     needs=("motion", "time"),

@@ -20,7 +20,7 @@ E_LOST = Param("E_lost", "MPa", "modulus that the bladder loses below its greate
 M = Param("m", "1", "way below the greatest energy at which it is lost", 0.003, 3.0, start=0.1, grid=(0.02, 0.1))
 EXPONENT = Param("q", "1", "exponent of the number of the cycle", 0.2, 4.0, start=1.0, grid=(0.6, 1.5))
 WAY = Param("s_0", "mm", "way over which the softening fades", 5.0, 1e4, start=150.0, grid=(60.0, 150.0, 400.0))
-N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 60.0, start=1.5, grid=(0.7, 1.5, 4.0))
+N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 20.0, start=1.5, grid=(0.7, 1.5, 4.0))
 
 
 def _fading(inputs: Inputs, shape: Shape) -> Array:

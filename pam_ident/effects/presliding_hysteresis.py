@@ -7,6 +7,7 @@ from ._history import dahl_operator, stop_operator
 from .base import AddsForce, Array, Effect, Shape, one
 
 W = Param("W", "N", "friction force when fully slid", 0.0, 2000.0, scale=10.0)
+W_PRESSURE = Param("W_p", "N/MPa", "growth of that force with pressure", 0.0, 1e4, scale=30.0)
 WIDTH = Param(
     "x_s",
     "mm",
@@ -37,6 +38,10 @@ def _dahl(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-dahl_operator(inputs, _slipping(inputs, shape["x_s"])))
 
 
+def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _dahl(inputs, shape, force) * inputs.xp.stack([inputs.xp.ones_like(inputs.pressure), inputs.pressure]).T
+
+
 def _three(inputs: Inputs, shape: Shape, force: Array) -> Array:
     widths = [_slipping(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
     return -inputs.xp.stack([stop_operator(inputs, width) for width in widths]).T
@@ -50,6 +55,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,), remembers=True),
         AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,), remembers=True),
+        AddsForce("pressed", "as dahl, with W + W_p p for W", (W, W_PRESSURE), _pressed, (WIDTH,), remembers=True),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
     ),
     test="reversals and minor loops at one slow speed",
