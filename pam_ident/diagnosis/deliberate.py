@@ -24,7 +24,7 @@ FAINT = 1.2
 SURE = 500.0
 """Cost by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it had
 lost by 160 at most."""
-CLOSE = 30.0
+CLOSE = 100.0
 """Cost within which the noise that a rival of other names leaves is given a court of its own."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
@@ -54,8 +54,11 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
         return trial, _weighed(trial, verdict)
     trials = [(trial, verdict)]
 
+    def heard(noise: Noise) -> bool:
+        return any(noise.like(court.noise) for court, _ in trials)
+
     def judge_again(noise: Noise) -> None:
-        if not any(noise.like(court.noise) for court, _ in trials):
+        if not heard(noise):
             again = Trial(base, suspects, noise, trial)
             trials.append((again, _answer(again, most)))
 
@@ -65,9 +68,10 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     if not any(answer.labels == found.labels for court, found in trials if court is not last):
         judge_again(last.noise_left_by(answer))
     (least, noise, found), *others = _compared(trials)
-    rival = next((own for cost, own, v in others if cost < least + CLOSE and v.names != found.names), None)
-    if rival is not None:
-        judge_again(rival)
+    close = [own for cost, own, rival in others if cost < least + CLOSE and rival.names != found.names]
+    unheard = [own for own in close if not heard(own)]
+    if unheard:
+        judge_again(unheard[0])
         _, noise, found = _compared(trials)[0]
     final = Trial(base, suspects, noise, trial)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one

@@ -11,7 +11,7 @@ from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record, thinned
 from .confounding import groups
-from .deliberate import EXACT, PATTERN_TOLERANCE, investigate
+from .deliberate import EXACT, investigate
 from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
@@ -23,6 +23,8 @@ from .trial import Trial, Verdict
 Array = np.ndarray
 REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
+OF_ALL = 0.03
+"""Share of what is to be explained that it must be, too: a form that is not exactly right may leave less."""
 MOSTLY, UNDER_A_NAME = 0.5, 0.1
 """Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
 CORNER = 5
@@ -149,7 +151,7 @@ def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
     n = len(trial.record)
     left, all_of_it = verdict.squares - n, max(trial.empty.squares - n, 1e-9)
     most_of_it = bool(verdict.terms) and left > MOSTLY * all_of_it
-    if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < PATTERN_TOLERANCE * all_of_it:
+    if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < OF_ALL * all_of_it:
         return None if verdict.terms else _bursts(trial, verdict)
     size = trial.noise.sigma * math.sqrt(left / n)
     text = f"about {size:.3g} N rms without a shape of its own, {left / all_of_it:.0%} of what is left unexplained"

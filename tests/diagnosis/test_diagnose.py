@@ -177,6 +177,43 @@ def test_a_step_of_scale_is_a_step_though_the_temperature_follows_it_nearly(tmp_
     assert answer.pattern.value == pytest.approx(moment, abs=30.0)
 
 
+def passed(record: Record):
+    """Share of the record's time that has passed, (n,)."""
+    time = record.inputs.time
+    return (time - time[0]) / np.ptp(time)
+
+
+def test_a_stiffness_that_falls_all_the_while_is_no_softening_of_first_cycles(tmp_path):
+    record = rig_record(tmp_path, seed=51, law=EXPONENTIAL, sigma_N=1.0)
+    answer = diagnose(Model.build(EXPONENTIAL), with_force(record, -50.0 * passed(record) * record.inputs.contraction))
+    assert answer.verdict == "unknown_effect" and answer.selected == ()
+    assert answer.pattern is not None and answer.pattern.kind == "trend"
+
+
+def test_a_force_that_grows_as_it_warms_is_no_softening(tmp_path):
+    record = rig_record(tmp_path, seed=52, law=CHOU, warming=True)
+    answer = diagnose(Model.build(CHOU), with_force(record, 0.05 * passed(record) * record.force))
+    assert answer.verdict == "unknown_effect" and answer.selected == ()
+    assert answer.pattern is not None and answer.pattern.kind == "trend"
+
+
+def test_two_slips_of_the_gauge_are_steps(tmp_path):
+    record = rig_record(tmp_path, seed=53, law=EXPONENTIAL, sigma_N=1.0)
+    slips = 4.0 * (passed(record) > 0.3) - 6.5 * (passed(record) > 0.7)
+    answer = diagnose(Model.build(EXPONENTIAL), with_force(record, slips))
+    assert answer.verdict == "unknown_effect" and answer.selected == ()
+    assert answer.pattern is not None and answer.pattern.kind == "step"
+    assert answer.pattern.value == pytest.approx(record.inputs.time[np.argmax(passed(record) > 0.3)], abs=1.0)
+
+
+def test_what_loses_by_a_hair_is_heard_against_the_noise_that_it_leaves(tmp_path):
+    """A softening in a few cycles beside friction: the wander that friction alone would leave explains it nearly."""
+    secrets = (Secret("coulomb_friction", "tanh", 2.93), Secret("mullins_softening", "travel", 0.96))
+    plan = {"sigma_N": 1.0, "tier": 2, "protocol": "six_pressures"}
+    record = rig_record(tmp_path, seed=208, law=EXPONENTIAL, secrets=secrets, **plan)
+    assert "mullins_softening" in diagnose(Model.build(EXPONENTIAL), record).selected
+
+
 def test_a_rub_on_one_branch_is_one_pattern(tmp_path):
     record = rig_record(tmp_path, seed=47, law=EXPONENTIAL)
     x = record.inputs.displacement_mm

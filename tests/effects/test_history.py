@@ -194,6 +194,23 @@ def test_creep_is_the_relaxation_of_its_drive():
     np.testing.assert_allclose(got, relax_by_steps(inputs, ideal, 10.0), rtol=1e-6, atol=1e-6)
 
 
+def test_creep_that_follows_brings_a_share_of_a_step_late():
+    inputs = replace(path(n=200), segment=np.zeros(200, int))
+    step = np.where(np.arange(200) >= 50, 100.0, 0.0)
+    _, form = get_effect("creep:following")
+    force = step + 0.2 * form.columns(inputs, {"tau": 4.0}, step)[:, 0]
+    since = inputs.time[60] - 0.5 * (inputs.time[49] + inputs.time[50])
+    assert force[40] == 0.0 and force[-1] == pytest.approx(100.0, abs=2.0)
+    assert force[60] == pytest.approx(100.0 - 20.0 * math.exp(-since / 4.0), abs=0.5)
+
+
+def test_presliding_may_grow_with_pressure():
+    inputs = replace(path(seed=7), pressure=np.linspace(0.1, 0.5, 400))
+    (_, dahl), (_, pressed) = get_effect("presliding_hysteresis:dahl"), get_effect("presliding_hysteresis:pressed")
+    alone, both = (f.columns(inputs, {"x_s": 2.0}, np.zeros(len(inputs))) for f in (dahl, pressed))
+    np.testing.assert_allclose(both, np.column_stack([alone[:, 0], alone[:, 0] * inputs.pressure]), atol=1e-12)
+
+
 def test_the_maxwell_slip_form_has_elements_of_three_widths():
     inputs = path(seed=7)
     _, form = get_effect("presliding_hysteresis:maxwell_slip_3")
