@@ -1,5 +1,7 @@
 """Elastic micro-slip before full sliding: corners of the loop rounded after each reversal."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..core import Inputs, Param
@@ -17,6 +19,8 @@ WIDTH = Param(
     start=3.0,
     grid=(0.4, 1.0, 2.5, 6.0, 15.0),
 )
+WIDE = replace(WIDTH, lower=1.0, grid=WIDTH.grid[1:])
+"""Shorter than this a friction that grows with pressure is dry."""
 THREE = tuple(
     Param(f"W_{k}", "N", f"friction force of the {word} element", 0.0, 2000.0, scale=10.0)
     for k, word in enumerate(("shortest", "middle", "longest"), 1)
@@ -55,7 +59,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,), remembers=True),
         AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,), remembers=True),
-        AddsForce("pressed", "as dahl, with W + W_p p for W", (W, W_PRESSURE), _pressed, (WIDTH,), remembers=True),
+        AddsForce("pressed", "as dahl, with W + W_p p for W", (W, W_PRESSURE), _pressed, (WIDE,), remembers=True),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
     ),
     test="reversals and minor loops at one slow speed",
