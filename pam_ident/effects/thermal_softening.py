@@ -8,8 +8,8 @@ from .bladder_elasticity import hoop_force
 ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the start", 0.0, 0.1, scale=0.001)
 ALPHA_2 = Param("alpha_2", "1/K^2", "change of that loss with warming", -0.01, 0.01, scale=3e-5)
 ALPHA_E = Param("alpha_e", "1/K", "change of that loss with contraction", -1.0, 1.0, scale=0.003)
-E_LOSS = Param("E_loss", "MPa/K", "loss of the bladder's modulus per kelvin", -20.0, 20.0, scale=0.01)
-G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvin", -1e4, 1e4, scale=1.0)
+E_LOSS = Param("E_loss", "MPa/K", "loss of the bladder's modulus per kelvin", 0.0, 20.0, scale=0.01)
+G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvin", 0.0, 1e4, scale=1.0)
 
 TAU = Param("tau", "s", "time in which the wall follows the sensor", 2.0, 600.0, start=60.0, grid=(20.0, 100.0, 400.0))
 
