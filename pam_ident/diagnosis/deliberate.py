@@ -43,8 +43,9 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
     colour is, the record is judged again against the noise that the law alone would imply, and against that which a
     new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
-    by their full likelihood, each with its own noise. Not where no noise could take the place of any name: a little
-    colour is what a form leaves that is not exactly right.
+    by their full likelihood, each with its own noise. A close rival of other names brings the noise that it leaves
+    before a court as well, where none was like it. Nothing of this where no noise could take the place of any name: a
+    little colour is what a form leaves that is not exactly right.
     """
     trial = Trial(base, suspects)
     verdict = _answer(trial, most)

@@ -112,6 +112,7 @@ class Trial:
         self.known: dict[tuple[str, ...], Verdict] = {} if before is None else before.known
         self.borrowed: dict[tuple[str, ...], Verdict] = {}
         self.blocks: dict[str, Block] = {}
+        self.noises: dict[tuple[Verdict, bool], Noise] = {}
         self.refits = 0
 
     def _law_alone(self) -> Verdict:
@@ -226,12 +227,15 @@ class Trial:
         """A set's model with its slopes."""
         return View(self.record, self.base.model.adding(*verdict.terms), verdict.values, self.law.kept)
 
-    @lru_cache(maxsize=4)  # noqa: B019 - as above
     def noise_left_by(self, verdict: Verdict, white: bool = False) -> Noise:
         """Noise as it must be if a set is the whole truth."""
-        view = self.view(verdict)
-        slope = view.around.contraction / self.record.specimen.initial_length_mm
-        return estimate_noise(self.record, view.residual, slope, len(verdict.values), self.noise.outlier, white)
+        key = (verdict, white)
+        if key not in self.noises:
+            view = self.view(verdict)
+            slope = view.around.contraction / self.record.specimen.initial_length_mm
+            outlier, taken = self.noise.outlier, len(verdict.values)
+            self.noises[key] = estimate_noise(self.record, view.residual, slope, taken, outlier, white)
+        return self.noises[key]
 
     def _noise(self, view: "View", atoms: Sequence[Atom]) -> Noise:
         """Noise is what the law, all suspects together and free curves over contraction still leave."""
