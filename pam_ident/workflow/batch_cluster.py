@@ -64,7 +64,7 @@ def _client(address: str, patience_s: float) -> "Client":
 
 def _round(client: "Client", work: Work, items: list[Item]) -> Iterator[tuple[Item, Done]]:
     """Items as the cluster finishes them, until all are done or the scheduler is gone."""
-    from distributed import KilledWorker, as_completed
+    from distributed import CancelledError, KilledWorker, as_completed
 
     queue, asked, crew = iter(items), dict[str, Item](), _Crew(client)
     running: Any = as_completed(loop=client.loop)
@@ -86,8 +86,10 @@ def _round(client: "Client", work: Work, items: list[Item]) -> Iterator[tuple[It
                 yield item, Done(stop=f"a worker failed at {item.name}: {type(failure).__name__}: {failure}")
             else:
                 yield item, future.result()
-    except OSError:
-        return  # a broken line to the scheduler
+    except Exception as error:
+        # The line can break at any instant, that between a future's status and its result included.
+        if client.status == "running" and not isinstance(error, (OSError, CancelledError)):
+            raise
 
 
 def _take(queue: Iterator[Item], count: int) -> Iterator[Item]:

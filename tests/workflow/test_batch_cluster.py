@@ -13,7 +13,11 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from batch_tree import answers, environment, finish, frame, start, write_tree
 
-pytest.importorskip("distributed")
+from pam_ident.workflow.batch_cluster import work_on_cluster
+from pam_ident.workflow.batch_question import Item
+from pam_ident.workflow.batch_work import Done
+
+distributed = pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 COUNT = 40
 
@@ -99,6 +103,43 @@ def test_a_worker_the_scheduler_and_the_client_are_killed_in_mid_run(tree, clust
     assert code == 0, stderr
     assert (tmp_path / "local" / "results.parquet").read_bytes() == (out / "results.parquet").read_bytes()
     assert len(frame(out)) == COUNT
+
+
+@pytest.fixture
+def address():
+    """A cluster of one worker in this process."""
+    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as found:
+        yield found.scheduler_address
+
+
+def item(k: int) -> Item:
+    return Item(f"run{k}.csv", f"/run{k}.csv", "", "", f"key{k}")
+
+
+def test_a_line_that_breaks_before_a_result_is_fetched_loses_no_record(address, monkeypatch):
+    whole, asked, told = distributed.Future.result, [], []
+
+    def result(future):
+        asked.append(future.key)
+        if len(asked) == 2:
+            raise distributed.CancelledError("connection lost")
+        return whole(future)
+
+    monkeypatch.setattr(distributed.Future, "result", result)
+    items = [item(k) for k in range(5)]
+    found = list(work_on_cluster(lambda item: Done(), items, address, told.append))
+    assert sorted(item.key for item, _ in found) == [item.key for item in items]
+    assert all(done == Done() for _, done in found) and len(asked) == 6
+    assert told == [f"the scheduler at {address} is gone; waiting for it"]
+
+
+def test_what_a_worker_raises_is_no_broken_line(address):
+    def work(item):
+        raise OSError("no such disk")
+
+    found = list(work_on_cluster(work, [item(0)], address))
+    assert found == [(item(0), Done(stop="a worker failed at run0.csv: OSError: no such disk"))]
 
 
 def test_no_scheduler_is_one_message(tree, tmp_path):
