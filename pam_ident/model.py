@@ -185,15 +185,18 @@ class Model:
             columns, fixed = columns * factor[:, None], fixed * factor
         return xp.hstack([columns, *added]) if added else columns, fixed
 
-    def force(self, inputs: Inputs, values: Values) -> Array:
-        """Force in N, shape (n,); effects that depend on the force are solved for it, sample by sample."""
+    def force(self, inputs: Inputs, values: Values, near: Array | None = None) -> Array:
+        """Force in N, shape (n,); effects that depend on the force are solved for it, sample by sample.
+
+        They are from `near` (n,), a force in N not far from it, sooner than from none.
+        """
         sizes = _vector(inputs, [values[p.name] for p in self.linear])
 
         def step(force: Array) -> Array:
             columns, fixed = self.design(inputs, values, force)
             return fixed + columns @ sizes
 
-        force = step(inputs.xp.zeros(len(inputs)))
+        force = step(inputs.xp.zeros(len(inputs))) if near is None or self.separable else near
         return force if self.separable else _solve(step, force, ROUNDS)
 
     def step(self, inputs: Inputs, values: Values, memory: Memory | None) -> tuple[Array, Memory]:

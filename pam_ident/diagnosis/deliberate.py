@@ -24,6 +24,8 @@ FAINT = 1.2
 SURE = 500.0
 """Cost by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it had
 lost by 160 at most."""
+UNEXPLAINED, EXPLAINED = 10.0, 3.0
+"""Whitened squares beyond their number, in standard deviations: something is left; nothing is."""
 CLOSE = 100.0
 """Cost within which the noise that a rival of other names leaves is given a court of its own."""
 EXACT = 500
@@ -121,7 +123,15 @@ def _weighed(trial: Trial, verdict: Verdict) -> Verdict:
 
 
 def _answer(trial: Trial, most: int) -> Verdict:
-    verdict = deliberate(trial, most)
+    """The cheapest set of effects, or of effects and a pattern. Where a pattern alone is all, no set is mended."""
+    leaders = fitted_leaders(trial, most)
+    slack = float(np.sqrt(2.0 * len(trial.record)))
+    if leaders[0].squares > len(trial.record) + UNEXPLAINED * slack:
+        found = find_pattern(trial, leaders[0])
+        if found and len(found.terms) == 1 and found.squares < len(trial.record) + EXPLAINED * slack:
+            if found.cost < leaders[0].cost - SURE:
+                return found
+    verdict = mended(trial, leaders, most)
     return find_pattern(trial, verdict) or verdict
 
 
@@ -135,15 +145,20 @@ def _full_cost(trial: Trial, verdict: Verdict) -> tuple[float, Noise]:
     return noise.deviance + price, noise
 
 
-def deliberate(trial: Trial, most: int = 3) -> Verdict:
-    """The cheapest set of up to `most` effects: leaders of the compressed search fitted exactly, then mended."""
+def fitted_leaders(trial: Trial, most: int) -> list[Verdict]:
+    """The leading sets of up to `most` effects in a compressed search, and the law alone, fitted, cheapest first."""
     pool: list[Verdict] = []
     for choice in _leaders(trial, beam_search(trial.data, trial.price, most)):
         second = sorted(v.cost for v in [trial.empty, *pool])[:2][-1]
         pool.append(trial.refit_choice(trial.data, choice, trial.empty, second))
     if len(trial.record) <= EXACT:
         pool += _pairs(trial)
-    first, second, *_ = *sorted([trial.empty, *pool], key=lambda v: v.cost), trial.empty
+    return sorted([trial.empty, *pool], key=lambda v: v.cost)
+
+
+def mended(trial: Trial, leaders: Sequence[Verdict], most: int) -> Verdict:
+    """The cheapest set that the first two leaders can be made into."""
+    first, second, *_ = *leaders, trial.empty
     best = _mend(trial, first, most)
     if not first.terms or not first.kin <= second.kin:  # what it has beyond the first is tried on the first, too
         best = min(best, _mend(trial, second, most), key=lambda v: v.cost)

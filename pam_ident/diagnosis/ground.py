@@ -17,8 +17,8 @@ from .trial import Trial, Verdict
 Array = np.ndarray
 TOGETHER = 1 << 20
 """Numbers in the columns that are made and whitened in one go: so many stay in the processor's cache."""
-MANY, FEW = 2000, 5
-"""Samples of which half show where a pattern is best, and how many such places are judged by all of them."""
+ENOUGH, FEW = 1500, 5
+"""Samples that show where a pattern that matters is best, and how many such places are judged by all."""
 Point = Mapping[str, float]
 
 
@@ -54,14 +54,14 @@ class _Sight:
     ridge: float
 
     def rough(self) -> "_Sight":
-        """In single precision, all but the time, of which little may differ; of many samples by half of them.
+        """In single precision, all but the time, of which little may differ; of many samples by ENOUGH of them.
 
         These are drawn, lest a period be taken for another, and only where no noise connects the samples; the same
         for all grounds, because they share what is made of them.
         """
         inputs, around, frame, noise = self.inputs, self.around, self.frame, self.noise
-        if len(inputs) >= MANY and not noise.coloured:
-            rows = np.flatnonzero(np.random.default_rng(0).random(len(inputs)) < 0.5)
+        if len(inputs) > ENOUGH and not noise.coloured:
+            rows = np.flatnonzero(np.random.default_rng(0).random(len(inputs)) * len(inputs) < ENOUGH)
             inputs, around, noise = inputs.take(rows), around.take(rows), noise.take(rows)
             frame = Frame(frame[:-1, rows].T, frame[-1, rows]).rows  # half a basis is none
         inputs = replace(_single(inputs), time=inputs.time)

@@ -7,8 +7,11 @@ import numpy as np
 from ..core import Inputs, Param
 from ._history import dahl_operator, stop_operator
 from .base import AddsForce, Array, Effect, Shape, one
+from .coulomb_friction import V_S
+from .stribeck_friction import bending
 
 W = Param("W", "N", "friction force when fully slid", 0.0, 2000.0, scale=10.0)
+W_REST = Param("W_s_minus_W", "N", "what that force gains towards rest", 0.0, 2000.0, scale=10.0)
 W_PRESSURE = Param("W_p", "N/MPa", "growth of that force with pressure", 0.0, 1e4, scale=30.0)
 WIDTH = Param(
     "x_s",
@@ -21,6 +24,8 @@ WIDTH = Param(
 )
 WIDE = replace(WIDTH, lower=1.0, grid=WIDTH.grid[1:])
 """Shorter than this a friction that grows with pressure is dry."""
+SEEN = replace(WIDTH, lower=0.4, grid=(0.8, 3.0, 8.0))
+"""A shorter one is a Stribeck friction's alone."""
 THREE = tuple(
     Param(f"W_{k}", "N", f"friction force of the {word} element", 0.0, 2000.0, scale=10.0)
     for k, word in enumerate(("shortest", "middle", "longest"), 1)
@@ -46,6 +51,10 @@ def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _dahl(inputs, shape, force) * inputs.xp.stack([inputs.xp.ones_like(inputs.pressure), inputs.pressure]).T
 
 
+def _lugre(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return bending(inputs, {**shape, "x_s": _slipping(inputs, shape["x_s"])}, force)
+
+
 def _three(inputs: Inputs, shape: Shape, force: Array) -> Array:
     widths = [_slipping(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
     return -inputs.xp.stack([stop_operator(inputs, width) for width in widths]).T
@@ -55,11 +64,19 @@ EFFECT = Effect(
     name="presliding_hysteresis",
     title="Presliding hysteresis",
     source="Vo-Minh, Tjahjowidodo, Ramon & Van Brussel 2011, IEEE/ASME Trans. Mechatronics 16(1), 177–186 "
-    "(Maxwell slip); Dahl 1968",
+    "(Maxwell slip); Dahl 1968; Canudas de Wit et al. 1995, IEEE Trans. Automatic Control 40(3), 419–425 (LuGre)",
     forms=(
         AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,), remembers=True),
         AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,), remembers=True),
         AddsForce("pressed", "as dahl, with W + W_p p for W", (W, W_PRESSURE), _pressed, (WIDE,), remembers=True),
+        AddsForce(
+            "lugre",
+            "as dahl, with W + (W_s−W) exp(−(v/v_s)²) for W",
+            (W, W_REST),
+            _lugre,
+            (V_S, SEEN),
+            remembers=True,
+        ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
     ),
     test="reversals and minor loops at one slow speed",

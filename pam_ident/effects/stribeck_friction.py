@@ -7,7 +7,7 @@ from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, expon
 
 SIZES = (F_C, F_BREAK, F_HOLD, HOLD_GAIN)
 WIDTH = Param("x_s", "mm", "travel in which the contact bends before it slides", 0.02, 1.2, start=0.5, grid=(0.3, 0.9))
-"""A longer one is presliding, which has a name of its own."""
+"""A longer one is presliding, which has the same form under a name of its own."""
 
 
 def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -19,8 +19,8 @@ def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return inputs.xp.hstack([columns[:, :2], columns[:, 2:] * fading[:, None]])
 
 
-def _bending(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    """Dahl's contact, whose strength falls with speed: LuGre's model while the speed changes slowly."""
+def bending(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Dahl's contact and its gain towards rest, shape (n, 2): LuGre's model while the speed changes slowly."""
     state = dahl_operator(inputs, shape["x_s"])
     return -inputs.xp.stack([state, state * inputs.xp.exp(-((speed(inputs) / shape["v_s"]) ** 2))]).T
 
@@ -40,7 +40,7 @@ EFFECT = Effect(
             "bending",
             "−[F_c + (F_s−F_c) exp(−(v/v_s)²)] z, dz/dx = (1 − z sgn ẋ)/x_s",
             (F_C, F_BREAK),
-            _bending,
+            bending,
             (V_S, WIDTH),
             remembers=True,
         ),

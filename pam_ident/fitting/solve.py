@@ -106,9 +106,14 @@ def _remembering(model: Model, inputs: Inputs, acting: Array) -> Model:
 
 def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float], whiten: Whiten = all_rows) -> Problem:
     """All parameters as curved ones, for models in which the force, (n,) in N, acts back on itself."""
+    near = force
 
     def design(values: Mapping[str, float]) -> tuple[Array, Array]:
-        return np.empty((len(inputs), 0)), model.force(inputs, values)
+        nonlocal near
+        found = model.force(inputs, values, near)
+        if np.all(np.isfinite(found)):
+            near = found
+        return np.empty((len(inputs), 0)), found
 
     return Problem((), model.bounded(inputs), design, force, start, whiten)
 
