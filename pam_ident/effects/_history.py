@@ -153,6 +153,30 @@ def dahl_operator(inputs: Inputs, width_mm: float) -> Array:
     return goal + (np.array(states)[way.run] - goal) * np.exp(-np.abs(way.travel) / width_mm)
 
 
+def lugre_operator(inputs: Inputs, width_mm: float, level: Array) -> Array:
+    """The same for a contact of the strength `level` (n,), at which it bends by width · level: within ± level.
+
+    LuGre's friction (Canudas de Wit et al. 1995) without its rates, the level that of the sample to which it moves.
+    """
+    xp = inputs.xp
+
+    def kept(dx: Array) -> Array:
+        return xp.exp(-xp.abs(dx) / (width_mm * level))
+
+    if inputs.live is not None:
+
+        def move(z: Array, dx: Array) -> Array:
+            goal = xp.sign(dx) * level
+            return goal + (z - goal) * kept(dx)
+
+        return _moved_live(inputs.live, inputs, move)
+    way = _one_way(inputs)
+    moved = np.diff(way.travel, prepend=0.0)
+    moved[np.flatnonzero(np.diff(way.run, prepend=-1))] = [jump for jump, _ in way.steps]
+    decay = kept(moved)
+    return decaying_sum(decay, (1.0 - decay) * np.sign(moved) * level)[1:]
+
+
 @dataclass(frozen=True)
 class _Way:
     """The path cut into one-way runs: `run` and signed `travel` (mm) since its first sample, shape (n,) each, and

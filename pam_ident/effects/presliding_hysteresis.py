@@ -8,10 +8,9 @@ from ..core import Inputs, Param
 from ._history import dahl_operator, stop_operator
 from .base import AddsForce, Array, Effect, Shape, one
 from .coulomb_friction import V_S
-from .stribeck_friction import bending
+from .stribeck_friction import PEAK, bending
 
 W = Param("W", "N", "friction force when fully slid", 0.0, 2000.0, scale=10.0)
-W_REST = Param("W_s_minus_W", "N", "what that force gains towards rest", 0.0, 2000.0, scale=10.0)
 W_PRESSURE = Param("W_p", "N/MPa", "growth of that force with pressure", 0.0, 1e4, scale=30.0)
 WIDTH = Param(
     "x_s",
@@ -24,7 +23,8 @@ WIDTH = Param(
 )
 WIDE = replace(WIDTH, lower=1.0, grid=WIDTH.grid[1:])
 """Shorter than this a friction that grows with pressure is dry."""
-SEEN = replace(WIDTH, lower=0.4, grid=(0.8, 3.0, 8.0))
+LOW = replace(PEAK, grid=(1.2,))
+SEEN = replace(WIDTH, lower=0.4, grid=(0.7, 1.5, 3.0, 7.0))
 """A shorter one is a Stribeck friction's alone."""
 THREE = tuple(
     Param(f"W_{k}", "N", f"friction force of the {word} element", 0.0, 2000.0, scale=10.0)
@@ -71,10 +71,10 @@ EFFECT = Effect(
         AddsForce("pressed", "as dahl, with W + W_p p for W", (W, W_PRESSURE), _pressed, (WIDE,), remembers=True),
         AddsForce(
             "lugre",
-            "as dahl, with W + (W_s−W) exp(−(v/v_s)²) for W",
-            (W, W_REST),
+            "−W z, dz/dx = (1 − z sgn ẋ/g)/x_s, g = 1 + (peak−1) exp(−(v/v_s)²)",
+            (W,),
             _lugre,
-            (V_S, SEEN),
+            (LOW, V_S, SEEN),
             remembers=True,
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),

@@ -1,11 +1,12 @@
 """Friction that falls from its breakaway value as sliding begins."""
 
 from ..core import Inputs, Param
-from ._history import dahl_operator, time_held
-from .base import AddsForce, Array, Effect, Shape, slip, speed
+from ._history import lugre_operator, time_held
+from .base import AddsForce, Array, Effect, Shape, one, slip, speed
 from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, exponential_dip, gaussian_dip
 
 SIZES = (F_C, F_BREAK, F_HOLD, HOLD_GAIN)
+PEAK = Param("peak", "1", "friction towards rest over that at speed", 1.0, 20.0, start=1.5, grid=(1.4, 3.0))
 WIDTH = Param("x_s", "mm", "travel in which the contact bends before it slides", 0.02, 1.2, start=0.5, grid=(0.3, 0.9))
 """A longer one is presliding, which has the same form under a name of its own."""
 
@@ -20,9 +21,9 @@ def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def bending(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    """Dahl's contact and its gain towards rest, shape (n, 2): LuGre's model while the speed changes slowly."""
-    state = dahl_operator(inputs, shape["x_s"])
-    return -inputs.xp.stack([state, state * inputs.xp.exp(-((speed(inputs) / shape["v_s"]) ** 2))]).T
+    """Friction per N at speed of a contact that bends before it slides, shape (n, 1)."""
+    level = 1.0 + (shape["peak"] - 1.0) * inputs.xp.exp(-((speed(inputs) / shape["v_s"]) ** 2))
+    return one(-lugre_operator(inputs, shape["x_s"], level))
 
 
 EFFECT = Effect(
@@ -38,10 +39,10 @@ EFFECT = Effect(
         ),
         AddsForce(
             "bending",
-            "−[F_c + (F_s−F_c) exp(−(v/v_s)²)] z, dz/dx = (1 − z sgn ẋ)/x_s",
-            (F_C, F_BREAK),
+            "−F_c z, dz/dx = (1 − z sgn ẋ/g)/x_s, g = 1 + (peak−1) exp(−(v/v_s)²)",
+            (F_C,),
             bending,
-            (V_S, WIDTH),
+            (PEAK, V_S, WIDTH),
             remembers=True,
         ),
     ),

@@ -46,6 +46,24 @@ def test_one_hidden_effect_is_named_alone_and_its_error_removed(tmp_path, law, s
     assert answer.ranking[0].effect == answer.selected[0] and answer.ranking[0].probability > 0.8
 
 
+def test_a_contact_that_bends_and_weakens_with_speed_is_presliding(tmp_path):
+    secret = Secret("presliding_hysteresis", "lugre", 4.0)
+    record = rig_record(tmp_path, seed=61, law=EXPONENTIAL, secrets=(secret,))
+    assert diagnose(Model.build(EXPONENTIAL), record).selected == ("presliding_hysteresis",)
+
+
+def test_where_its_travel_is_that_of_either_it_has_two_names(tmp_path):
+    record = rig_record(tmp_path, seed=61, law=CHOU)
+    level = 8.0 * (1.0 + 0.6 * np.exp(-((np.abs(record.inputs.velocity) / 4.0) ** 2)))
+    friction = np.zeros(len(record))
+    for k, dx in enumerate(np.diff(record.inputs.displacement_mm), 1):
+        end = np.sign(dx) * level[k]
+        friction[k] = end + (friction[k - 1] - end) * np.exp(-8.0 * abs(dx) / (0.8 * level[k]))
+    answer = diagnose(Model.build(CHOU), with_force(record, -friction))
+    assert len(answer.selected) == 1
+    assert {"presliding_hysteresis", "stribeck_friction"} in [set(group) for group in answer.groups]
+
+
 def test_a_pair_is_found_as_a_pair(tmp_path):
     secrets = (Secret("coulomb_friction", "textbook", 2.0), Secret("force_drift", "textbook", 1.5))
     record = rig_record(tmp_path, seed=42, law=EXPONENTIAL, secrets=secrets)
