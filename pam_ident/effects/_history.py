@@ -111,18 +111,18 @@ def runs(inputs: Inputs) -> list[slice]:
     return [slice(begin, end) for begin, end in itertools.pairwise(bounds)]
 
 
-def stop_operator(inputs: Inputs, width_mm: float) -> Array:
+def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False) -> Array:
     """Deflection of an elastic element that slips at ±width, divided by the width, shape (n,), within ±1.
 
-    Prandtl's stop operator driven by the displacement; the element starts at rest.
+    Prandtl's stop operator driven by the displacement; the element starts at rest, `rested` each segment anew.
     """
     if inputs.live is not None:
         return _moved_live(inputs.live, inputs, lambda z, dx: inputs.xp.clip(z + dx / width_mm, -1.0, 1.0))
     way = _one_way(inputs)
     states = []
     state = 0.0
-    for jump, length in way.steps:
-        state = min(max(state + jump / width_mm, -1.0), 1.0)
+    for (jump, length), begins in zip(way.steps, way.begins, strict=True):
+        state = 0.0 if rested and begins else min(max(state + jump / width_mm, -1.0), 1.0)
         states.append(state)
         state = min(max(state + length / width_mm, -1.0), 1.0)
     return np.clip(np.array(states)[way.run] + way.travel / width_mm, -1.0, 1.0)
@@ -180,22 +180,25 @@ def lugre_operator(inputs: Inputs, width_mm: float, level: Array) -> Array:
 @dataclass(frozen=True)
 class _Way:
     """The path cut into one-way runs: `run` and signed `travel` (mm) since its first sample, shape (n,) each, and
-    for each run the jump to its first sample and its whole length in mm, signed."""
+    for each run the jump to its first sample and its whole length in mm, signed; and whether a segment begins."""
 
     run: Array
     travel: Array
     steps: tuple[tuple[float, float], ...]
+    begins: tuple[bool, ...]
 
 
 @lru_cache(maxsize=8)
 def _one_way(inputs: Inputs) -> _Way:
     x = inputs.displacement_mm
-    travel, run, steps = np.empty(len(x)), np.empty(len(x), int), []
+    travel, run, steps, begins = np.empty(len(x)), np.empty(len(x), int), [], []
     last = x[0]
+    segment = np.zeros(len(x)) if inputs.segment is None else inputs.segment
     for k, part in enumerate(runs(inputs)):
         sign = inputs.direction[part.start]
         travel[part] = sign * np.maximum.accumulate(np.maximum(sign * (x[part] - x[part.start]), 0.0))
         run[part] = k
         steps.append((float(x[part.start] - last), float(travel[part.stop - 1])))
+        begins.append(bool(segment[part.start] != segment[max(part.start - 1, 0)]))
         last = x[part.stop - 1]
-    return _Way(run, travel, tuple(steps))
+    return _Way(run, travel, tuple(steps), tuple(begins))

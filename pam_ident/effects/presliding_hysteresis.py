@@ -55,9 +55,14 @@ def _lugre(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return bending(inputs, {**shape, "x_s": _slipping(inputs, shape["x_s"])}, force)
 
 
-def _three(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _three(inputs: Inputs, shape: Shape, force: Array, rested: bool = False) -> Array:
     widths = [_slipping(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
-    return -inputs.xp.stack([stop_operator(inputs, width) for width in widths]).T
+    return -inputs.xp.stack([stop_operator(inputs, width, rested) for width in widths]).T
+
+
+def _rested(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """The braid lets go of the bladder while the pressure is changed."""
+    return _three(inputs, shape, force, rested=True)
 
 
 EFFECT = Effect(
@@ -78,6 +83,7 @@ EFFECT = Effect(
             remembers=True,
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
+        AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
     ),
     test="reversals and minor loops at one slow speed",
     needs=("branch", "motion"),
