@@ -64,6 +64,17 @@ def test_where_its_travel_is_that_of_either_it_has_two_names(tmp_path):
     assert {"presliding_hysteresis", "stribeck_friction"} in [set(group) for group in answer.groups]
 
 
+def test_presliding_that_rests_between_isobars_is_presliding_alone(tmp_path):
+    record = rig_record(tmp_path, seed=62, law=EXPONENTIAL, sigma_N=1.0)
+    widths, z, total = np.array([1.0, 2.5, 4.0, 5.5]), np.zeros(4), np.zeros(len(record))
+    new = np.diff(record.inputs.segment, prepend=-1) != 0
+    for k, dx in enumerate(np.diff(record.inputs.displacement_mm, prepend=0.0)):
+        z = np.zeros(4) if new[k] else np.clip(z + dx / widths, -1.0, 1.0)
+        total[k] = 1.8 * z.sum()
+    answer = diagnose(Model.build(EXPONENTIAL), with_force(record, -total))
+    assert answer.selected == ("presliding_hysteresis",) and answer.best.rmse < 1.2
+
+
 def test_a_pair_is_found_as_a_pair(tmp_path):
     secrets = (Secret("coulomb_friction", "textbook", 2.0), Secret("force_drift", "textbook", 1.5))
     record = rig_record(tmp_path, seed=42, law=EXPONENTIAL, secrets=secrets)
