@@ -30,13 +30,14 @@ CLOSE = 100.0
 """Cost within which the noise that a rival of other names leaves is given a court of its own."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
-NEAR = 30.0
-"""Cost within which a linearised estimate is worth an exact fit."""
+NEAR, BENT = 30.0, 0.005
+"""Cost within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is to
+be explained, because the law bends."""
 PATTERN_MARGIN = 20.0
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
 adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
-where it takes the place of two names and has no more parameters than they."""
+where it takes the place of two names, or of one that leaves something, and has no more parameters than they."""
 
 
 def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[Trial, Verdict]:
@@ -125,14 +126,19 @@ def _weighed(trial: Trial, verdict: Verdict) -> Verdict:
 def _answer(trial: Trial, most: int) -> Verdict:
     """The cheapest set of effects, or of effects and a pattern. Where a pattern alone is all, no set is mended."""
     leaders = fitted_leaders(trial, most)
-    slack = float(np.sqrt(2.0 * len(trial.record)))
-    if leaders[0].squares > len(trial.record) + UNEXPLAINED * slack:
+    if _beyond_noise(trial, leaders[0]) > UNEXPLAINED:
         found = find_pattern(trial, leaders[0])
-        if found and len(found.terms) == 1 and found.squares < len(trial.record) + EXPLAINED * slack:
+        if found and len(found.terms) == 1 and _beyond_noise(trial, found) < EXPLAINED:
             if found.cost < leaders[0].cost - SURE:
                 return found
     verdict = mended(trial, leaders, most)
     return find_pattern(trial, verdict) or verdict
+
+
+def _beyond_noise(trial: Trial, verdict: Verdict) -> float:
+    """Whitened squares that a set leaves beyond those of noise, in their standard deviations."""
+    n = len(trial.record)
+    return (verdict.squares - n) / float(np.sqrt(2.0 * n))
 
 
 def _full_cost(trial: Trial, verdict: Verdict) -> tuple[float, Noise]:
@@ -243,7 +249,8 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
             price = _pattern_price(trial, lead, verdict)
             leads.append((lead.onto.cost - lead.gain + price, price, lead))
     leads.sort(key=lambda item: item[0])
-    rivals = [_with_pattern(trial, lead, price) for cost, price, lead in leads[:4] if cost < verdict.cost + NEAR]
+    worth = verdict.cost + NEAR + BENT * trial.excess
+    rivals = [_with_pattern(trial, lead, price) for cost, price, lead in leads[:4] if cost < worth]
     best = min(rivals, key=lambda v: v.cost, default=verdict)
     return best if best.cost < verdict.cost else None
 
@@ -252,7 +259,8 @@ def _pattern_price(trial: Trial, lead: Lead, verdict: Verdict) -> float:
     search = 2.0 * float(np.log(max(lead.tried, 2)))
     fault = not isinstance(lead.atom.term.form, AddsForce)
     known = sum(len(term.form.params) for term in verdict.terms)
-    simpler = not lead.onto.terms and len(verdict.terms) >= 2 and lead.atom.free <= known
+    beaten = len(verdict.terms) >= 2 or _beyond_noise(trial, verdict) > UNEXPLAINED
+    simpler = not lead.onto.terms and beaten and lead.atom.free <= known
     tolerance = (FAULT_TOLERANCE if fault or simpler else PATTERN_TOLERANCE) * trial.excess
     return PATTERN_MARGIN + search + tolerance + trial.price.per_parameter * lead.atom.free
 

@@ -26,6 +26,7 @@ SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
 AGAINST = Param("against", "N", "amplitude against motion", scale=10.0)
 AGAIN = Param("again", "N", "amplitude in the other place", scale=10.0)
 LATER = Param("later", "N", "size of the second", scale=10.0)
+POWER = Param("power", "1", "power at which it grows", 0.7, 3.0, start=1.0, grid=(1.0, 1.5, 2.2))
 COS = Param("cosine", "N", "cosine part", scale=10.0)
 SIN = Param("sine", "N", "sine part", scale=10.0)
 WAVE = (COS, SIN)
@@ -136,7 +137,7 @@ def _odd_box(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _stop(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return np.maximum(_beyond(inputs, shape), 0.0)
+    return np.maximum(_beyond(inputs, shape), 0.0) ** _like(inputs, shape["power"])
 
 
 def _edge(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -264,7 +265,7 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
                 AddsForce("two_places", "bumps in two places", (SIZE, AGAIN), _two_bumps, (first, second, wide)),
                 AddsForce("box", "step up and down", (SIZE,), _box, (place, width)),
                 AddsForce("odd_box", "step up and down against motion", (SIZE,), _odd_box, (place, width)),
-                AddsForce("stop", "force that grows beyond a place", (SIZE,), _stop, (place,)),
+                AddsForce("stop", "force that grows beyond a place", (SIZE,), _stop, (place, POWER)),
                 AddsForce("edge", "force that sets in at a place", (SIZE,), _edge, (place,)),
             ],
         ),
