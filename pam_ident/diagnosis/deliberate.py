@@ -128,11 +128,15 @@ def _answer(trial: Trial, most: int) -> Verdict:
     leaders = fitted_leaders(trial, most)
     if _beyond_noise(trial, leaders[0]) > UNEXPLAINED:
         found = find_pattern(trial, leaders[0])
-        if found and len(found.terms) == 1 and _beyond_noise(trial, found) < EXPLAINED:
-            if found.cost < leaders[0].cost - SURE:
-                return found
+        if found is not None and _is_all(trial, found) and found.cost < leaders[0].cost - SURE:
+            return found
     verdict = mended(trial, leaders, most)
     return find_pattern(trial, verdict) or verdict
+
+
+def _is_all(trial: Trial, verdict: Verdict) -> bool:
+    """Whether one term explains all there is."""
+    return len(verdict.terms) == 1 and _beyond_noise(trial, verdict) < EXPLAINED
 
 
 def _beyond_noise(trial: Trial, verdict: Verdict) -> float:

@@ -1,5 +1,7 @@
 """The bladder's rubber relaxes after each change of length."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..core import Inputs, Param
@@ -8,8 +10,11 @@ from .base import AddsForce, Array, Effect, Shape, one
 from .bladder_elasticity import hoop_force
 
 G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
+G_P = Param("G_p", "N/MPa", "growth of that force with pressure", 0.0, 1e6, scale=300.0)
 TAU = Param("tau", "s", "relaxation time", 0.2, 3000.0, start=10.0, grid=(0.3, 1.0, 3.0, 10.0, 30.0, 100.0))
 """What relaxes faster than 0.2 s is damping: −G q is −G τ ε̇ then."""
+SLOW = replace(TAU, lower=0.5, grid=TAU.grid[1:])
+"""What lags less and grows with pressure is the gas."""
 MIDDLE = Param("tau", "s", "middle relaxation time", 2.0, 3000.0, start=10.0, grid=(3.0, 10.0, 30.0, 100.0))
 THREE = tuple(
     Param(f"G_{k}", "N", f"relaxing force per contraction, {word} term", 0.0, 1e5, scale=100.0)
@@ -27,6 +32,11 @@ def _drive(inputs: Inputs, drive: Array, tau: float) -> Array:
 
 def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(_drive(inputs, inputs.contraction, shape["tau"]))
+
+
+def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """The gas presses more of the rubber between the threads."""
+    return _single(inputs, shape, force) * inputs.xp.stack([inputs.xp.ones_like(inputs.pressure), inputs.pressure]).T
 
 
 def _prony(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -58,6 +68,7 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,), remembers=True),
         AddsForce("logarithmic", "−G Σ q_i/9, τ_i from 0.1 to 1000 s", (G,), _logarithmic, remembers=True),
+        AddsForce("pressed", "as textbook, with G + G_p p for G", (G, G_P), _pressed, (SLOW,), remembers=True),
         AddsForce("prony_3", "−Σ G_i q_i, τ_i = τ/10, τ, 10 τ", THREE, _prony, (MIDDLE,), remembers=True),
         AddsForce("elastic", "+E_r q, q̇ = ḟ − q/τ, E f the bladder's force", (E_R,), _elastic, (TAU,), remembers=True),
         AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True, remembers=True),

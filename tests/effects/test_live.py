@@ -15,7 +15,10 @@ MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 FORMS = [(effect, form) for effect in catalogue().values() for form in effect.forms]
 EACH_FORM = pytest.mark.parametrize(("effect", "form"), FORMS, ids=[f"{e.name}:{f.name}" for e, f in FORMS])
 REMEMBER = {
-    *(f"creep:{form}" for form in ("textbook", "logarithmic", "prony_3", "elastic", "force_driven", "following")),
+    *(
+        f"creep:{form}"
+        for form in ("textbook", "pressed", "logarithmic", "prony_3", "elastic", "force_driven", "following")
+    ),
     *(f"presliding_hysteresis:{form}" for form in ("textbook", "dahl", "pressed", "lugre", "maxwell_slip_3", "rested")),
     *(f"force_drift:{form}" for form in ("textbook", "settling", "settling_on", "logarithmic", "swinging")),
     *(f"thermal_softening:{form}" for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear")),
