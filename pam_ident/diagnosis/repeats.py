@@ -18,12 +18,13 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
     """A residual (n,) in N as it is if nothing in it comes back; else that of repeated strokes less what they share.
 
     Strokes, and the holds behind them, repeat each other at one pressure, speed and direction. Of each cycle a line in
-    time is taken off first, because noise slower than a cycle comes back, too. `rows` (mask, (n,)) are looked at. A
-    stroke less its neighbour, over the root of two, has noise of the same size and colour as a stroke by itself.
+    time is taken off first, because noise slower than a cycle comes back, too; what its slopes at one pressure share
+    does as well. `rows` (mask, (n,)) are looked at. A stroke less its neighbour, over the root of two, has noise of
+    the same size and colour as a stroke by itself.
     """
     if record.inputs.time is None:
         return residual
-    trend = _trend(record, residual, rows)
+    trend, changing = _trends(record, residual, rows)
     flat = residual - trend
     groups = [*repeats(record, rows), *repeats(record, rows, at_rest=True)]
     coarse = _rounding(record.force)
@@ -40,7 +41,7 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
     own = residual.copy()
     for group in groups:
         for (one, x), (other, y) in zip(group, [*group[1:], group[0]], strict=True):
-            own[one] = trend[one] + (flat[one] - flat[other[nearest(x, y)]]) / np.sqrt(2.0)
+            own[one] = changing[one] + (flat[one] - flat[other[nearest(x, y)]]) / np.sqrt(2.0)
     return own
 
 
@@ -50,16 +51,27 @@ def _rounding(force: Array) -> float:
     return float(np.min(steps, initial=np.inf)) ** 2 / 12.0 if len(steps) else 0.0
 
 
-def _trend(record: Record, residual: Array, rows: Array) -> Array:
-    """A line in time through the residual's `rows` of each cycle, shape (n,)."""
+def _trends(record: Record, residual: Array, rows: Array) -> tuple[Array, Array]:
+    """A line in time through the residual's `rows` of each cycle, and that with the slope that is its own, (n,) each.
+
+    Its own is what it has over the others at its pressure, per cycle, of the size that a slope by itself would have.
+    """
     time = record.inputs.time
     assert time is not None
-    trend = np.zeros(len(residual))
+    trend, changing = np.zeros(len(residual)), np.zeros(len(residual))
+    rises: dict[float, list[tuple[Array, float, float]]] = {}
     for block in np.unique(record.block):
         cycle = np.flatnonzero(record.block == block)
         seen = cycle[rows[cycle]]
         if len(seen) >= 4:
-            middle = time[seen].mean()
-            line = np.linalg.lstsq(np.vander(time[seen] - middle, 2), residual[seen], rcond=None)[0]
-            trend[cycle] = np.vander(time[cycle] - middle, 2) @ line
-    return trend
+            middle, span = time[seen].mean(), max(float(np.ptp(time[seen])), 1e-9)
+            at = (time[cycle] - middle) / span
+            rise, mean = np.linalg.lstsq(np.vander((time[seen] - middle) / span, 2), residual[seen], rcond=None)[0]
+            trend[cycle], changing[cycle] = mean + rise * at, mean
+            rises.setdefault(float(record.level[cycle[0]]), []).append((cycle, at, rise))
+    for lines in rises.values():
+        shared = np.mean([rise for *_, rise in lines])
+        size = np.sqrt(len(lines) / max(len(lines) - 1, 1))
+        for cycle, at, rise in lines:
+            changing[cycle] += size * (rise - shared) * at
+    return trend, changing

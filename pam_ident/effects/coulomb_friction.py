@@ -7,6 +7,8 @@ from ._history import stop_operator, time_held
 from .base import AddsForce, Array, Effect, Shape, bladder_area, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
+F_IN = Param("F_in", "N", "friction force while the muscle contracts", 0.0, 2000.0, scale=10.0)
+F_OUT = Param("F_out", "N", "friction force while it extends", 0.0, 2000.0, scale=10.0)
 F_HOLD = Param("F_hold", "N", "friction force left in holds", -2000.0, 2000.0, scale=10.0)
 F_BREAK = Param("F_s_minus_F_c", "N", "what friction gains towards rest", 0.0, 2000.0, scale=10.0)
 HOLD_GAIN = Param("F_hold_gain", "N", "what that gains after slow strokes", -2000.0, 2000.0, scale=10.0)
@@ -25,6 +27,12 @@ def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -inputs.xp.stack(slip(inputs)).T
+
+
+def _asymmetric(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    moving, held = slip(inputs)
+    xp = inputs.xp
+    return -xp.stack([xp.maximum(moving, 0.0), xp.minimum(moving, 0.0), held]).T
 
 
 def _stuck(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -84,6 +92,12 @@ EFFECT = Effect(
         AddsForce("textbook", "−F_c sgn(ε̇)", (F_C,), _sliding),
         AddsForce("held", "−F_c sgn(ε̇), F_hold in holds", (F_C, F_HOLD), _held),
         AddsForce("contact_area", "−F_c S(ε)^g sgn(ε̇), S the bladder's area", (F_C, F_HOLD), _area, (GROWTH,)),
+        AddsForce(
+            "asymmetric",
+            "−F_in in contraction, +F_out in extension, F_hold in holds",
+            (F_IN, F_OUT, F_HOLD),
+            _asymmetric,
+        ),
         AddsForce("stuck", "−F_c clip(Δx/0.05 mm, ±1)", (F_C,), _stuck, remembers=True),
         AddsForce(
             "relaxing", "−F_c sgn(ε̇), F_hold exp(−t/τ_h) in holds", (F_C, F_HOLD), _relaxing, (TAU_H,), remembers=True

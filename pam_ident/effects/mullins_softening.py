@@ -7,16 +7,16 @@ from ._history import cycles_of_test, greatest_so_far, way_travelled
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
 from .bladder_elasticity import hoop_force
 
-EXTRA = Param("s", "1", "extra force in the first cycle, as a share", -1.0, 1.0, scale=0.02)
+EXTRA = Param("s", "1", "extra force in the first cycle, as a share", 0.0, 1.0, scale=0.02)
 S_EXTRA = Param("s_e", "1", "growth of that share with contraction", -20.0, 20.0, scale=0.1)
 S_LATER = Param("s_later", "1", "the same on the isobars after the first", -1.0, 1.0, scale=0.02)
 P_EXTRA = Param("P_extra", "N/MPa", "extra force per pressure in the first cycle", 0.0, 2e4, scale=100.0)
 F_LATER = Param("F_later", "N", "extra force on the isobars after the first", -2000.0, 2000.0, scale=10.0)
 G_LATER = Param("G_later", "N", "extra force per contraction on the isobars after the first", -1e5, 1e5, scale=100.0)
-E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", -200.0, 200.0, scale=1.0)
+E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", 0.0, 200.0, scale=1.0)
 F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.0, scale=10.0)
 G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)
-E_LOST = Param("E_lost", "MPa", "modulus that the bladder loses below its greatest stretch", -200.0, 200.0, scale=1.0)
+E_LOST = Param("E_lost", "MPa", "modulus that the bladder loses below its greatest stretch", 0.0, 200.0, scale=1.0)
 M = Param("m", "1", "way below the greatest energy at which it is lost", 0.003, 3.0, start=0.1, grid=(0.02, 0.1))
 EXPONENT = Param("q", "1", "exponent of the number of the cycle", 0.2, 4.0, start=1.0, grid=(0.6, 1.5))
 WAY = Param("s_0", "mm", "way over which the softening fades", 5.0, 1e4, start=150.0, grid=(60.0, 150.0, 400.0))
