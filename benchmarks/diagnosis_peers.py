@@ -5,7 +5,7 @@
 All answer the same sealed set, are scored by the same rules, and have the textbook formulas from the same catalogue.
 Prints right / exact by kind and the median time of a record for each; `--markdown` writes the table between the marks
 in a file. `--out` keeps the set and each method's answers, for `pam-ident challenge --out SET --answers FILE` to tell
-more of. PySINDy is left out where it is not installed (extra `test`).
+more of; a run that was cut off goes on there. PySINDy is left out where it is not installed (extra `test`).
 """
 
 import argparse
@@ -156,7 +156,10 @@ if pysindy is not None:
 
 
 def case(folder: Path, name: str, law: str) -> dict[str, tuple[dict, float]]:
-    """Each method's answer to a case, and its time in s."""
+    """Each method's answer to a case, and its time in s; kept beside the record, and taken from there."""
+    kept = folder / name / "answers.json"
+    if kept.exists():
+        return {method: (found, seconds) for method, (found, seconds) in json.loads(kept.read_text()).items()}
     warnings.simplefilter("ignore")
     found, start = {}, time.perf_counter()
     ours = answer_case(folder, name, law)
@@ -164,6 +167,9 @@ def case(folder: Path, name: str, law: str) -> dict[str, tuple[dict, float]]:
     for peer, method in PEERS.items():
         start = time.perf_counter()
         found[peer] = (method(read_record(str(folder / name / "record.csv")), law), time.perf_counter() - start)
+    whole = kept.with_suffix(".part")
+    whole.write_text(json.dumps(found))
+    whole.replace(kept)
     return found
 
 
@@ -179,7 +185,8 @@ def main() -> int:
         print("PySINDy is not installed and left out: pip install 'pam-ident[test]'", file=sys.stderr)
     with TemporaryDirectory() as temporary:
         folder = asked.out or Path(temporary, "set")
-        write_challenge(str(folder), asked.n, asked.seed)
+        if not (folder / "truth.json").exists():
+            write_challenge(str(folder), asked.n, asked.seed)
         names = questions(folder)
         with ProcessPoolExecutor(asked.workers) as pool:
             answers = list(pool.map(case, [folder] * len(names), names, names.values()))
