@@ -60,6 +60,19 @@ def test_a_force_that_comes_back_with_each_stroke_and_hold_is_no_noise(record, s
     assert noise.deviance > alone.deviance + 100.0
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_force_that_differs_by_direction_is_no_slow_noise(record, seed):
+    """It falls along each cycle; and slow noise beside it stays noise of its own size."""
+    rng = np.random.default_rng(seed)
+    white, wander = SIGMA * rng.standard_normal(len(record)), slow(record, rng, 30.0)
+    gap = 6.0 * record.inputs.direction * (1.0 + np.sin(record.inputs.displacement_mm))
+    rows = np.ones(len(record), bool)
+    own = without_repeats(record, white + gap, rows)
+    assert np.sqrt(np.mean(own**2)) == pytest.approx(SIGMA, rel=0.1)
+    both = without_repeats(record, white + wander + gap, rows)
+    assert np.sqrt(np.mean(both**2)) == pytest.approx(np.sqrt(np.mean((white + wander) ** 2)), rel=0.15)
+
+
 def test_rounding_to_a_gauge_s_steps_comes_back_and_is_noise_still(record):
     clean = 500.0 - 8.0 * np.round(record.inputs.displacement_mm, 1)
     rounded = np.round((clean + 0.02 * np.random.default_rng(2).standard_normal(len(clean))) / 3.0) * 3.0

@@ -129,6 +129,8 @@ def test_series_compliance_is_solved_for_the_force():
     force = model.force(record.inputs, values)
     moved = record.inputs.contraction + 8.0e-3 * force / 200.0
     np.testing.assert_allclose(force, chou(record.inputs.pressure, moved, 1.0, 1.1, 5.0), rtol=1e-8, atol=1e-6)
+    for near in (0.9 * force, force + 50.0):
+        np.testing.assert_allclose(model.force(record.inputs, values, near), force, rtol=1e-9, atol=1e-8)
 
 
 def test_series_compliance_is_recovered():
