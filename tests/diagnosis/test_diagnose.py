@@ -243,6 +243,17 @@ def test_what_loses_by_a_hair_is_heard_against_the_noise_that_it_leaves(tmp_path
     assert "mullins_softening" in diagnose(Model.build(EXPONENTIAL), record).selected
 
 
+def test_a_stop_hit_hard_is_no_stiffening_bladder(tmp_path):
+    """A bladder follows all but 2 % of it, which is more than twice the noise."""
+    record = rig_record(tmp_path, seed=63, law=EXPONENTIAL, sigma_N=4.0)
+    x = record.inputs.displacement_mm
+    stop = 0.8 * x.max()
+    answer = diagnose(Model.build(EXPONENTIAL), with_force(record, -5.0 * np.maximum(x - stop, 0.0) ** 1.5))
+    assert answer.verdict == "unknown_effect" and answer.selected == ()
+    assert answer.pattern is not None and answer.pattern.kind == "local"
+    assert answer.pattern.value == pytest.approx(stop, abs=1.5)
+
+
 def test_a_rub_on_one_branch_is_one_pattern(tmp_path):
     record = rig_record(tmp_path, seed=47, law=EXPONENTIAL)
     x = record.inputs.displacement_mm
