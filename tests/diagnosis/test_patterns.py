@@ -5,7 +5,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis.dictionary import grid
-from pam_ident.diagnosis.ground import MANY, Ground, _best, _found
+from pam_ident.diagnosis.ground import ENOUGH, Ground, _best, _found
 from pam_ident.diagnosis.patterns import patterns
 from pam_ident.diagnosis.trial import Trial
 from pam_ident.fitting import fit
@@ -77,10 +77,10 @@ def test_what_single_precision_finds_is_as_good_as_what_double_finds(record, beg
 
 
 def test_half_of_many_samples_shows_what_all_of_them_show():
-    record = loops(2 * MANY, lambda x: 3.0 * np.exp(-0.5 * ((x - 27.0) / 4.0) ** 2))
+    record = loops(2 * ENOUGH, lambda x: 3.0 * np.exp(-0.5 * ((x - 27.0) / 4.0) ** 2))
     trial = Trial(fit(Model.build("polynomial"), record), [])
     ground = Ground(trial, trial.empty)
-    assert len(ground.rough.inputs) == pytest.approx(MANY, rel=0.1)
+    assert len(ground.rough.inputs) == pytest.approx(ENOUGH, rel=0.1)
     strong = 0
     for effect in patterns(record.inputs):
         for form in effect.forms:
