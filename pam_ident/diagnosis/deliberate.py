@@ -253,9 +253,10 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
             price = _pattern_price(trial, lead, verdict)
             leads.append((lead.onto.cost - lead.gain + price, price, lead))
     leads.sort(key=lambda item: item[0])
-    worth = verdict.cost + NEAR + BENT * trial.excess
-    rivals = [_with_pattern(trial, lead, price) for cost, price, lead in leads[:4] if cost < worth]
-    best = min(rivals, key=lambda v: v.cost, default=verdict)
+    best = verdict
+    for cost, price, lead in leads[:4]:
+        if cost < best.cost + NEAR + BENT * trial.excess:
+            best = min(best, _with_pattern(trial, lead, price), key=lambda v: v.cost)
     return best if best.cost < verdict.cost else None
 
 
