@@ -15,6 +15,7 @@ from pathlib import Path
 from stream import timed
 
 LAW = "exponential_law"
+PROGRAM = ("-m", "pam_ident")
 HEAD = "[protocol]\npressures_MPa = [0.1, 0.2, 0.3, 0.4, 0.5]\nspeeds_mm_s = [2, 10, 40]\ncycles_per_speed = 3\n"
 RUNS = {
     5_000: "hold_s = 4.0\nmove_rows = 40\nhold_rows = 12\n",
@@ -32,10 +33,10 @@ def main(sizes: list[int]) -> int:
             folder = Path(name)
             (folder / "run.toml").write_text(HEAD + RUNS[run])
             words = ("--law", LAW, "--effect", "creep", "--repeat", max(1, round(size / ROWS_OF_RUN[run])))
-            timed(folder, "rig", folder / "set", "--protocol", folder / "run.toml", *words)
+            timed(folder, *PROGRAM, "rig", folder / "set", "--protocol", folder / "run.toml", *words)
             path, target = folder / "set" / "record.csv", folder / "answer.json"
-            _, alone, _ = timed(folder, "fit", path, "--law", LAW)
-            _, seconds, peak = timed(folder, "diagnose", path, "--law", LAW, "--json", target)
+            _, alone, _ = timed(folder, *PROGRAM, "fit", path, "--law", LAW)
+            _, seconds, peak = timed(folder, *PROGRAM, "diagnose", path, "--law", LAW, "--json", target)
             answer = json.loads(target.read_text())
         a_row.append(seconds / answer["n"])
         names.append(answer["selected"])
