@@ -33,6 +33,7 @@ from pam_ident.fitting.solve import jacobian
 from pam_ident.model import Model, Term
 from pam_ident.records import Record, read_record
 from pam_ident.workflow.challenge import answer_case, questions
+from pam_ident.workflow.files import write_whole
 from pam_ident.workflow.score import KINDS, score, tally
 from pam_ident.workflow.write_challenge import write_challenge
 
@@ -167,9 +168,7 @@ def case(folder: Path, name: str, law: str) -> dict[str, tuple[dict, float]]:
     for peer, method in PEERS.items():
         start = time.perf_counter()
         found[peer] = (method(read_record(str(folder / name / "record.csv")), law), time.perf_counter() - start)
-    whole = kept.with_suffix(".part")
-    whole.write_text(json.dumps(found))
-    whole.replace(kept)
+    write_whole(kept, json.dumps(found))
     return found
 
 

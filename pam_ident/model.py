@@ -196,8 +196,9 @@ class Model:
             columns, fixed = self.design(inputs, values, force)
             return fixed + columns @ sizes
 
-        force = step(inputs.xp.zeros(len(inputs))) if near is None or self.separable else near
-        return force if self.separable else _solve(step, force, ROUNDS)
+        if self.separable or near is None:
+            near = step(inputs.xp.zeros(len(inputs)))
+        return near if self.separable else _solve(step, near, ROUNDS)
 
     def step(self, inputs: Inputs, values: Values, memory: Memory | None) -> tuple[Array, Memory]:
         """Force in N, shape (n,), of n muscles side by side at one instant, and what they then remember.

@@ -62,11 +62,11 @@ def _trends(record: Record, residual: Array, rows: Array) -> tuple[Array, Array]
     rises: dict[float, list[tuple[Array, float, float]]] = {}
     for block in np.unique(record.block):
         cycle = np.flatnonzero(record.block == block)
-        seen = cycle[rows[cycle]]
-        if len(seen) >= 4:
-            middle, span = time[seen].mean(), max(float(np.ptp(time[seen])), 1e-9)
-            at = (time[cycle] - middle) / span
-            rise, mean = np.linalg.lstsq(np.vander((time[seen] - middle) / span, 2), residual[seen], rcond=None)[0]
+        seen = rows[cycle]
+        if np.count_nonzero(seen) >= 4:
+            known = time[cycle[seen]]
+            at = (time[cycle] - known.mean()) / max(float(np.ptp(known)), 1e-9)
+            rise, mean = np.linalg.lstsq(np.vander(at[seen], 2), residual[cycle[seen]], rcond=None)[0]
             trend[cycle], changing[cycle] = mean + rise * at, mean
             rises.setdefault(float(record.level[cycle[0]]), []).append((cycle, at, rise))
     for lines in rises.values():

@@ -121,7 +121,7 @@ def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False) -> Arra
     way = _one_way(inputs)
     states = []
     state = 0.0
-    for (jump, length), begins in zip(way.steps, way.begins, strict=True):
+    for jump, length, begins in way.steps:
         state = 0.0 if rested and begins else min(max(state + jump / width_mm, -1.0), 1.0)
         states.append(state)
         state = min(max(state + length / width_mm, -1.0), 1.0)
@@ -131,12 +131,7 @@ def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False) -> Arra
 def dahl_operator(inputs: Inputs, width_mm: float) -> Array:
     """Dahl's friction state, dz/dx = (1 − z sgn ẋ)/width: exponential return after each reversal, within ±1."""
     if inputs.live is not None:
-        xp = inputs.xp
-
-        def move(z: Array, dx: Array) -> Array:
-            return xp.sign(dx) + (z - xp.sign(dx)) * xp.exp(-xp.abs(dx) / width_mm)
-
-        return _moved_live(inputs.live, inputs, move)
+        return lugre_operator(inputs, width_mm, 1.0)
     way = _one_way(inputs)
     states = []
     state = 0.0
@@ -145,7 +140,7 @@ def dahl_operator(inputs: Inputs, width_mm: float) -> Array:
         goal = math.copysign(1.0, moved)
         return goal + (state - goal) * math.exp(-abs(moved) / width_mm)
 
-    for jump, length in way.steps:
+    for jump, length, _ in way.steps:
         state = after(jump)
         states.append(state)
         state = after(length)
@@ -153,8 +148,8 @@ def dahl_operator(inputs: Inputs, width_mm: float) -> Array:
     return goal + (np.array(states)[way.run] - goal) * np.exp(-np.abs(way.travel) / width_mm)
 
 
-def lugre_operator(inputs: Inputs, width_mm: float, level: Array) -> Array:
-    """The same for a contact of the strength `level` (n,), at which it bends by width · level: within ± level.
+def lugre_operator(inputs: Inputs, width_mm: float, level: Array | float) -> Array:
+    """The same for a contact of the strength `level`, a number or (n,), at which it bends by width · level: in ± level.
 
     LuGre's friction (Canudas de Wit et al. 1995) without its rates, the level that of the sample to which it moves.
     """
@@ -172,7 +167,7 @@ def lugre_operator(inputs: Inputs, width_mm: float, level: Array) -> Array:
         return _moved_live(inputs.live, inputs, move)
     way = _one_way(inputs)
     moved = np.diff(way.travel, prepend=0.0)
-    moved[np.flatnonzero(np.diff(way.run, prepend=-1))] = [jump for jump, _ in way.steps]
+    moved[np.flatnonzero(np.diff(way.run, prepend=-1))] = [jump for jump, *_ in way.steps]
     decay = kept(moved)
     return decaying_sum(decay, (1.0 - decay) * np.sign(moved) * level)[1:]
 
@@ -180,25 +175,24 @@ def lugre_operator(inputs: Inputs, width_mm: float, level: Array) -> Array:
 @dataclass(frozen=True)
 class _Way:
     """The path cut into one-way runs: `run` and signed `travel` (mm) since its first sample, shape (n,) each, and
-    for each run the jump to its first sample and its whole length in mm, signed; and whether a segment begins."""
+    for each run the jump to its first sample and its whole length in mm, signed, and whether it begins a segment."""
 
     run: Array
     travel: Array
-    steps: tuple[tuple[float, float], ...]
-    begins: tuple[bool, ...]
+    steps: tuple[tuple[float, float, bool], ...]
 
 
 @lru_cache(maxsize=8)
 def _one_way(inputs: Inputs) -> _Way:
     x = inputs.displacement_mm
-    travel, run, steps, begins = np.empty(len(x)), np.empty(len(x), int), [], []
+    travel, run, steps = np.empty(len(x)), np.empty(len(x), int), []
     last = x[0]
     segment = np.zeros(len(x)) if inputs.segment is None else inputs.segment
     for k, part in enumerate(runs(inputs)):
         sign = inputs.direction[part.start]
         travel[part] = sign * np.maximum.accumulate(np.maximum(sign * (x[part] - x[part.start]), 0.0))
         run[part] = k
-        steps.append((float(x[part.start] - last), float(travel[part.stop - 1])))
-        begins.append(bool(segment[part.start] != segment[max(part.start - 1, 0)]))
+        begins = bool(segment[part.start] != segment[max(part.start - 1, 0)])
+        steps.append((float(x[part.start] - last), float(travel[part.stop - 1]), begins))
         last = x[part.stop - 1]
-    return _Way(run, travel, tuple(steps), tuple(begins))
+    return _Way(run, travel, tuple(steps))

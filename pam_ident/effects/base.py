@@ -102,6 +102,11 @@ def one(values: Array) -> Array:
     return values.__array_namespace__().asarray(values, dtype=float)[:, None]
 
 
+def with_pressure(column: Array, inputs: Inputs) -> Array:
+    """A column (n, 1) by itself and in proportion to pressure, shape (n, 2)."""
+    return column * inputs.xp.stack([inputs.xp.ones_like(inputs.pressure), inputs.pressure]).T
+
+
 def slip(inputs: Inputs) -> tuple[Array, Array]:
     """Sign of sliding where the muscle moves (0 in holds), and the one kept through holds (0 in motion), shape (n,)."""
     if inputs.moving is None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import Inputs, Param
 from ._history import relax
-from .base import AddsForce, Array, Effect, Shape, one
+from .base import AddsForce, Array, Effect, Shape, one, with_pressure
 from .bladder_elasticity import hoop_force
 
 G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
@@ -36,7 +36,7 @@ def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """The gas presses more of the rubber between the threads."""
-    return _single(inputs, shape, force) * inputs.xp.stack([inputs.xp.ones_like(inputs.pressure), inputs.pressure]).T
+    return with_pressure(_single(inputs, shape, force), inputs)
 
 
 def _prony(inputs: Inputs, shape: Shape, force: Array) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import Inputs, Param
 from ._history import dahl_operator, stop_operator
-from .base import AddsForce, Array, Effect, Shape, one
+from .base import AddsForce, Array, Effect, Shape, one, with_pressure
 from .coulomb_friction import V_S
 from .stribeck_friction import PEAK, bending
 
@@ -48,7 +48,7 @@ def _dahl(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 
 def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _dahl(inputs, shape, force) * inputs.xp.stack([inputs.xp.ones_like(inputs.pressure), inputs.pressure]).T
+    return with_pressure(_dahl(inputs, shape, force), inputs)
 
 
 def _lugre(inputs: Inputs, shape: Shape, force: Array) -> Array:
