@@ -19,11 +19,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from laws_on_real_data import leans_on_the_braid
 from real_records import PSU_LENGTHS_CM, REALDATA, slices
 
+from pam_ident.batch.hierarchy import fit_muscles
 from pam_ident.effects import get_effect
 from pam_ident.laws import catalogue
 from pam_ident.model import Model, Term
 from pam_ident.records import Record
-from pam_ident.workflow.batch_hierarchy import fit_muscles
 
 RATIO = 1.5
 LADDER = ("bladder_elasticity", "threshold_pressure")

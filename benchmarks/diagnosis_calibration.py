@@ -24,15 +24,15 @@ import numpy as np
 
 from pam_ident.core import PamError
 from pam_ident.diagnosis import diagnose
-from pam_ident.diagnosis.calibration import reliability
 from pam_ident.model import Model
 from pam_ident.plot import calibration, to_svg
 from pam_ident.records import read_record
 from pam_ident.rig import Plan, Protocol, Secret, make_record, write_case
 from pam_ident.rig.challenge import COLOURED, FAMILY, SHARP, VISIBLE
 from pam_ident.rig.hidden import EFFECTS, TooSmall
-from pam_ident.workflow.score import score
-from pam_ident.workflow.to_json import diagnosis_json
+from pam_ident.schema.diagnosis import diagnosis_json
+from pam_ident.validation.calibration import reliability
+from pam_ident.validation.score import score
 
 SIZES = (0.05, 0.8)
 """What an effect leaves in the standard protocol, in multiples of the noise."""
@@ -104,10 +104,10 @@ def collect(n: int, seed: int, workers: int) -> list[tuple[float, bool]]:
 def show(said: Sequence[tuple[float, bool]]) -> None:
     """A line a bin, and Brier's score."""
     stated, true = zip(*said, strict=True)
-    shown = calibration.data(stated, true, BINS)
+    found = reliability(stated, true, BINS)
+    shown = calibration.data(found)
     print("| stated | statements | mean stated | truly hidden | share, with 95 % interval |\n|---|---:|---:|---:|---|")
-    bins = reliability(stated, true, BINS).bins
-    for one, low, high in zip(bins, shown.low, shown.high, strict=True):
+    for one, low, high in zip(found.bins, shown.low, shown.high, strict=True):
         share = f"{one.true / one.n:.3f} ({low:.3f} to {high:.3f})"
         print(f"| {one.low:g} to {one.high:g} | {one.n} | {one.stated:.3f} | {one.true} | {share} |")
     print(f"| Brier score | {len(said)} | {shown.brier:.4f} | | |")
@@ -123,4 +123,6 @@ if __name__ == "__main__":
     said = [one for seed in args.seed for one in collect(args.n, seed, args.workers)]
     show(said)
     if args.svg:
-        Path(args.svg).write_text(to_svg(calibration.draw(*zip(*said, strict=True), BINS)), encoding="utf-8")
+        Path(args.svg).write_text(
+            to_svg(calibration.draw(reliability(*zip(*said, strict=True), BINS))), encoding="utf-8"
+        )

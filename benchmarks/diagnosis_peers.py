@@ -27,15 +27,14 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 from scipy.optimize import least_squares
 
+from pam_ident.core.files import write_whole
 from pam_ident.diagnosis.dictionary import atoms_at, slopes
 from pam_ident.fitting import fit
 from pam_ident.fitting.solve import jacobian
 from pam_ident.model import Model, Term
 from pam_ident.records import Record, read_record
-from pam_ident.workflow.challenge import answer_case, questions
-from pam_ident.workflow.files import write_whole
-from pam_ident.workflow.score import KINDS, score, tally
-from pam_ident.workflow.write_challenge import write_challenge
+from pam_ident.validation.challenge import answer_case, questions, write_challenge
+from pam_ident.validation.score import KINDS, score, tally
 
 try:
     import pysindy

@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from pam_ident.leg.track import Track, Tracking
-from pam_ident.workflow.track_leg import Wishes, track_leg
+from pam_ident.tasks.track import Wishes, track_leg
 
 TASKS = {
     "0.5": (0.5, False),

@@ -6,8 +6,8 @@ python docs/make_paper.py [FOLDER]
 import sys
 from pathlib import Path
 
-from pam_ident.workflow.audit_page import audit_page
-from pam_ident.workflow.audit_paper import audit_paper
+from paper_audit.audit import audit_paper
+from paper_audit.page import audit_page
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent

@@ -11,14 +11,22 @@ import pam_ident
 
 PACKAGES = (
     "core", "records", "laws", "effects", "model", "fitting", "diagnosis", "leg", "export", "plot", "report", "rig",
-    "workbench", "workflow",
+    "workbench", "tasks", "batch", "validation", "schema", "parallel",
 )  # fmt: skip
 
 
 def public_names(package: str) -> list[str]:
     """Names that a subpackage or module offers: its `__all__`, or the public things that it defines itself."""
     module = import_module(f"pam_ident.{package}")
-    if package in ("leg", "export", "workflow"):  # every command of it starts at one of its modules
+    if package in (
+        "leg",
+        "export",
+        "tasks",
+        "batch",
+        "validation",
+        "schema",
+        "parallel",
+    ):  # every command of it starts at one of its modules
         return sorted(info.name for info in iter_modules(module.__path__) if not info.name.startswith("_"))
     offered = getattr(module, "__all__", None)
     if offered is not None:

@@ -31,8 +31,8 @@ def add(
     """
     options.check_json(json)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
-    from ..workflow.add_effects import add_effects
-    from ..workflow.to_json import addition_json
+    from ..schema.diagnosis import addition_json
+    from ..tasks.add import add_effects
 
     measured = setup.read(record)
     found = add_effects(measured, setup)

@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..schema.versions import schema
 from . import options, text
 
 if TYPE_CHECKING:
-    from ..workflow.batch import Batch
+    from ..batch.run import Batch
 
 MOST_ERRORS = 20
 """Bad records that are told on the screen; the table has all."""
@@ -44,7 +45,7 @@ def batch(
     """
     options.check_json(json)
     setup = options.setup(law, effect, effect_file, free_geometry, None)
-    from ..workflow.batch import run_batch
+    from ..batch.run import run_batch
 
     found = run_batch(
         folder,
@@ -59,7 +60,7 @@ def batch(
     options.give_json(
         json,
         lambda: {
-            "schema": "pam-ident/batch-summary/1",
+            "schema": schema("batch-summary"),
             "records": found.records,
             "kept": found.kept,
             "errors": found.errors,

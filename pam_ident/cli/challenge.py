@@ -7,8 +7,8 @@ import typer
 from . import options, text
 
 if TYPE_CHECKING:
-    from ..workflow.challenge import Challenge
-    from ..workflow.score import Score
+    from ..validation.challenge import Challenge
+    from ..validation.score import Score
 
 
 def challenge(
@@ -43,8 +43,8 @@ def challenge(
     from tempfile import TemporaryDirectory
 
     from ..core import UsageError
-    from ..workflow.challenge import score_answers, sit_challenge
-    from ..workflow.trial_json import challenge_json
+    from ..schema.trials import challenge_json
+    from ..validation.challenge import score_answers, sit_challenge
 
     if answers is not None and out is None:
         raise UsageError("--answers: name the folder of the set that they answer, too, by --out DIR")
@@ -62,12 +62,12 @@ def challenge(
 
 def _draw(found: "Challenge") -> list[str]:
     """Write the pictures into the set's folder; their names. Without probabilities there is none of them."""
+    from ..core.files import write_whole
     from ..plot import calibration, confusion, to_svg
-    from ..workflow.files import write_whole
 
     figures = {"confusion.svg": confusion.draw(found.confusion)}
     if found.reliability.n:
-        figures["calibration.svg"] = calibration.draw(*found.statements)
+        figures["calibration.svg"] = calibration.draw(found.reliability)
     for name, figure in figures.items():
         write_whole(found.folder / name, to_svg(figure))
     return list(figures)
@@ -75,7 +75,7 @@ def _draw(found: "Challenge") -> list[str]:
 
 def describe(found: "Challenge") -> list[str]:
     """Scores by kind, what was missed, and what the probabilities are worth."""
-    from ..workflow.score import KINDS
+    from ..validation.score import KINDS
 
     rows = [
         (

@@ -35,13 +35,13 @@ def compare(
     """Show where the fitted law fails."""
     options.check_json(json)
     if out is not None:
-        from ..workflow.files import check_target
+        from ..core.files import check_target
 
         check_target(out, (".svg", ".png"))
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
-    from ..workflow.compare_record import compare_record, failure_picture
-    from ..workflow.files import write_whole
-    from ..workflow.to_json import comparison_json
+    from ..core.files import write_whole
+    from ..schema.diagnosis import comparison_json
+    from ..tasks.compare import compare_record, failure_picture
 
     measured = setup.read(record)
     comparison = compare_record(measured, setup)

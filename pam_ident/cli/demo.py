@@ -8,7 +8,7 @@ from . import options, text
 from .ladder import rungs
 
 if TYPE_CHECKING:
-    from ..workflow.demo import Stage
+    from ..tasks.demo import Stage
 
 
 def demo(
@@ -19,8 +19,8 @@ def demo(
 ) -> None:
     """The whole job on the data that come along, to an HTML report."""
     options.check_json(json)
-    from ..workflow.demo import demo as run
-    from ..workflow.trial_json import demo_json
+    from ..schema.trials import demo_json
+    from ..tasks.demo import demo as run
 
     found = run(out, _tell)
     options.give_json(json, lambda: demo_json(found))

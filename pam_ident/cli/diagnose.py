@@ -41,9 +41,9 @@ def diagnose(
     if protocol is not None:
         check_protocol(protocol, record)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
-    from ..workflow.diagnose_records import diagnose_records
-    from ..workflow.files import write_json, write_json_lines
-    from ..workflow.to_json import diagnosis_json
+    from ..core.files import write_json, write_json_lines
+    from ..schema.diagnosis import diagnosis_json
+    from ..tasks.diagnose import diagnose_records
 
     answers, code = [], 0
     for path, found in diagnose_records(record, setup):
@@ -67,7 +67,7 @@ def diagnose(
 def check_protocol(path: str, records: list[str]) -> None:
     """Raises UsageError before anything is computed: for several records, or a protocol file that cannot be written."""
     from ..core import UsageError
-    from ..workflow.files import check_target
+    from ..core.files import check_target
 
     if len(records) > 1:
         raise UsageError(f"--protocol {path}: one file for {len(records)} records; give one record")
@@ -80,7 +80,7 @@ def write_protocol(path: str, experiment: "Experiment | None") -> str:
         return "no protocol written: " + (
             "nothing is open here" if experiment is None else "no run of strokes decides it"
         )
-    from ..workflow.files import write_whole
+    from ..core.files import write_whole
 
     write_whole(path, experiment.protocol.toml(experiment.text))
     return f"protocol: {path}"

@@ -19,10 +19,10 @@ def list_all(context: typer.Context, effect_file: options.EffectFiles = None, js
     if context.invoked_subcommand is not None:
         return
     options.check_json(json)
-    from ..workflow.known_json import effects_json
-    from ..workflow.list_effects import list_effects
+    from ..effects import listed, load_effect_files
+    from ..schema.catalogue import effects_json
 
-    found = list_effects(context.obj)
+    found = listed(load_effect_files(context.obj))
     options.give_json(json, lambda: effects_json(found))
     rows = [(effect.name, effect.title, ", ".join(effect.needs) or "-", effect.forms[0].formula) for effect in found]
     text.say(*text.table(("effect", "what it is", "needs", "simplest form"), rows, left=(0, 1, 2, 3)))
@@ -39,10 +39,10 @@ def show(
 ) -> None:
     """Tell all about one effect: its forms, parameters, source, and the test that shows it."""
     options.check_json(json)
-    from ..workflow.known_json import effects_json
-    from ..workflow.list_effects import find_effect
+    from ..effects import get_effect, load_effect_files
+    from ..schema.catalogue import effects_json
 
-    effect = find_effect(name, context.obj or ())
+    effect, _ = get_effect(name, load_effect_files(context.obj or ()))
     options.give_json(json, lambda: effects_json([effect]))
     text.say(f"{effect.name}: {effect.title}", f"source: {effect.source}", f"test: {effect.test}")
     text.say(f"needs in the record: {', '.join(effect.needs) or 'nothing beyond pressure, contraction and force'}")
@@ -77,8 +77,8 @@ def new(
     options.check_json(json)
     from ..core import UsageError
     from ..effects import load_effect_file
-    from ..workflow.known_json import effects_json
-    from ..workflow.new_effect import new_effect
+    from ..schema.catalogue import effects_json
+    from ..tasks.new_effect import new_effect
 
     asked = {
         "adds_force": adds_force,
@@ -101,8 +101,8 @@ def check(file: EffectFile, json: options.JsonFile = None) -> None:
     """Hold an effect of your own to what every known effect promises."""
     options.check_json(json)
     from ..core import UsageError
-    from ..workflow.check_effects import check_effects
-    from ..workflow.known_json import effects_json
+    from ..schema.catalogue import effects_json
+    from ..validation.check_effects import check_effects
 
     found, problems = check_effects(file)
     options.give_json(json, lambda: effects_json(found, problems))

@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ..schema.versions import schema
 from . import options, text
 
 
@@ -50,7 +51,7 @@ def export(
     """Write a fitted model for another program: C, MATLAB, Python, MuJoCo, JSON."""
     options.check_json(json)
     from ..core import UsageError
-    from ..workflow.export_model import check_export, export_fit, export_record
+    from ..tasks.export import check_export, export_fit, export_record
 
     check_export(to, out)
     if law is not None:
@@ -63,7 +64,7 @@ def export(
     options.give_json(
         json,
         lambda: {
-            "schema": "pam-ident/export/1",
+            "schema": schema("export"),
             "files": files,
             "notes": list(found.notes),
             "problems": list(found.problems),

@@ -8,8 +8,8 @@ from . import options, text
 
 if TYPE_CHECKING:
     from ..fitting import IsobarTable
-    from ..workflow.compare_methods import MethodRow
-    from ..workflow.fit_record import FitAnswer
+    from ..fitting.methods import MethodRow
+    from ..tasks.fit import FitAnswer
 
 MOST_OF_MEMORY = 1 / 8
 """Share of the free memory from which a record's text is read in chunks."""
@@ -72,18 +72,18 @@ def fit(
     """Fit a law: parameters with standard errors."""
     options.check_json(json)
     if figures is not None:
-        from ..workflow.paper_figures import make_folder
+        from ..tasks.figures import make_folder
 
         make_folder(figures)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     from ..records.files import share_of_memory
-    from ..workflow.fit_record import Wishes, fit_record
-    from ..workflow.intervals import Crew
-    from ..workflow.to_json import fit_json
+    from ..schema.fit import fit_json
+    from ..tasks.fit import Wishes, fit_record
+    from ..tasks.intervals import Crew
 
     wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals, crew=Crew(workers, scheduler))
     if chunked or share_of_memory(record) > MOST_OF_MEMORY:
-        from ..workflow.fit_long_record import fit_long_record
+        from ..tasks.fit_long import fit_long_record
 
         answer = fit_long_record(record, setup, wishes)
     else:
@@ -92,7 +92,7 @@ def fit(
     text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.equation(setup.model))
     _print(answer)
     if figures is not None:
-        from ..workflow.paper_figures import paper_figures, write_figures
+        from ..tasks.figures import paper_figures, write_figures
 
         text.say("", *(f"figure: {path}" for path in write_figures(figures, paper_figures(answer))))
     if answer.problems:

@@ -5,15 +5,15 @@ from typing import TYPE_CHECKING
 from . import options, text
 
 if TYPE_CHECKING:
-    from ..workflow.inspect_record import Inspection
+    from ..records.inspection import Inspection
 
 
 def inspect(record: options.Record, specimen: options.SpecimenFile = None, json: options.JsonFile = None) -> None:
     """What was read of a record, and advice on the rig."""
     options.check_json(json)
-    from ..workflow.inspect_record import inspect_record
-    from ..workflow.known_json import inspection_json
-    from ..workflow.setup import load
+    from ..records.inspection import inspect_record
+    from ..schema.catalogue import inspection_json
+    from ..tasks.setup import load
 
     found = inspect_record(load(record, specimen))
     options.give_json(json, lambda: inspection_json(record, found))

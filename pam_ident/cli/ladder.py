@@ -20,8 +20,8 @@ def ladder(
     """Diagnose and add down to the noise floor."""
     options.check_json(json)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
-    from ..workflow.climb_ladder import climb_ladder
-    from ..workflow.to_json import ladder_json
+    from ..schema.diagnosis import ladder_json
+    from ..tasks.ladder import climb_ladder
 
     measured = setup.read(record)
     found = climb_ladder(measured, setup)

@@ -6,10 +6,10 @@ from . import options, text
 def laws(json: options.JsonFile = None) -> None:
     """List the force laws that are known, those with the fewest parameters first."""
     options.check_json(json)
-    from ..workflow.known_json import laws_json
-    from ..workflow.list_laws import list_laws
+    from ..laws import listed
+    from ..schema.catalogue import laws_json
 
-    found = list_laws()
+    found = listed()
     options.give_json(json, lambda: laws_json(found))
     for law in found:
         names = ", ".join(p.name for p in law.params)

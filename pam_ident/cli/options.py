@@ -7,22 +7,22 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from ..workflow.setup import Setup
+    from ..tasks.setup import Setup
 
 
 def law_names(incomplete: str) -> list[str]:
     """For the shell: names of laws that begin so."""
-    from ..workflow.list_laws import list_laws
+    from ..laws import listed
 
-    return [law.name for law in list_laws() if law.name.startswith(incomplete)]
+    return [law.name for law in listed() if law.name.startswith(incomplete)]
 
 
 def effect_names(incomplete: str) -> list[str]:
     """For the shell: names of effects that begin so, and of their forms after a colon."""
-    from ..workflow.list_effects import list_effects
+    from ..effects import listed
 
-    names = [effect.name for effect in list_effects()]
-    forms = [f"{effect.name}:{form.name}" for effect in list_effects() for form in effect.forms]
+    names = [effect.name for effect in listed()]
+    forms = [f"{effect.name}:{form.name}" for effect in listed() for form in effect.forms]
     return [name for name in (forms if ":" in incomplete else names) if name.startswith(incomplete)]
 
 
@@ -109,7 +109,7 @@ def setup(
     specimen: str | None,
 ) -> "Setup":
     """What the options ask for, with the names looked up."""
-    from ..workflow.setup import Setup
+    from ..tasks.setup import Setup
 
     found = Setup(law, tuple(effects or ()), tuple(effect_files or ()), free_geometry, specimen)
     _ = found.model
@@ -119,7 +119,7 @@ def setup(
 def check_json(path: str | None) -> None:
     """Refuse a file that cannot be written before anything is computed."""
     if path is not None and path != "-":
-        from ..workflow.files import check_target
+        from ..core.files import check_target
 
         check_target(path)
 
@@ -127,7 +127,7 @@ def check_json(path: str | None) -> None:
 def give_json(path: str | None, answer: "Callable[[], Mapping[str, Any]]") -> None:
     """Write an answer where one was asked for."""
     if path is not None:
-        from ..workflow.files import write_json
+        from ..core.files import write_json
 
         write_json(path, answer())
 

@@ -23,8 +23,8 @@ def report(
 ) -> None:
     """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
     options.check_json(json)
-    from ..workflow.report_record import report_record
-    from ..workflow.to_json import diagnosis_json
+    from ..schema.diagnosis import diagnosis_json
+    from ..tasks.report import report_record
 
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
     story = report_record(record, setup, out, format)

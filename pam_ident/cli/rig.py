@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ..schema.versions import schema
 from . import options, text
 
 
@@ -72,17 +73,17 @@ def rig(
         ]
         if given:
             raise UsageError(f"{', '.join(given)} without --protocol FILE.toml; add it, or leave {given[0]} out")
-        from ..workflow.write_challenge import write_challenge
+        from ..validation.challenge import write_challenge
 
         count = write_challenge(folder, n, seed, only)
-        options.give_json(json, lambda: {"schema": "pam-ident/rig/1", "folder": folder, "cases": count})
+        options.give_json(json, lambda: {"schema": schema("rig"), "folder": folder, "cases": count})
         text.say(f"{count} cases in {folder}, answers in truth.json")
         return
     if only is not None or law is None:
         raise UsageError("--protocol makes one record of one muscle: give its --law, and no --only")
-    from ..workflow.run_protocol import run_protocol
+    from ..tasks.rig import run_protocol
 
     times = 1 if repeat is None else repeat
     truth = run_protocol(folder, protocol, law, effect or (), seed, 3.0 if size is None else size, times)
-    options.give_json(json, lambda: {"schema": "pam-ident/rig/1", "folder": folder, "cases": 1})
+    options.give_json(json, lambda: {"schema": schema("rig"), "folder": folder, "cases": 1})
     text.say(f"{folder}/record.csv: {truth['n']} samples, answers in truth.json")

@@ -11,9 +11,9 @@ def selftest(json: options.JsonFile = None) -> None:
     It then recovers known parameters and a hidden effect from simulated records. Takes some seconds.
     """
     options.check_json(json)
-    from ..workflow.selftest import DIGITS, DIGITS_STDERR, FURTHEST
-    from ..workflow.selftest import selftest as run
-    from ..workflow.trial_json import selftest_json
+    from ..schema.trials import selftest_json
+    from ..validation.selftest import DIGITS, DIGITS_STDERR, FURTHEST
+    from ..validation.selftest import selftest as run
 
     found = run()
     options.give_json(json, lambda: selftest_json(found))

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ..fitting.fit import Estimate
     from ..model import Model
     from ..records import Record
-    from ..workflow.fit_record import Checks
+    from ..tasks.fit import Checks
 
 INDENT = "  "
 silent: ContextVar[bool] = ContextVar("silent", default=False)

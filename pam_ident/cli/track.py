@@ -59,11 +59,11 @@ def track(
     Without --plant and --controller the muscle and the ladder that come along are taken.
     """
     options.check_json(json)
-    from ..workflow.track_json import track_json
-    from ..workflow.track_leg import Wishes, track_leg
+    from ..schema.track import track_json
+    from ..tasks.track import Wishes, track_leg
 
     if out is not None:
-        from ..workflow.paper_figures import make_folder
+        from ..tasks.figures import make_folder
 
         make_folder(out)
     gains = (kp, ki, kd)
@@ -74,7 +74,7 @@ def track(
     options.give_json(json, lambda: track_json(found))
     text.say(*_head(found), "", *_table(found), *_troubles(found), "", *_budget(found))
     if out is not None:
-        from ..workflow.track_figures import write_track
+        from ..tasks.track_figures import write_track
 
         text.say("", *(f"wrote {path}" for path in write_track(out, found)))
 

@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ..schema.versions import schema
 from . import options, text
 
 
@@ -39,7 +40,7 @@ def workbench(
         raise UsageError("the workbench needs Panel; pip install 'pam-ident[workbench]'") from None
 
     def ready(address: str) -> None:
-        options.give_json(json, lambda: {"schema": "pam-ident/workbench/1", "address": address})
+        options.give_json(json, lambda: {"schema": schema("workbench"), "address": address})
         text.say(f"workbench: {address} (Ctrl-C ends it)")
 
     def make() -> Workbench:

@@ -70,6 +70,10 @@ class Specimen:
         """1 / sin²θ0 (Chou & Hannaford 1996)."""
         return 1.0 / math.sin(math.radians(self.braid_angle_deg)) ** 2
 
+    def ideal_force(self, pressure: Array, contraction: Array) -> Array:
+        """π r0² p [a(1−ε)² − b] in N, shape (n,), of the ideal braid (Chou & Hannaford 1996) at p in MPa."""
+        return math.pi * self.initial_radius_mm**2 * pressure * (self.a * (1.0 - contraction) ** 2 - self.b)
+
     def radius_ratio(self, contraction: Array) -> Array:
         """r / r0 of the ideal braid at a contraction ratio (any shape), from cosθ = (1−ε) cosθ0."""
         square = (3.0 * self.b - self.a * (1.0 - contraction) ** 2) / 3.0

@@ -6,6 +6,7 @@ tests. Other packages add theirs by the entry point group `pam_ident.effects`, a
 """
 
 import importlib.util
+from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -23,7 +24,9 @@ __all__ = [
     "TransformsPressure",
     "catalogue",
     "get_effect",
+    "listed",
     "load_effect_file",
+    "load_effect_files",
 ]
 
 
@@ -42,6 +45,11 @@ def catalogue(extra: tuple[Effect, ...] = ()) -> dict[str, Effect]:
     return _packaged() | {effect.name: effect for effect in extra}
 
 
+def listed(extra: tuple[Effect, ...] = ()) -> tuple[Effect, ...]:
+    """Every effect of the catalogue in the order of its name."""
+    return tuple(effect for _, effect in sorted(catalogue(extra).items()))
+
+
 def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]:
     """Effect and form of `name` or `name:form`; the simplest form where none is named.
 
@@ -58,6 +66,11 @@ def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]
         if item.name == form:
             return effect, item
     raise UsageError(f"effect {base} has no form {form!r}; expected one of {', '.join(f.name for f in effect.forms)}")
+
+
+def load_effect_files(paths: Iterable[str | Path]) -> tuple[Effect, ...]:
+    """Effects of several files, as `load_effect_file`."""
+    return tuple(effect for path in paths for effect in load_effect_file(path))
 
 
 def load_effect_file(path: str | Path) -> tuple[Effect, ...]:

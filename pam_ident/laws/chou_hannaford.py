@@ -1,14 +1,12 @@
 """The ideal braid: a thin cylinder, no friction, no wall."""
 
-import math
-
 from ..core import Specimen
 from .base import Array, Law, Shape
 
 
 def ideal_force(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
     """π r0² p [a(1−ε)² − b] in N, shape (n,)."""
-    return math.pi * specimen.initial_radius_mm**2 * p * (specimen.a * (1.0 - e) ** 2 - specimen.b)
+    return specimen.ideal_force(p, e)
 
 
 LAW = Law(

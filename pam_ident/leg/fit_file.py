@@ -12,6 +12,7 @@ import numpy as np
 from ..core import DataError, Specimen, UsageError
 from ..effects import Effect
 from ..model import Model
+from ..schema.versions import VERSIONS, schema
 from .spread import Spread
 
 T = TypeVar("T")
@@ -89,11 +90,13 @@ def read_answer(path: str | Path, *kinds: str) -> Answer:
         raise DataError(f"{path}: cannot be read ({error.strerror}); {hint}") from None
     except ValueError:
         raise DataError(f"{path}: is no JSON; {hint}") from None
-    schema = content.get("schema") if isinstance(content, dict) else None
-    if any(re.fullmatch(f"pam-ident/{kind}/([2-9]|\\d\\d+)", str(schema)) for kind in kinds):
-        raise DataError(f"{path}: has the schema {schema}, of a newer pam-ident; update pam-ident, or fit again")
-    if schema not in [f"pam-ident/{kind}/1" for kind in kinds]:
-        raise DataError(f"{path}: has the schema {schema}; {hint}")
+    found = str(content.get("schema")) if isinstance(content, dict) else ""
+    for kind in kinds:
+        version = re.fullmatch(rf"pam-ident/{kind}/(\d+)", found)
+        if version and int(version[1]) > VERSIONS[kind]:
+            raise DataError(f"{path}: has the schema {found}, of a newer pam-ident; update pam-ident, or fit again")
+    if found not in [schema(kind) for kind in kinds]:
+        raise DataError(f"{path}: has the schema {found or None}; {hint}")
     return Answer(path, content)
 
 

@@ -1,13 +1,15 @@
 """Stated probabilities against how often they were true."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..diagnosis.calibration import EDGES, Reliability, reliability
 from .style import BLUE, GREY, canvas, styled
+
+if TYPE_CHECKING:
+    from ..validation.calibration import Reliability
 
 Z = 1.96
 LEAST = 5e-4
@@ -27,9 +29,8 @@ class CalibrationData:
     brier: float
 
 
-def data(stated: Sequence[float], true: Sequence[bool], edges: Sequence[float] = EDGES) -> CalibrationData:
-    """Points of the reliability diagram, in bins between `edges`; intervals after Wilson 1927, JASA 22, 209–212."""
-    found: Reliability = reliability(stated, true, edges)
+def data(found: "Reliability") -> CalibrationData:
+    """Points of the reliability diagram; intervals after Wilson 1927, JASA 22, 209–212."""
     shares = [one.true / one.n for one in found.bins]
     ends = [_wilson(share, one.n) for share, one in zip(shares, found.bins, strict=True)]
     return CalibrationData(
@@ -49,9 +50,9 @@ def _wilson(share: float, n: int) -> tuple[float, float]:
 
 
 @styled
-def draw(stated: Sequence[float], true: Sequence[bool], edges: Sequence[float] = EDGES) -> Figure:
+def draw(found: "Reliability") -> Figure:
     """Reliability diagram over the odds, for most statements are near 0 or 1; on the curve they mean what they say."""
-    shown = data(stated, true, edges)
+    shown = data(found)
     figure = canvas(4.0, 6.4)
     axes = figure.subplots()
     axes.set_xscale("logit")

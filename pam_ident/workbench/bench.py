@@ -1,20 +1,21 @@
 """What lies on the bench: a record, a model of it, where that fails and what it may lack. Nothing here draws."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ..core import Specimen, UsageError
-from ..diagnosis import compare, diagnose, heldout_rmse
+from ..diagnosis import compare
 from ..diagnosis.nouns import Comparison, Diagnosis, Ladder, Rung
 from ..effects import catalogue
-from ..fitting import Fit, fit
+from ..fitting import Fit
 from ..model import Term
 from ..records import Record
 from ..report import Story, render
-from ..workflow.provenance import provenance
-from ..workflow.section import section_of
-from ..workflow.setup import Setup
+from ..report.provenance import provenance
+from ..tasks.diagnose import diagnose_record
+from ..tasks.ladder import ladder_by_hand
+from ..tasks.section import section_of
+from ..tasks.setup import Setup
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Bench:
     @classmethod
     def begin(cls, record: Record, path: str, setup: Setup) -> "Bench":
         """Fit the law alone, and then with each effect of `setup` more. Raises FitError, DataError or UsageError."""
-        return cls(record, path, setup, _climb(record, setup, {}, None))
+        return cls(record, path, setup, ladder_by_hand(record, setup, {}, None))
 
     @property
     def fit(self) -> Fit:
@@ -73,7 +74,7 @@ class Bench:
 
     def diagnosed(self) -> "Bench":
         """With the diagnosis of the present model. Raises FitError or DataError."""
-        found = diagnose(self.fit.model, self.record, self.setup.extra)
+        found = diagnose_record(self.record, self.setup)
         return replace(self, diagnosis=found, first=self.first if self.fit.model.terms else found)
 
     def adding(self, label: str) -> "Bench":
@@ -90,7 +91,8 @@ class Bench:
     def _with(self, effects: tuple[str, ...]) -> "Bench":
         setup = replace(self.setup, effects=effects)
         known = {rung.effects: rung for rung in self.rungs}
-        return replace(self, setup=setup, rungs=_climb(self.record, setup, known, self.diagnosis), diagnosis=None)
+        rungs = ladder_by_hand(self.record, setup, known, self.diagnosis)
+        return replace(self, setup=setup, rungs=rungs, diagnosis=None)
 
     @property
     def command(self) -> str:
@@ -116,25 +118,3 @@ def specimen_toml(specimen: Specimen) -> str:
     if specimen.wall_thickness_mm is not None:
         lines.append(f"wall_thickness_mm = {specimen.wall_thickness_mm!r}")
     return "\n".join(lines) + "\n"
-
-
-def _climb(
-    record: Record, setup: Setup, known: Mapping[tuple[str, ...], Rung], latest: Diagnosis | None
-) -> tuple[Rung, ...]:
-    """A rung for the law and for each effect more, those that are known taken over; `latest` led to a new one."""
-    whole = setup.model
-    rungs: list[Rung] = []
-    for count in range(len(whole.terms) + 1):
-        model = replace(whole, terms=whole.terms[:count])
-        found = known.get(tuple(model.labels))
-        if found is None:
-            one = fit(model, record)
-            found = Rung(one, heldout_rmse(model, record, one), _why(rungs, one), latest if rungs else None)
-        rungs.append(found)
-    return tuple(rungs)
-
-
-def _why(rungs: list[Rung], one: Fit) -> str:
-    if not rungs:
-        return "the law alone"
-    return f"{one.model.terms[-1].effect.title}: error {rungs[-1].fit.rmse:.3g} → {one.rmse:.3g} N, added by hand"

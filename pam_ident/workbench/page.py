@@ -15,7 +15,7 @@ from ..core import PamError
 from ..records import Record
 from ..records.datasets import dataset_record
 from ..report.words import titles
-from ..workflow.setup import Setup
+from ..tasks.setup import Setup
 from . import words
 from .bench import Bench, specimen_toml
 from .dropped import read_dropped

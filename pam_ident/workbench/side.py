@@ -3,9 +3,9 @@
 import panel as pn
 
 from ..core import PamError, Specimen
+from ..laws import listed as listed_laws
 from ..records.datasets import dataset_names, dataset_record
-from ..workflow.list_laws import list_laws
-from ..workflow.setup import Setup
+from ..tasks.setup import Setup
 from . import words
 from .bench import Bench
 from .parts import html
@@ -21,7 +21,7 @@ class Side:
         wide = {"sizing_mode": "stretch_width"}
         self.drop = pn.widgets.FileInput(multiple=True, label="Record (and its specimen.toml)", **wide)
         self.example = pn.widgets.Select(label="or an example", options={"choose …": "", **_examples()}, **wide)
-        self.law = pn.widgets.Select(label="Force law", options={law.title: law.name for law in list_laws()}, **wide)
+        self.law = pn.widgets.Select(label="Force law", options={law.title: law.name for law in listed_laws()}, **wide)
         self.law.value = setup.law
         known = {"as the specimen says": False, "radius and braid angle fitted": True}
         self.geometry = pn.widgets.Select(label="Geometry", options=known, value=setup.free_geometry, **wide)

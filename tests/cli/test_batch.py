@@ -19,7 +19,7 @@ def tree(clean, tmp_path):
 
 
 def test_a_bad_record_is_told_and_the_rest_is_done(ask, tree, tmp_path, truth):
-    from pam_ident.workflow.batch_table import read_results
+    from pam_ident.batch.table import read_results
 
     out = tmp_path / "results"
     result = ask("batch", tree, "--law", "exponential_law", "--out", out, "--workers", 1)

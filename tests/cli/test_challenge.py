@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from pam_ident.workflow import challenge
+from pam_ident.validation import challenge
 
 
 @pytest.fixture

@@ -86,7 +86,7 @@ def test_bad_data_as_a_process(process, root, write_record):
 
 
 def test_a_disk_that_refuses_ends_in_one_line(ask, clean, tmp_path, monkeypatch):
-    from pam_ident.workflow import files
+    from pam_ident.core import files
 
     def refuse(*_):
         raise OSError(28, "No space left on device", str(tmp_path / "fit.json"))
@@ -98,7 +98,7 @@ def test_a_disk_that_refuses_ends_in_one_line(ask, clean, tmp_path, monkeypatch)
 
 
 def test_a_fault_of_the_program_is_one_message_too(ask, clean, monkeypatch):
-    import pam_ident.workflow.fit_record as task
+    import pam_ident.tasks.fit as task
 
     def fail(*_):
         raise ValueError("nobody expected this")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from pam_ident.workflow import certified, selftest
+from pam_ident.validation import certified, selftest
 
 
 def test_the_selftest_passes_and_answers_by_the_contract(answer):

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.calibration import reliability
 from pam_ident.diagnosis.probability import LAPSE, TEMPER, probabilities
 from pam_ident.diagnosis.trial import Trial
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.model import Model, Term
 from pam_ident.records import build_record
+from pam_ident.validation.calibration import reliability
 
 
 def trial(costs, names=("a", "b", "c", "d")):

@@ -15,6 +15,14 @@ def maker(root):
 
 
 @pytest.fixture(scope="session")
+def paper_audit(root):
+    """Import a module of docs/paper_audit by name."""
+    sys.path.insert(0, str(root / "docs"))
+    yield lambda name: import_module(f"paper_audit.{name}")
+    sys.path.remove(str(root / "docs"))
+
+
+@pytest.fixture(scope="session")
 def generated(maker, tmp_path_factory):
     """The folder of all pages that are made at a build."""
     folder = tmp_path_factory.mktemp("pages") / "generated"

@@ -122,7 +122,7 @@ def run(*words):
 
 def made_up_track():
     """The real writer's answer to a run of one rung: a run itself takes a minute."""
-    from pam_ident.workflow.track_json import track_json
+    from pam_ident.schema.track import track_json
 
     tuned = SimpleNamespace(gains=(1.0, 2.0, 3.0), runs=1, rms_deg=1.0, worst_deg=2.0)
     trouble = SimpleNamespace(kind="slack", time_s=0.1, share=0.5)

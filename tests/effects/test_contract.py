@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from pam_ident.effects import catalogue
-from pam_ident.workflow.effect_contract import EFFECT_CHECKS, FORM_CHECKS, pieces_make_the_whole
+from pam_ident.validation.effect_contract import EFFECT_CHECKS, FORM_CHECKS, pieces_make_the_whole
 
 FORMS = [(effect, form) for effect in catalogue().values() for form in effect.forms]
 

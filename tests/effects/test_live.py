@@ -9,7 +9,7 @@ from pam_ident.core import Inputs, Specimen
 from pam_ident.core.recursion import Live
 from pam_ident.effects import catalogue
 from pam_ident.leg.arrays import jax, jnp
-from pam_ident.workflow.effect_contract import LAW_VALUES, model_of, plausible
+from pam_ident.validation.effect_contract import LAW_VALUES, model_of, plausible
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 FORMS = [(effect, form) for effect in catalogue().values() for form in effect.forms]

@@ -8,8 +8,8 @@ from typer.testing import CliRunner
 from pam_ident.cli import app
 from pam_ident.core import UsageError
 from pam_ident.effects import AddsForce, ScalesForce, TransformsContraction, TransformsPressure, load_effect_file
-from pam_ident.workflow.check_effects import check_effect, check_effects
-from pam_ident.workflow.new_effect import ROLES, new_effect
+from pam_ident.tasks.new_effect import ROLES, new_effect
+from pam_ident.validation.check_effects import check_effect, check_effects
 
 TYPES = {
     "adds_force": AddsForce,

@@ -12,7 +12,7 @@ from pam_ident.effects import catalogue as effects
 from pam_ident.export.fitted import Fitted, Parameter, Span
 from pam_ident.laws import catalogue as laws
 from pam_ident.model import Model
-from pam_ident.workflow.effect_contract import LAW_VALUES, model_of, plausible
+from pam_ident.validation.effect_contract import LAW_VALUES, model_of, plausible
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 RICH = (

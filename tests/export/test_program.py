@@ -15,7 +15,7 @@ from pam_ident.export.program import program
 from pam_ident.export.python import python_function
 from pam_ident.laws import get_law
 from pam_ident.model import Model, Term
-from pam_ident.workflow.effect_contract import LAW_VALUES
+from pam_ident.validation.effect_contract import LAW_VALUES
 
 SIZE = Param("A", "N", "size", -10.0, 10.0, scale=1.0)
 

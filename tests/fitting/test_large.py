@@ -12,8 +12,8 @@ from pam_ident.fitting.covariance import clusters, covariance
 from pam_ident.fitting.large import is_large, solve_large
 from pam_ident.fitting.solve import jacobian, solve
 from pam_ident.model import Model
-from pam_ident.workflow.effect_contract import LAW_VALUES, plausible
-from pam_ident.workflow.effect_record import clean_record
+from pam_ident.validation.effect_contract import LAW_VALUES, plausible
+from pam_ident.validation.effect_record import clean_record
 
 LAWS = ["exponential_law", "modified_chou_hannaford", "polynomial", "wickramatunge_leephakpreeda"]
 

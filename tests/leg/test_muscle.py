@@ -14,7 +14,7 @@ from pam_ident.leg.arrays import jax, jnp
 from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model
 from pam_ident.records import build_record
-from pam_ident.workflow.effect_contract import LAW_VALUES, plausible
+from pam_ident.validation.effect_contract import LAW_VALUES, plausible
 
 MUSCLE = Specimen("made", 200.0, 10.0, 25.4, 1.5, sensors=Sensors(1.0))
 RICH = (

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pam_ident.workflow.certified import Certified, Columns
+from pam_ident.validation.certified import Certified, Columns
 
 Array = np.ndarray
 

@@ -5,7 +5,7 @@ import pytest
 from strd import MODELS, read_certified
 
 from pam_ident.fitting import LevenbergMarquardt, VariableProjection, covariance
-from pam_ident.workflow.certified import PROBLEMS
+from pam_ident.validation.certified import PROBLEMS
 
 ROUNDING = "Lanczos1"
 """Its certified residual, 9e-14 rms, is rounding of the data: ours is rounding of the arithmetic, and not the same."""

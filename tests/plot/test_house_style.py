@@ -21,6 +21,7 @@ from pam_ident.leg.track import Rung, Tracking
 from pam_ident.model import Model
 from pam_ident.plot import batch_spread, batch_trend, failure_map, loop_diagram, style, tracking
 from pam_ident.records.datasets import dataset_path
+from pam_ident.validation.calibration import reliability
 
 MODULES = {
     name: module
@@ -77,7 +78,7 @@ DRAW = {
     "batch_spread": lambda d, _: batch_spread.draw(spread_panels()),
     "batch_trend": lambda d, _: batch_trend.draw(trend_panels()),
     "calibration": lambda d, _: plot.calibration.draw(
-        [0.01, 0.2, 0.5, 0.9, 0.99] * 20, [False, False, True, True, True] * 20
+        reliability([0.01, 0.2, 0.5, 0.9, 0.99] * 20, [False, False, True, True, True] * 20)
     ),
     "coefficients": lambda d, _: plot.coefficients.draw(
         fit_isobars(Model.build("exponential_law"), d.base.record, ("contraction", "extension"))

@@ -9,9 +9,9 @@ from pam_ident.core import UsageError
 from pam_ident.fitting import fit, fit_isobars
 from pam_ident.model import Model
 from pam_ident.plot import coefficients, isobars, laws_compared, to_png, to_svg
-from pam_ident.workflow.fit_record import Wishes, fit_record
-from pam_ident.workflow.paper_figures import make_folder, paper_figures, write_figures
-from pam_ident.workflow.setup import Setup
+from pam_ident.tasks.figures import make_folder, paper_figures, write_figures
+from pam_ident.tasks.fit import Wishes, fit_record
+from pam_ident.tasks.setup import Setup
 
 BOTH = ("contraction", "extension")
 

@@ -8,8 +8,8 @@ import pytest
 from pam_ident.core import UsageError
 from pam_ident.diagnosis import compare
 from pam_ident.report import Section, Story, render, render_markdown, to_pdf
-from pam_ident.workflow import report_record as task
-from pam_ident.workflow.setup import Setup
+from pam_ident.tasks import report as task
+from pam_ident.tasks.setup import Setup
 
 PROVENANCE = {"date (UTC)": "2026-01-02", "command": "pam-ident report made.csv --out made.md"}
 SETUP = Setup("modified_chou_hannaford")

@@ -11,8 +11,8 @@ import pytest
 
 from pam_ident.report.markdown import code, escape
 from pam_ident.report.words import plain
-from pam_ident.workflow.report_record import report_record
-from pam_ident.workflow.setup import Setup
+from pam_ident.tasks.report import report_record
+from pam_ident.tasks.setup import Setup
 
 HOSTILE = {
     "script": "<script>alert(1)</script>",

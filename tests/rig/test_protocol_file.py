@@ -10,7 +10,7 @@ from pam_ident.core import UsageError
 from pam_ident.rig import PROTOCOLS, Plan, Protocol, Secret, make_record
 from pam_ident.rig.muscle import ChouHannaford, Muscle, Specimen
 from pam_ident.rig.protocol_file import KEYS, read_protocol
-from pam_ident.workflow.run_protocol import run_protocol
+from pam_ident.tasks.rig import run_protocol
 
 SPECIMEN = Specimen()
 CHOU = Muscle(SPECIMEN, ChouHannaford(SPECIMEN))

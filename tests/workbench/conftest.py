@@ -18,8 +18,8 @@ def folder(rubbing) -> Path:
 @pytest.fixture(scope="session")
 def begun(rubbing):
     """The record on the bench with the exponential law, diagnosed."""
+    from pam_ident.tasks.setup import Setup
     from pam_ident.workbench.bench import Bench
-    from pam_ident.workflow.setup import Setup
 
     setup = Setup("exponential_law")
     return Bench.begin(setup.read(rubbing), str(rubbing), setup).diagnosed()

@@ -7,10 +7,10 @@ import pytest
 
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.records import read_record
+from pam_ident.tasks.setup import Setup
 from pam_ident.workbench import words
 from pam_ident.workbench.bench import Bench, specimen_toml
 from pam_ident.workbench.dropped import read_dropped, safe_name
-from pam_ident.workflow.setup import Setup
 
 
 def test_an_effect_is_found_added_and_taken_out_again(begun):

@@ -1,0 +1,1 @@
+"""Many muscles at once: a table and a page, resumed where it stopped."""

@@ -1,0 +1,120 @@
+"""The answer to one record of a batch: a dictionary that is kept as JSON, the same bits wherever it is worked out."""
+
+import os
+import platform
+import re
+import tomllib
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..core import FitError, PamError, Specimen, UsageError
+from ..fitting import Fit, fit, lack_of_fit, noise_floor
+from ..records import Record
+from ..schema.versions import schema
+from ..tasks.setup import Setup, load
+from .question import Item, Question
+
+if TYPE_CHECKING:
+    from ..diagnosis.nouns import Diagnosis
+
+Json = dict[str, Any]
+SCHEMA = schema("batch-record")
+
+
+class Changed(Exception):
+    """A record is no longer the one that was asked about; its answer must not be kept."""
+
+
+def answer(question: Question, item: Item) -> Json:
+    """Schema pam-ident/batch-record/1: a row for each branch; an error takes the place of what it prevents.
+
+    Raises UsageError where the question cannot be asked at all, Changed, MemoryError.
+    """
+    setup = question.setup
+    found: Json = {
+        "schema": SCHEMA,
+        "record": item.name,
+        "sha256": item.sha256,
+        "law": setup.law,
+        "effects": setup.model.labels,
+        "versions": dict(versions()),
+        "specimen": None,
+    }
+    try:
+        record = load(item.path, item.specimen)
+        if record.sha256 != item.sha256:
+            raise Changed(f"{item.name}: it changed while the batch ran; run the batch again")
+        found["specimen"] = _specimen(record.specimen, item.specimen)
+        diagnosis = _diagnose(setup, record) if question.diagnose else None
+    except Exception as error:
+        message = _message(error, item)
+        return found | {"rows": [{"branch": branch, "error": message} for branch in question.branches]}
+    return found | {"rows": [_row(setup, record, branch, diagnosis, item) for branch in question.branches]}
+
+
+def _diagnose(setup: Setup, record: Record) -> "Diagnosis":
+    from ..diagnosis import diagnose
+
+    return diagnose(setup.model, record, setup.extra)
+
+
+def _row(setup: Setup, record: Record, branch: str, diagnosis: "Diagnosis | None", item: Item) -> Json:
+    row: Json = {"branch": branch, "error": None}
+    if diagnosis is not None:
+        row |= {"verdict": diagnosis.verdict, "selected": list(diagnosis.selected)}
+    try:
+        one = fit(setup.model, record, record.branch_rows(branch))
+        row |= _fitted(one)
+        if one.problems:
+            raise FitError(f"{item.path}: the fit is not valid. {'; '.join(one.problems)}")
+    except Exception as error:
+        row["error"] = _message(error, item)
+    if diagnosis is not None:
+        row["noise_floor_N"] = diagnosis.noise_floor
+    return row
+
+
+def _fitted(one: Fit) -> Json:
+    """What a fit says; its verdict stands only where no diagnosis gave one."""
+    floor, lack = noise_floor(one), lack_of_fit(one)
+    return {
+        "n": int(one.rows.sum()),
+        "rmse_N": one.rmse,
+        "noise_floor_N": None if floor is None else floor.sigma,
+        "lack_of_fit": None if lack is None else ("adequate" if lack.adequate else "inadequate"),
+        "parameters": {e.name: [e.value, e.stderr] for e in one.estimates},
+    }
+
+
+def _message(error: Exception, item: Item) -> str:
+    """One line that names files by their place in the tree, so that it is the same wherever the tree lies."""
+    if isinstance(error, UsageError | MemoryError | Changed):
+        raise error
+    if isinstance(error, PamError):
+        text = str(error)
+    elif os.environ.get("PAM_IDENT_DEBUG"):
+        raise error
+    else:
+        text = f"{item.path}: it broke down ({type(error).__name__}: {error}); please report the record"
+    return " ".join(text.replace(item.path.removesuffix(item.name), "").split())
+
+
+def _specimen(specimen: Specimen, path: str) -> Json:
+    """What muscles are compared over. The serial number is the last one in the key `serial_number` of [specimen]."""
+    given = tomllib.loads(Path(path).read_text(encoding="utf-8"))["specimen"].get("serial_number", "")
+    serial = re.findall(r"\d+", str(given))
+    return {
+        "name": specimen.name,
+        "initial_length_mm": specimen.initial_length_mm,
+        "diameter_mm": 2.0 * specimen.initial_radius_mm,
+        "serial_number": int(serial[-1]) if serial else None,
+    }
+
+
+@lru_cache(maxsize=1)
+def versions() -> tuple[tuple[str, str], ...]:
+    """The environment that bits hang on."""
+    libraries = [(name, version(name)) for name in ("numpy", "scipy", "pandas")]
+    return (("python", platform.python_version()), ("machine", platform.machine()), *libraries)

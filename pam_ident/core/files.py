@@ -1,0 +1,71 @@
+"""Files are written whole or not at all."""
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from tempfile import mkstemp
+from typing import Any
+
+from . import UsageError, blank_nan
+
+
+def check_target(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
+    """`path` as a Path, refused before any work is done where it cannot become a file with one of `suffixes`.
+
+    Raises UsageError.
+    """
+    path = Path(path)
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise UsageError(f"{path}: expected a file name ending in {' or '.join(suffixes)}")
+    if path.is_dir():
+        raise UsageError(f"{path}: is a folder; expected the name of a file to write")
+    if not path.parent.is_dir():
+        raise UsageError(f"{path}: there is no folder {path.parent}; make it, or name another file")
+    if not os.access(path.parent, os.W_OK):
+        raise UsageError(f"{path}: the folder {path.parent} cannot be written to; name another file")
+    return path
+
+
+def write_whole(path: str | Path, content: str | bytes) -> Path:
+    """Write `content` beside `path` and move it there, so that no reader ever sees half a file."""
+    path = Path(path)
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    handle, temporary = mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    return path
+
+
+def write_json(path: str | Path, answer: Mapping[str, Any]) -> None:
+    """One answer as indented JSON; what is no number is null. The path `-` is stdout."""
+    _write_text(path, _dumps(answer, 2) + "\n")
+
+
+def write_json_lines(path: str | Path, answers: Iterable[Mapping[str, Any]]) -> None:
+    """Several answers, one object a line. The path `-` is stdout."""
+    _write_text(path, "".join(_dumps(answer, None) + "\n" for answer in answers))
+
+
+def _write_text(path: str | Path, content: str) -> None:
+    if str(path) == "-":
+        sys.stdout.write(content)
+    else:
+        write_whole(path, content)
+
+
+def _dumps(answer: Mapping[str, Any], indent: int | None) -> str:
+    return json.dumps(blank_nan(dict(answer)), indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,1 @@
+"""Work shared out among processes, or the machines of a cluster."""

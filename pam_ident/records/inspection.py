@@ -1,0 +1,95 @@
+"""What was read of a record, and advice on the rig."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .advice import advise
+from .files import Files, find_files
+from .record import Record
+
+
+@dataclass(frozen=True)
+class Isobar:
+    """One nominal pressure: samples, their standard deviation of pressure in MPa, range of contraction and force."""
+
+    pressure_MPa: float
+    n: int
+    wander_MPa: float
+    contraction: tuple[float, float]
+    force_N: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """A record in numbers. `speeds` are the strokes' speeds in mm/s, `None` fields are not in the record.
+
+    `cycles` is the largest number of cycles on one isobar; `branches` maps a branch to its number of samples.
+    """
+
+    record: Record
+    files: Files | None
+    isobars: tuple[Isobar, ...]
+    branches: dict[str, int]
+    strokes: int
+    speeds: tuple[float, ...]
+    cycles: int | None
+    holds: int | None
+    hold_samples: int
+    duration_s: float | None
+    temperature_C: tuple[float, float] | None
+    advice: tuple[str, ...]
+
+
+def inspect_record(record: Record) -> Inspection:
+    """Count what a record holds and say what would make it tell more."""
+    inputs = record.inputs
+    names = {"contraction": 1.0, "extension": -1.0, "without a branch": 0.0}
+    counts = {name: int(np.sum(inputs.direction == sign)) for name, sign in names.items()}
+    held = None if inputs.moving is None else ~inputs.moving
+    return Inspection(
+        record,
+        find_files(record.source) if record.source else None,
+        tuple(_isobar(record, level) for level in record.levels),
+        {name: count for name, count in counts.items() if count},
+        len(np.unique(record.stroke[record.stroke > 0])),
+        stroke_speeds(record),
+        None if inputs.cycle is None else _most_cycles(record),
+        None if held is None else int(np.sum(np.diff(np.r_[False, held].astype(int)) == 1)),
+        0 if held is None else int(held.sum()),
+        None if inputs.time is None else float(inputs.time[-1] - inputs.time[0]),
+        None if inputs.temperature is None else (float(inputs.temperature.min()), float(inputs.temperature.max())),
+        advise(record, stroke_speeds(record)),
+    )
+
+
+def stroke_speeds(record: Record) -> tuple[float, ...]:
+    """Distinct speeds of the strokes in mm/s, ascending; speeds within a third of each other count as one."""
+    pace, moving = record.inputs.stroke_speed, record.inputs.moving
+    if pace is None or moving is None or not moving.any():
+        return ()
+    values = np.sort(np.array([np.median(pace[record.stroke == k]) for k in np.unique(record.stroke[moving])]))
+    values = values[values > 0]
+    if not len(values):
+        return ()
+    groups = np.split(values, np.flatnonzero(values[1:] > 4.0 / 3.0 * values[:-1]) + 1)
+    return tuple(float(np.median(group)) for group in groups)
+
+
+def _isobar(record: Record, level: float) -> Isobar:
+    here = record.level == level
+    pressure, contraction = record.inputs.pressure[here], record.inputs.contraction[here]
+    force = record.force[here]
+    return Isobar(
+        float(level),
+        int(here.sum()),
+        float(pressure.std()),
+        (float(contraction.min()), float(contraction.max())),
+        (float(force.min()), float(force.max())),
+    )
+
+
+def _most_cycles(record: Record) -> int:
+    cycle = record.inputs.cycle
+    assert cycle is not None
+    return max(len(np.unique(cycle[record.level == level])) for level in record.levels)

@@ -1,0 +1,1 @@
+"""Everything that is written as JSON for other programs, with the versions of its schemas."""

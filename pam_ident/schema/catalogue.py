@@ -1,0 +1,83 @@
+"""Laws, effects and records as the dictionaries that other programs read: what is known before anything is fitted."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from ..core import Param
+from .versions import schema
+
+if TYPE_CHECKING:
+    from ..effects import Effect
+    from ..laws import Law
+    from ..records.inspection import Inspection
+    from ..validation.check_effects import Problem
+
+Json = dict[str, Any]
+
+
+def _param(p: Param) -> Json:
+    return {"name": p.name, "unit": p.unit, "lower": p.lower, "upper": p.upper, "meaning": p.doc}
+
+
+def laws_json(laws: Sequence["Law"]) -> Json:
+    """Schema pam-ident/laws/1."""
+    return {
+        "schema": schema("laws"),
+        "laws": [
+            {
+                "name": law.name,
+                "title": law.title,
+                "formula": law.formula,
+                "parameters": [_param(p) for p in law.params],
+                "source": law.source,
+            }
+            for law in laws
+        ],
+    }
+
+
+def effects_json(effects: Sequence["Effect"], problems: Sequence["Problem"] | None = None) -> Json:
+    """Schema pam-ident/effects/1; with `problems` also what effects do not keep of what an effect promises."""
+    found: Json = {"schema": schema("effects"), "effects": [_effect(one) for one in effects]}
+    if problems is not None:
+        found["problems"] = [asdict(one) for one in problems]
+    return found
+
+
+def _effect(effect: "Effect") -> Json:
+    return {
+        "name": effect.name,
+        "title": effect.title,
+        "needs": list(effect.needs),
+        "vary": list(effect.levers),
+        "test": effect.test,
+        "source": effect.source,
+        "warning": effect.warning or None,
+        "forms": [
+            {"name": form.name, "formula": form.formula, "parameters": [_param(p) for p in form.params]}
+            for form in effect.forms
+        ],
+    }
+
+
+def inspection_json(path: str, found: "Inspection") -> Json:
+    """Schema pam-ident/inspection/1."""
+    record = found.record
+    return {
+        "schema": schema("inspection"),
+        "record": path,
+        "n": len(record),
+        "masked": record.masked,
+        "specimen": asdict(record.specimen),
+        "columns": dict(record.columns),
+        "branches": dict(found.branches),
+        "isobars": [asdict(one) for one in found.isobars],
+        "duration_s": found.duration_s,
+        "strokes": found.strokes,
+        "speeds_mm_per_s": list(found.speeds),
+        "cycles": found.cycles,
+        "holds": found.holds,
+        "temperature_C": None if found.temperature_C is None else list(found.temperature_C),
+        "advice": list(found.advice),
+    }

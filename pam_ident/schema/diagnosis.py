@@ -1,0 +1,151 @@
+"""Comparisons, diagnoses and ladders as the dictionaries that other programs read."""
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from .fit import Json, covariance, muscle, parameters
+from .versions import schema
+
+if TYPE_CHECKING:
+    from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Experiment, Ladder, Pattern, Region
+    from ..fitting import Fit
+    from ..tasks.add import Addition
+
+
+def comparison_json(record: str, comparison: "Comparison") -> Json:
+    """Schema pam-ident/comparison/1."""
+    fit = comparison.fit
+    return {
+        "schema": schema("comparison"),
+        "record": record,
+        "law": fit.model.law.name,
+        "effects": fit.model.labels,
+        "n": int(fit.rows.sum()),
+        "rmse_N": fit.rmse,
+        "max_error_N": fit.max_error,
+        "odd_share": comparison.odd,
+        "even_share": comparison.even,
+        "rest_share": comparison.rest,
+        "by": {key: [_bin(one) for one in bins] for key, bins in comparison.by.items()},
+        "worst": [_region(one) for one in comparison.worst],
+        "map": {
+            "branches": list(comparison.branches),
+            "pressures_MPa": comparison.pressures,
+            "contraction_edges": comparison.edges,
+            "mean_N": comparison.mean,
+            "rms_N": comparison.rms,
+            "share": comparison.share,
+        },
+        "sentence": comparison.sentence,
+    }
+
+
+def _bin(one: "Bin") -> Json:
+    return {
+        "label": one.label,
+        "low": one.low,
+        "high": one.high,
+        "n": one.n,
+        "mean_N": one.mean,
+        "rms_N": one.rms,
+        "share": one.share,
+    }
+
+
+def _region(one: "Region") -> Json:
+    return {
+        "pressure_MPa": one.pressure_MPa,
+        "contraction": list(one.contraction),
+        "branch": one.branch,
+        "n": one.n,
+        "mean_N": one.mean,
+        "rms_N": one.rms,
+        "share": one.share,
+    }
+
+
+def diagnosis_json(record: str, diagnosis: "Diagnosis") -> Json:
+    """Schema pam-ident/diagnosis/1."""
+    return {
+        "schema": schema("diagnosis"),
+        "record": record,
+        "law": diagnosis.base.model.law.name,
+        "n": len(diagnosis.base.record),
+        "rmse_N": diagnosis.base.rmse,
+        "noise_floor_N": diagnosis.noise_floor,
+        "verdict": diagnosis.verdict,
+        "selected": list(diagnosis.selected),
+        "groups": [list(group) for group in diagnosis.groups],
+        "ranking": [
+            {
+                "effect": s.effect,
+                "status": s.status,
+                "probability": s.probability,
+                "rmse_after_N": s.rmse_after,
+                "heldout_rmse_after_N": s.heldout_rmse_after,
+            }
+            for s in diagnosis.ranking
+        ],
+        "rmse_after_N": diagnosis.best.rmse,
+        "heldout_rmse_N": diagnosis.heldout_rmse,
+        "heldout_rmse_after_N": diagnosis.heldout_rmse_after,
+        "pattern": _pattern(diagnosis.pattern),
+        "next_experiment": _experiment(diagnosis.next_experiment),
+    }
+
+
+def _experiment(experiment: "Experiment | None") -> Json | None:
+    if experiment is None:
+        return None
+    return {
+        "vary": list(experiment.vary),
+        "text": experiment.text,
+        "predicted": [asdict(one) for one in experiment.predicted],
+        "minutes": experiment.minutes,
+        "protocol": None if experiment.protocol is None else experiment.protocol.table(),
+    }
+
+
+def _pattern(pattern: "Pattern | None") -> Json | None:
+    keys = ("kind", "coordinate", "value", "unit", "share")
+    return None if pattern is None else {key: getattr(pattern, key) for key in keys}
+
+
+def addition_json(record: str, addition: "Addition") -> Json:
+    """Schema pam-ident/add/1; `parameters` are those of the law with the effects."""
+    return {
+        "schema": schema("add"),
+        "record": record,
+        "law": addition.after.model.law.name,
+        "effects": addition.after.model.labels,
+        "n": len(addition.after.record),
+        "before": _errors(addition.before, addition.heldout_before),
+        "after": _errors(addition.after, addition.heldout_after),
+        "parameters": parameters(addition.after.estimates),
+    }
+
+
+def _errors(one: "Fit", heldout: float) -> Json:
+    return {"rmse_N": one.rmse, "heldout_rmse_N": heldout, "max_error_N": one.max_error}
+
+
+def ladder_json(record: str, ladder: "Ladder") -> Json:
+    """Schema pam-ident/ladder/1."""
+    return {
+        "schema": schema("ladder"),
+        "record": record,
+        "law": ladder.rungs[0].fit.model.law.name,
+        **muscle(ladder.rungs[0].fit),
+        "rungs": [
+            {
+                "effects": list(rung.effects),
+                "rmse_N": rung.fit.rmse,
+                "heldout_rmse_N": rung.heldout_rmse,
+                "parameters": parameters(rung.fit.estimates),
+                **covariance(rung.fit),
+            }
+            for rung in ladder.rungs
+        ],
+        "noise_floor_N": ladder.noise_floor,
+        "verdict": ladder.verdict,
+    }

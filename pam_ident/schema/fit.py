@@ -1,0 +1,114 @@
+"""Fits as the dictionaries that other programs read; NaN is blanked when they are written."""
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from .versions import schema
+
+if TYPE_CHECKING:
+    from ..fitting import Fit
+    from ..fitting.fit import Estimate
+    from ..tasks.fit import Checks, FitAnswer
+
+Json = dict[str, Any]
+
+
+def parameters(estimates: "tuple[Estimate, ...]") -> Json:
+    """Parameters by name, in full."""
+    return {
+        e.name: {
+            "value": e.value,
+            "stderr": e.stderr,
+            "unit": e.unit,
+            "at_bound": e.at_bound,
+            "identified": e.identified,
+            "interval": [e.low, e.high],
+            "freedom": e.dof,
+            "verdict": e.verdict.kind,
+            "partners": list(e.verdict.partners),
+        }
+        for e in estimates
+    }
+
+
+def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
+    """Schema pam-ident/fit/1."""
+    fits = answer.fits
+    found: Json = {
+        "schema": schema("fit"),
+        "record": record,
+        "law": law,
+        "effects": next(iter(fits.values())).model.labels,
+        **muscle(next(iter(fits.values()))),
+        "branches": {branch: _branch(one) | _checks(answer.checks[branch]) for branch, one in fits.items()},
+    }
+    if answer.isobars is not None:
+        found["per_pressure"] = [
+            {
+                "pressure_MPa": row.pressure_MPa,
+                "branch": row.branch,
+                "parameters": {e.name: {"value": e.value, "stderr": e.stderr} for e in row.estimates},
+                "rmse_N": row.rmse,
+            }
+            for row in answer.isobars.rows
+        ]
+        found["correlation"] = answer.isobars.correlation
+    if answer.methods:
+        found["methods"] = [
+            {
+                "method": row.method,
+                "mu_held": row.mu,
+                "branch": row.branch,
+                "parameters": dict(row.values),
+                "rmse_N": row.rmse,
+                "heldout_pressure_rmse_N": row.heldout,
+            }
+            for row in answer.methods
+        ]
+    found["loops"] = [
+        {"pressure_MPa": p, "measured_J": energy, "modelled_J": answer.loops.get(p)}
+        for p, energy in sorted(answer.measured_loops.items())
+    ]
+    found["passive"] = answer.passive
+    return found
+
+
+def muscle(one: "Fit") -> Json:
+    """What a fitted model needs besides its parameters to be used elsewhere; `range` is what the record covered."""
+    specimen = {key: value for key, value in asdict(one.record.specimen).items() if key != "sensors"}
+    covered = {"pressure_MPa": one.record.inputs.pressure, "contraction": one.record.inputs.contraction}
+    return {
+        "specimen": specimen,
+        "free_geometry": one.model.free_geometry,
+        "range": {key: [float(values.min()), float(values.max())] for key, values in covered.items()},
+    }
+
+
+def _checks(checks: "Checks") -> Json:
+    floor, lack = checks.floor, checks.lack
+    return {
+        "noise_floor_N": None if floor is None else floor.sigma,
+        "noise_memory_samples": None if floor is None else floor.memory,
+        "lack_of_fit": None
+        if lack is None
+        else {"F": lack.statistic, "freedom": list(lack.freedom), "p_value": lack.p_value},
+        "stand_ins": [{"calibration": s.calibration, "parameters": list(s.parameters)} for s in checks.stand_ins],
+    }
+
+
+def covariance(one: "Fit") -> Json:
+    """Of the parameters that were fitted and do not stand at a bound; null where no errors were asked for."""
+    if one.covariance is None:
+        return {"covariance": None}
+    return {"covariance": {"names": list(one.free), "matrix": one.covariance.matrix.tolist()}}
+
+
+def _branch(one: "Fit") -> Json:
+    return {
+        "parameters": parameters(one.estimates),
+        **covariance(one),
+        "rmse_N": one.rmse,
+        "max_error_N": one.max_error,
+        "r2": one.r2,
+        "n": one.n,
+    }

@@ -1,0 +1,27 @@
+"""The versions of all that is written as JSON: a new one when a field changes its meaning or goes."""
+
+VERSIONS = {
+    "add": 1,
+    "batch": 1,
+    "batch-record": 1,
+    "batch-summary": 1,
+    "challenge": 1,
+    "comparison": 1,
+    "demo": 1,
+    "diagnosis": 1,
+    "effects": 1,
+    "export": 1,
+    "fit": 1,
+    "inspection": 1,
+    "ladder": 1,
+    "laws": 1,
+    "rig": 1,
+    "selftest": 1,
+    "track": 1,
+    "workbench": 1,
+}
+
+
+def schema(kind: str) -> str:
+    """What stands under "schema" in an answer of a kind, such as pam-ident/fit/1. Raises KeyError for another kind."""
+    return f"pam-ident/{kind}/{VERSIONS[kind]}"

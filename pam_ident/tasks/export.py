@@ -1,0 +1,79 @@
+"""A fitted model in the language of another program."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..core import UsageError
+from ..core.files import check_target, write_json, write_whole
+from ..effects import load_effect_files
+from ..export.c import c_header
+from ..export.fitted import Fitted
+from ..export.matlab import matlab_function
+from ..export.mujoco import mujoco_actuator
+from ..export.python import python_function
+from ..records import read_specimen
+from ..schema.fit import fit_json
+from .fit import Wishes, fit_record
+from .setup import Setup
+
+SUFFIX = {"c": ".h", "matlab": ".m", "python": ".py", "mujoco": ".xml", "json": ".json"}
+"""What a model can be exported to, and the ending of the file."""
+TEXTS = {"c": c_header, "matlab": matlab_function, "python": python_function}
+
+
+@dataclass(frozen=True)
+class Exported:
+    """The files written, what is to be said of them, and why the fit is not valid, if it is not."""
+
+    paths: tuple[Path, ...]
+    notes: tuple[str, ...]
+    problems: tuple[str, ...]
+
+
+def check_export(to: str, out: str) -> Path:
+    """Where an export is to go. Raises UsageError for an unknown kind, a wrong ending or a folder that is not there."""
+    if to not in SUFFIX:
+        raise UsageError(f"--to {to!r}: expected one of {', '.join(SUFFIX)}")
+    return check_target(out, (SUFFIX[to],))
+
+
+def export_fit(
+    source: str, to: str, out: str, effect_files: tuple[str, ...] = (), specimen: str | None = None
+) -> Exported:
+    """Write the model in a file of `fit --json` or `ladder --json`, of a ladder the last rung.
+
+    `effect_files` hold effects of a user's own that the file names; `specimen` stands in for the file's. Raises
+    UsageError for what cannot be exported, DataError for a file that cannot be read.
+    """
+    path = check_export(to, out)
+    if to == "json":
+        raise UsageError(f"{source}: is a fit as JSON already; copy it, or give a record with --law LAW")
+    if not source.lower().endswith(".json"):
+        raise UsageError(f"{source}: expected a file that `fit --json` wrote; to fit a record now add --law LAW")
+    extra = load_effect_files(effect_files)
+    given = None if specimen is None else read_specimen(specimen)
+    return _write(Fitted.read(source, given, extra), to, path)
+
+
+def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "together") -> Exported:
+    """Fit a model to a record and write it. Raises as `fit_record` and `export_fit` do."""
+    path = check_export(to, out)
+    answer = fit_record(setup.read(source), setup, Wishes(branch=branch))
+    fitted = Fitted.of(answer.fits)
+    if to == "json":
+        write_json(path, fit_json(source, setup.law, answer))
+        return Exported((path,), (), fitted.problems)
+    return _write(fitted, to, path)
+
+
+def _write(fitted: Fitted, to: str, path: Path) -> Exported:
+    """The file's name without its ending names the function in it."""
+    if to != "mujoco":
+        return Exported((write_whole(path, TEXTS[to](fitted, path.stem)),), (), fitted.problems)
+    actuator, beside = mujoco_actuator(fitted, path.stem), check_target(path.with_suffix(".py"))
+    paths = (write_whole(path, actuator.xml), write_whole(beside, actuator.python))
+    note = (
+        f"{path.name} alone is affine in length: off the fitted model by {actuator.affine.rms_N:.3g} N rms, "
+        f"{actuator.affine.most_N:.3g} N at most; install() of {beside.name} makes it exact"
+    )
+    return Exported(paths, (note,), fitted.problems)

@@ -1,0 +1,208 @@
+"""Fit a law, with or without effects, to a record."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..core import UsageError
+from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, noise_floor
+from ..fitting.covariance import student
+from ..fitting.energy import energy_warning, model_loops, passive
+from ..fitting.fit import Estimate, branch_names
+from ..fitting.floor import LackOfFit, NoiseFloor
+from ..fitting.identifiability import PINNED, StandIn
+from ..fitting.long import LongFit
+from ..fitting.methods import MethodRow, compare_methods
+from ..fitting.profile import Profile
+from ..fitting.weigh import LOSSES, Weighing
+from ..parallel.crew import check_crew
+from ..records import Record
+from .intervals import NOBODY, Crew, bootstrap_of, profiles_of
+from .setup import Setup
+
+BRANCHES = ("together", "separate", "contraction", "extension")
+METHODS = ("global", "two-stage", "both")
+INTERVALS = ("linear", "profile", "bootstrap")
+WEIGHTS = ("equal", "sensors")
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """How a fit is to be done: parameters `held` at values, what samples weigh, how its intervals are found, by whom.
+
+    Raises UsageError for an unknown word.
+    """
+
+    branch: str = "together"
+    method: str = "global"
+    held: Mapping[str, float] = field(default_factory=dict)
+    weights: str = "equal"
+    loss: str = "linear"
+    intervals: str = "linear"
+    seed: int = 0
+    crew: Crew = NOBODY
+
+    def __post_init__(self) -> None:
+        for what, given, known in (
+            ("--branch", self.branch, BRANCHES),
+            ("--method", self.method, METHODS),
+            ("--weights", self.weights, WEIGHTS),
+            ("--loss", self.loss, LOSSES),
+            ("--intervals", self.intervals, INTERVALS),
+        ):
+            if given not in known:
+                raise UsageError(f"{what} {given!r}: expected one of {', '.join(known)}")
+        check_crew(self.crew.workers, self.crew.scheduler)
+        if self.crew != NOBODY and self.intervals == "linear":
+            raise UsageError("--workers and --scheduler are for --intervals profile or bootstrap; ask for one of them")
+
+    @property
+    def weighing(self) -> Weighing:
+        """What samples weigh."""
+        return Weighing(self.weights == "sensors", self.loss)
+
+
+@dataclass(frozen=True)
+class Checks:
+    """What a fit is held against: the noise between repeated strokes, the test for a lack of fit, and faults of the
+    sensors that its parameters take up without trace. The first two are None in a record without repeats."""
+
+    floor: NoiseFloor | None
+    lack: LackOfFit | None
+    stand_ins: tuple[StandIn, ...]
+
+
+@dataclass(frozen=True)
+class FitAnswer:
+    """Fits by branch; for the two-stage method also the table of the isobars. `loops` are the modelled loops in J,
+    `measured_loops` those of the record.
+
+    `two_stage` names the branches whose parameters come from straight lines through the isobars; where a law has no
+    such lines, or effects are fitted too, its fit is the global one. `profiles` are there for intervals by profile,
+    `methods` for both methods side by side.
+    """
+
+    record: Record
+    fits: Mapping[str, Fit]
+    wishes: Wishes
+    isobars: IsobarTable | None
+    two_stage: tuple[str, ...]
+    checks: Mapping[str, Checks]
+    profiles: Mapping[str, tuple[Profile, ...]]
+    methods: tuple[MethodRow, ...]
+    loops: Mapping[float, float]
+    measured_loops: Mapping[float, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def passive(self) -> bool | None:
+        """Whether the modelled loop takes up energy at every pressure; None without two modelled branches."""
+        return passive(self.loops)
+
+    @property
+    def in_chunks(self) -> bool:
+        """Whether the record was read in chunks, so that `record` is a sample of it."""
+        return any(isinstance(one, LongFit) for one in self.fits.values())
+
+    @property
+    def problems(self) -> list[str]:
+        """Why a fit is not valid, branch by branch; empty when all are."""
+        return [f"{branch}: {problem}" for branch, one in self.fits.items() for problem in one.problems]
+
+
+def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> FitAnswer:
+    """Fit `setup.model` to the branches asked for, all pressures at once, or isobar by isobar and then over pressure.
+
+    Raises UsageError for a parameter to hold that the model lacks, FitError when the record cannot identify the law
+    at all, DataError when it lacks the branch.
+    """
+    wishes = wishes or Wishes()
+    branches = branch_names(wishes.branch)
+    fits = {
+        name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
+        for name in branches
+    }
+    isobars, straight = None, ()
+    if wishes.method == "two-stage":
+        isobars = fit_isobars(setup.model, record, branches, wishes.held)
+        lines = {name: one for name, one in fits.items() if _covers(isobars, name, one)}
+        fits |= {name: _from_lines(one, isobars, name) for name, one in lines.items()}
+        straight = tuple(lines)
+    profiles: dict[str, tuple[Profile, ...]] = {}
+    for name, one in fits.items():
+        if name not in straight and one.valid:
+            fits[name], profiles[name] = _with_intervals(one, setup, wishes)
+    loops = model_loops(fits)
+    warnings = [f"{term.effect.name}: {term.effect.warning}" for term in setup.model.terms if term.effect.warning]
+    energy = energy_warning(loops)
+    return FitAnswer(
+        record,
+        fits,
+        wishes,
+        isobars,
+        straight,
+        {name: Checks(noise_floor(one), lack_of_fit(one), one.stand_ins) for name, one in fits.items()},
+        profiles,
+        compare_methods(record, setup.model, wishes.branch) if wishes.method == "both" else (),
+        loops,
+        loop_energies(record, record.force),
+        tuple([*warnings, energy] if energy is not None else warnings),
+    )
+
+
+def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[Profile, ...]]:
+    """The fit with its intervals found as was asked for, and the profiles that gave them."""
+    if wishes.intervals == "linear":
+        return one, ()
+    if wishes.intervals == "profile":
+        found = profiles_of(one, setup, wishes.crew)
+        ends = {name: (p.low, p.high) for name, p in found.items()}
+    else:
+        found, ends = {}, bootstrap_of(one, setup, wishes.seed, wishes.crew).intervals
+    estimates = tuple(
+        replace(e, low=ends[e.name][0], high=ends[e.name][1]) if e.name in ends else e for e in one.estimates
+    )
+    return replace(one, given=estimates), tuple(found.values())
+
+
+def _covers(table: IsobarTable, branch: str, one: Fit) -> bool:
+    return {p.name for p in one.model.params} == set(table.two_stage.get(branch, ()))
+
+
+def _from_lines(one: Fit, table: IsobarTable, branch: str) -> Fit:
+    """The fit with its parameters from straight lines through the isobars, standard errors from their scatter."""
+    values = table.two_stage[branch]
+    errors = _line_errors(table, branch)
+    return replace(
+        one,
+        values=values,
+        given=tuple(_on_lines(e, values[e.name], *errors.get(e.name, (e.stderr, e.dof))) for e in one.estimates),
+        message="two-stage",
+        sums=None,
+    )
+
+
+def _on_lines(e: Estimate, value: float, stderr: float, dof: float) -> Estimate:
+    half = float(student(np.array(dof))) * stderr if dof > 0 else math.nan
+    verdict = e.verdict if e.verdict.kind == "held" else PINNED
+    return Estimate(e.name, e.unit, e.doc, value, stderr, False, True, value - half, value + half, dof, verdict)
+
+
+def _line_errors(table: IsobarTable, branch: str) -> dict[str, tuple[float, float]]:
+    """Standard errors, with degrees of freedom, of intercept and slope over pressure of each isobar coefficient.
+
+    NaN from two isobars.
+    """
+    rows = [row for row in table.rows if row.branch == branch]
+    p = np.array([row.pressure_MPa for row in rows])
+    n, spread = len(p), float(np.sum((p - p.mean()) ** 2))
+    errors: dict[str, tuple[float, float]] = {}
+    for k, name in enumerate(e.name for e in rows[0].estimates):
+        y = np.array([row.estimates[k].value for row in rows])
+        off = y - np.polyval(np.polyfit(p, y, 1), p)
+        variance = float(off @ off) / (n - 2) if n > 2 else math.nan
+        errors[f"{name}1"] = math.sqrt(variance / spread), n - 2
+        errors[f"{name}0"] = math.sqrt(variance * (1.0 / n + p.mean() ** 2 / spread)), n - 2
+    return errors

@@ -1,0 +1,37 @@
+"""Diagnose and add, down to the noise floor; or effects added by hand, one after the other."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from ..diagnosis import climb, heldout_rmse
+from ..diagnosis.nouns import Diagnosis, Ladder, Rung
+from ..fitting import Fit, fit
+from ..records import Record
+from .setup import Setup
+
+
+def climb_ladder(record: Record, setup: Setup) -> Ladder:
+    """The ladder from `setup.model` up. Raises FitError or DataError where the record cannot be fitted at all."""
+    return climb(setup.model, record, setup.extra)
+
+
+def ladder_by_hand(
+    record: Record, setup: Setup, known: Mapping[tuple[str, ...], Rung], latest: Diagnosis | None
+) -> tuple[Rung, ...]:
+    """A rung for the law and for each effect more, those that are known taken over; `latest` led to a new one."""
+    whole = setup.model
+    rungs: list[Rung] = []
+    for count in range(len(whole.terms) + 1):
+        model = replace(whole, terms=whole.terms[:count])
+        found = known.get(tuple(model.labels))
+        if found is None:
+            one = fit(model, record)
+            found = Rung(one, heldout_rmse(model, record, one), _why(rungs, one), latest if rungs else None)
+        rungs.append(found)
+    return tuple(rungs)
+
+
+def _why(rungs: list[Rung], one: Fit) -> str:
+    if not rungs:
+        return "the law alone"
+    return f"{one.model.terms[-1].effect.title}: error {rungs[-1].fit.rmse:.3g} → {one.rmse:.3g} N, added by hand"

@@ -1,0 +1,75 @@
+"""The whole answer about one record as a file."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ..core import UsageError
+from ..core.files import check_target, write_whole
+from ..report import Story, find_browser, render, render_markdown, to_pdf
+from ..report.provenance import provenance
+from .section import build_section
+from .setup import Setup
+
+SUFFIXES = {".html": "html", ".htm": "html", ".md": "md", ".markdown": "md", ".pdf": "pdf"}
+FORMATS = ("html", "md", "pdf")
+
+
+def report_record(path: str, setup: Setup, out: str = "report.html", kind: str | None = None) -> Story:
+    """Write the report of one record to `out` and return its story.
+
+    `kind` is html, md or pdf, by default what the name ends in, and html where it has no ending. Figures of an md lie
+    beside it in a folder, NAME_figures. Raises DataError, FitError or UsageError, the latter before any work is done
+    where `out` cannot be written or a PDF not be printed.
+    """
+    target = check_target(out, tuple(SUFFIXES) if kind is None and Path(out).suffix else ())
+    chosen = kind or SUFFIXES.get(target.suffix.lower(), "html")
+    if chosen not in FORMATS:
+        raise UsageError(f"format {kind!r}; expected one of {', '.join(FORMATS)}")
+    folder = target.with_name(f"{target.stem}_figures")
+    if chosen == "md":
+        _check_folder(folder)
+    if chosen == "pdf":
+        find_browser()
+    model = setup.model
+    record = setup.read(path)
+    section = build_section(model, record, setup.extra)
+    more = ("--format", kind) if kind else ()
+    source = provenance({path: record}, setup.command("report", path, "--out", out, *more))
+    story = Story(f"{record.name}: {setup.law} against the measurement", (section,), source)
+    if chosen == "md":
+        text, figures = render_markdown(story, folder.name)
+        _write_with_folder(target, text, folder, figures)
+    else:
+        page = render(story)
+        write_whole(target, page if chosen == "html" else to_pdf(page, target.parent))
+    return story
+
+
+def _check_folder(folder: Path) -> None:
+    """Only a folder of an earlier report is replaced. Raises UsageError."""
+    if not folder.exists():
+        return
+    if not folder.is_dir() or any(not one.match("figure_*.svg") for one in folder.iterdir()):
+        raise UsageError(f"{folder}: is no folder of figures of an earlier report; move it, or name another file")
+
+
+def _write_with_folder(target: Path, text: str, folder: Path, files: Mapping[str, str]) -> None:
+    """Both or neither: `text` as `target`, and `files` in `folder`, which is replaced as a whole."""
+    with TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as place:
+        new, old = Path(place, "new"), Path(place, "old")
+        new.mkdir()
+        for name, content in files.items():
+            (new / name).write_text(content, encoding="utf-8")
+        replaced = folder.exists()
+        if replaced:
+            folder.replace(old)
+        try:
+            new.replace(folder)
+            write_whole(target, text)
+        except BaseException:
+            if folder.exists():
+                folder.replace(new)
+            if replaced:
+                old.replace(folder)
+            raise

@@ -1,0 +1,67 @@
+"""All that a report says about one record."""
+
+from dataclasses import replace
+
+from ..core import FitError
+from ..diagnosis import climb, compare
+from ..diagnosis.nouns import Diagnosis, Ladder
+from ..effects import Effect
+from ..fitting import Fit, IsobarTable, fit_isobars, loop_energies
+from ..fitting.energy import energy_warning, model_loops
+from ..model import Model
+from ..records import Record
+from ..report import Section
+
+
+def build_section(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Section:
+    """Diagnosis, ladder, comparisons before and after, isobars and loops of one record.
+
+    Raises FitError or DataError.
+    """
+    ladder = climb(model, record, extra)
+    diagnosis = ladder.first
+    return section_of(record, diagnosis.base, diagnosis, ladder, completed(diagnosis, ladder))
+
+
+def section_of(record: Record, base: Fit, diagnosis: Diagnosis, ladder: Ladder, best: Fit | None) -> Section:
+    """The section of what has been found: `base` is the law as given, `best` the completed model, None without one."""
+    loops = model_loops({"together": best or base})
+    return Section(
+        record,
+        compare(base),
+        diagnosis,
+        compare(best) if best is not None else None,
+        ladder,
+        _isobars(base.model, record),
+        loop_energies(record, record.force),
+        loops,
+        _warnings(best or base, loops),
+    )
+
+
+def completed(diagnosis: Diagnosis, ladder: Ladder) -> Fit | None:
+    """The model with all that was found missing: the ladder's last rung, or the diagnosis' where that fits better.
+
+    None where nothing was added.
+    """
+    found = [diagnosis.best] if diagnosis.selected else []
+    if len(ladder.rungs) > 1:
+        found.append(ladder.rungs[-1].fit)
+    return min(found, key=lambda one: one.rmse) if found else None
+
+
+def _isobars(model: Model, record: Record) -> tuple[IsobarTable, ...]:
+    """The law alone, isobar by isobar, where it has parameters and the isobars have samples enough."""
+    if not model.law.params:
+        return ()
+    both = all((record.inputs.direction == sign).any() for sign in (1.0, -1.0))
+    try:
+        return (fit_isobars(replace(model, terms=()), record, ("contraction", "extension") if both else ("together",)),)
+    except FitError:
+        return ()
+
+
+def _warnings(best: Fit, loops: dict[float, float]) -> tuple[str, ...]:
+    found = [f"{term.effect.title}: {term.effect.warning}" for term in best.model.terms if term.effect.warning]
+    energy = energy_warning(loops)
+    return tuple([*found, energy] if energy else found)

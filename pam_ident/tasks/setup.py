@@ -1,0 +1,76 @@
+"""What every task is asked: a law, effects, a specimen."""
+
+import shlex
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from ..core import Specimen, UsageError
+from ..effects import Effect, load_effect_files
+from ..model import Model
+from ..records import Record, read_record, read_specimen
+from ..records.files import share_of_memory
+
+MOST_OF_MEMORY = 0.5
+"""Share of the free memory from which a record's text will not fit into it as numbers."""
+
+
+def load(record: str | Path, specimen: str | Path | Specimen | None = None) -> Record:
+    """Read a record: a file, a folder or a pattern. Raises DataError."""
+    return read_record(record, specimen)
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A law by name with effects (`name` or `name:form`), the user's own effect files, and the specimen's file.
+
+    Without `specimen` each record takes the `specimen.toml` beside it. `free_geometry` lets radius and braid angle
+    be fitted.
+    """
+
+    law: str
+    effects: tuple[str, ...] = ()
+    effect_files: tuple[str, ...] = ()
+    free_geometry: bool = False
+    specimen: str | None = None
+
+    @cached_property
+    def extra(self) -> tuple[Effect, ...]:
+        """The effects of the user's own files. Raises UsageError where one cannot be loaded."""
+        return load_effect_files(self.effect_files)
+
+    @cached_property
+    def model(self) -> Model:
+        """The law with its effects. Raises UsageError for an unknown name."""
+        return Model.build(self.law, self.effects, self.extra, self.free_geometry)
+
+    @cached_property
+    def law_alone(self) -> Model:
+        """The law without effects."""
+        return Model.build(self.law, free_geometry=self.free_geometry)
+
+    @cached_property
+    def _specimen(self) -> Specimen | None:
+        return read_specimen(self.specimen) if self.specimen is not None else None
+
+    def read(self, record: str | Path) -> Record:
+        """The record with its specimen. Raises DataError, UsageError for one that memory cannot hold."""
+        if share_of_memory(record) > MOST_OF_MEMORY:
+            raise UsageError(
+                f"{record}: its text is more than half of the memory that is free, and only `fit` reads a record in "
+                "chunks; take a part of it, or a larger machine"
+            )
+        return load(record, self._specimen)
+
+    def command(self, verb: str, record: str, *more: str) -> str:
+        """The command line that asks the same again."""
+        words = ["pam-ident", verb, record, "--law", self.law]
+        for name in self.effects:
+            words += ["--effect", name]
+        for path in self.effect_files:
+            words += ["--effect-file", path]
+        if self.free_geometry:
+            words.append("--free-geometry")
+        if self.specimen is not None:
+            words += ["--specimen", self.specimen]
+        return shlex.join([*words, *more])
