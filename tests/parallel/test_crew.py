@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1] / "batch"))
 from batch_tree import environment, write_tree
 
 from pam_ident.core import UsageError
