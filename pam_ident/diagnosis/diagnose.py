@@ -16,7 +16,7 @@ from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
 from .nouns import Diagnosis, Pattern, Suspect
-from .patterns import KINDS, OVER_PRESSURE
+from .patterns import catalogue as catalogue_of_patterns
 from .probability import probabilities
 from .trial import Trial, Verdict
 
@@ -128,23 +128,12 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
     explained = trial.empty.squares - verdict.squares
     rest = trial.refit(verdict.without(term), verdict.values)
     share = min(max((rest.squares - verdict.squares) / max(explained, 1e-9), 0.0), 1.0)
-    shape = {p.name: (verdict.values[f"{name}.{p.name}"], p.unit) for p in term.form.shapes}
-    value, unit = next(iter(shape.values()), (None, ""))
-    coordinate = "time" if name in ("step", "burst", "beat", "trend") else "displacement" if shape else "contraction"
-    coordinate = "pressure" if term.form.name == OVER_PRESSURE else coordinate
-    places = [f"{shape[key][0]:.3g}" for key in ("place", "second") if key in shape]
-    where = f"{'two places' if places[1:] else 'one place'}, around {' and '.join(places)} mm of contraction"
-    words = {
-        "local": f"a force in {where}",
-        "periodic": f"a ripple with a period of {value or 0:.3g} mm",
-        "beat": f"a beat with a period of {value or 0:.3g} s",
-        "step": f"a step at {value or 0:.4g} s",
-        "burst": f"a force for a while around {value or 0:.4g} s",
-        "trend": "a trend in time that no known drift follows",
-        "other": f"a dependence on {coordinate} that no known effect follows",
-    }
-    text = f"{words[name]} ({term.form.name}), {share:.0%} of what is left unexplained"
-    return Pattern(KINDS.get(name, name), coordinate, value, unit, float(share), text)
+    at = {p.name: verdict.values[f"{name}.{p.name}"] for p in term.form.shapes}
+    value, unit = next(((at[p.name], p.unit) for p in term.form.shapes), (None, ""))
+    shape = catalogue_of_patterns()[name]
+    along = shape.elsewhere.get(term.form.name, shape.coordinate)
+    text = f"{shape.words(at, along)} ({term.form.name}), {share:.0%} of what is left unexplained"
+    return Pattern(shape.kind, along, value, unit, float(share), text)
 
 
 def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:

@@ -9,23 +9,18 @@ from itertools import product
 import numpy as np
 
 from ..core import Inputs
-from ..core.recursion import decaying_sum
 from ..records import Record
 from ..records.motion import noise_around
+from .noises import likelier_colour
 from .repeats import without_repeats
+from .whitening import BlockFilter, filter_gains, innovations
 
 Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
-PINK_SHARES, PINK_POWERS = (0.03, 0.1, 0.2, 0.4, 0.7, 1.0), (0.6, 0.8, 1.0, 1.2)
-"""Of noise whose spectrum rises to slow changes as a power, 1/f and its like: shares, and powers."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour lead to the same answer."""
-BLOCK = 16
-"""Rows that are filtered as one."""
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, *40.0 * 2.0 ** np.arange(6)])
 """Up to a wander over minutes: noise that is slower than any here passes for a drift."""
-TAPERS = 3
-"""Windows over which a spectrum is averaged: without one a drift leaks into all of it."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +31,8 @@ class Noise:
     time, in samples or in seconds as `clock` says; `gain` and `spread` are the Kalman gains and innovation deviations
     of a first-order process plus white noise, `decay` its memory from the sample before. `outlier` marks isolated
     samples that no smooth model reaches, and turning points. `deviance` is minus twice the log likelihood of the
-    residual it was estimated from, up to a constant: of this process, or of 1/f noise where that is likelier.
+    residual it was estimated from, up to a constant: of this process, or of a colour of `noises` where that is
+    likelier.
     """
 
     sigma: float
@@ -88,101 +84,13 @@ class Noise:
         return np.where(self.outlier, 0.0, 1.0 / (self.sigma * self.spread))
 
     @cached_property
-    def _blocks(self) -> "_Blocks":
-        return _Blocks.of(self.decay, self.gain, self._weight)
+    def _blocks(self) -> "BlockFilter":
+        return BlockFilter.of(self.decay, self.gain, self._weight)
 
     @cached_property
-    def _single_blocks(self) -> "_Blocks":
+    def _single_blocks(self) -> "BlockFilter":
         whole = self._blocks
-        return _Blocks(*(part.astype(np.float32) for part in (whole.rows, whole.first, whole.onward, whole.kept)))
-
-
-@dataclass(frozen=True)
-class _Blocks:
-    """A filter in blocks of rows, each a small matrix, so that many columns pass at the speed of matrix products.
-
-    A block takes its rows z (BLOCK, k) and the prediction p (k,) of the first of them to `rows` · z + `first` ⊗ p, and
-    hands on the prediction `onward` · z + `kept` p.
-    """
-
-    rows: Array
-    first: Array
-    onward: Array
-    kept: Array
-
-    @classmethod
-    def of(cls, decay: Array, gain: Array, weight: Array) -> "_Blocks":
-        """Innovations under a filter, times `weight`, shape (n,) each; rows of no weight are not read."""
-        short = -len(decay) % BLOCK
-        keep = np.r_[decay[1:] * (1.0 - gain[:-1]), np.zeros(short + 1)].reshape(-1, BLOCK)
-        take = np.r_[decay[1:] * gain[:-1], np.zeros(short + 1)].reshape(-1, BLOCK)
-        scale = np.r_[weight, np.zeros(short)].reshape(-1, BLOCK)
-        read = scale > 0.0
-        rows, state = np.zeros((len(keep), BLOCK, BLOCK + 1)), np.zeros((len(keep), BLOCK + 1))
-        state[:, BLOCK] = 1.0
-        for j in range(BLOCK):
-            rows[:, j] = -scale[:, j, None] * state
-            rows[:, j, j] += scale[:, j]
-            state *= keep[:, j, None]
-            state[:, j] += take[:, j] * read[:, j]
-        return cls(rows[:, :, :BLOCK] * read[:, None, :], rows[:, :, BLOCK], state[:, None, :BLOCK], state[:, BLOCK])
-
-    def filter(self, z: Array) -> Array:
-        """Columns (n, k) → (n, k)."""
-        n, k = z.shape
-        short = -n % BLOCK
-        parts = (np.vstack([z, np.zeros((short, k), z.dtype)]) if short else z).reshape(-1, BLOCK, k)
-        out = self.rows @ parts
-        begun = decaying_sum(self.kept[:-1], (self.onward @ parts)[:-1, 0])
-        out += self.first[:, :, None] * begun.astype(z.dtype)[:, None, :]
-        return out.reshape(-1, k)[:n]
-
-
-def innovations(z: Array, decay: Array, gain: Array) -> Array:
-    """One-step prediction errors of each column of z (n, k) under a filter, decay and gain (n,)."""
-    return z - decaying_sum(decay[1:] * (1.0 - gain[:-1]), (decay[1:] * gain[:-1])[:, None] * z[:-1])
-
-
-def filter_gains(decay: Array, share: Array, extra: Array) -> tuple[Array, Array]:
-    """Kalman gain and innovation deviation, shape (n, g) each, of unit-variance noise plus white noise `extra`.
-
-    `decay` (n, g) is the memory from the sample before, `share` (g,) the correlated part of the unit variance,
-    `extra` (n,) the variance of what is added.
-
-    A step of the variance is a fraction of two straight lines, so a block of steps is one, too: a product of 2 × 2
-    matrices. Blocks are multiplied out side by side, then their first variances follow one from the other.
-    """
-    n, g = decay.shape
-    length = math.isqrt(n - 1) + 1
-    square = _in_blocks(decay**2, length)
-    fresh = (1.0 - square) * share
-    white = 1.0 - share + _in_blocks(extra[:, None], length)
-    shape = fresh[:, 0].shape
-    a, b, c, d = np.ones(shape), np.zeros(shape), np.zeros(shape), np.ones(shape)
-    for j in range(length):
-        s, q, r = square[:, j], fresh[:, j], white[:, j]
-        top, side = s * a + q * c, s * b + q * d  # variance predicted, times the denominator
-        a, b, c, d = r * top, r * side, top + r * c, side + r * d
-        unit = 1.0 / (c + d)
-        a, b, c, d = a * unit, b * unit, c * unit, d * unit
-    variance = np.empty_like(fresh[:, 0])
-    variance[0] = share
-    for k in range(1, len(variance)):
-        v = variance[k - 1]
-        variance[k] = (a[k - 1] * v + b[k - 1]) / (c[k - 1] * v + d[k - 1])
-    gain, total = np.empty_like(fresh), np.empty_like(fresh)
-    for j in range(length):
-        predicted = square[:, j] * variance + fresh[:, j]
-        total[:, j] = predicted + white[:, j]
-        gain[:, j] = predicted / total[:, j]
-        variance = predicted * (1.0 - gain[:, j])
-    return gain.reshape(-1, g)[:n], np.sqrt(total.reshape(-1, g)[:n])
-
-
-def _in_blocks(rows: Array, length: int) -> Array:
-    """Rows (n, g) in blocks, (blocks, length, g), filled up with zeros."""
-    short = -len(rows) % length
-    return np.vstack([rows, np.zeros((short, rows.shape[1]))]).reshape(-1, length, rows.shape[1])
+        return BlockFilter(*(part.astype(np.float32) for part in (whole.rows, whole.first, whole.onward, whole.kept)))
 
 
 def estimate_noise(
@@ -213,7 +121,7 @@ def estimate_noise(
         whole = innovations(np.where(outlier, 0.0, residual / middle)[:, None], decay, gain)[:, 0] / spread
         deviance += float(whole @ whole - left @ left) * (middle / sigma) ** 2
     if share > 0.0:
-        deviance -= _likelier_pink(z / np.sqrt(1.0 + extra), share, float(np.median(decay[1:])))
+        deviance -= likelier_colour(z / np.sqrt(1.0 + extra), share, float(np.median(decay[1:])))
     whole = sigma * math.sqrt(1.0 + float(np.mean(extra[~outlier]))) if not outlier.all() else sigma
     return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance)
 
@@ -255,25 +163,6 @@ def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, 
             decay[0] = 0.0
             best, least = (float(SHARES[j]), float(MEMORY_SAMPLES[k]) * seconds, clock, decay), cost
     return best
-
-
-def _likelier_pink(z: Array, share: float, decay: float) -> float:
-    """By how much the deviance of z (n,) falls if it is 1/f noise and not a first-order process, at least 0.
-
-    Both by Whittle's likelihood over the frequencies (Whittle 1953, Arkiv för Matematik 2, 423–434) of a spectrum by
-    sine tapers (Riedel & Sidorenko 1995, IEEE Trans. Signal Processing 43, 188–195).
-    """
-    tapers = np.sin(np.outer(np.arange(1, TAPERS + 1), np.linspace(0.0, np.pi, len(z))))
-    power = np.mean(np.abs(np.fft.rfft(z * tapers)[:, 1:]) ** 2, axis=0)
-    half = np.pi * np.arange(1, len(power) + 1) / len(z)
-    first = share * (1.0 - decay**2) / (1.0 + decay**2 - 2.0 * decay * np.cos(2.0 * half)) + 1.0 - share
-
-    def deviance(spectrum: Array) -> float:
-        return 2.0 * len(power) * float(np.log(np.mean(power / spectrum))) + 2.0 * float(np.sum(np.log(spectrum)))
-
-    slow = [rise / np.mean(rise) for rise in (np.sin(half) ** -exponent for exponent in PINK_POWERS)]
-    pink = [deviance(w * rise + 1.0 - w) for rise in slow for w in PINK_SHARES]
-    return max(deviance(first) - min(pink), 0.0)
 
 
 def _most_likely(advance: Array, z: Array, extra: Array) -> tuple[tuple[int, int], float]:

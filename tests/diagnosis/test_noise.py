@@ -12,9 +12,8 @@ from pam_ident.diagnosis.noise import (
     _deviances,
     _most_likely,
     estimate_noise,
-    filter_gains,
-    innovations,
 )
+from pam_ident.diagnosis.whitening import filter_gains, innovations
 from pam_ident.records import build_record
 
 SPECIMEN = Specimen("bench", 200.0, 10.0, 25.4, 1.5)

@@ -1,0 +1,41 @@
+"""Shapes that no known effect has, one a file: a ripple, a rub in one place, a step in time, a trend, a free curve.
+
+A file that defines PATTERN is looked for, fitted and described without further ado. Patterns are fitted and priced like
+effects, but they carry no physics and are never selected by name: they describe what is left.
+"""
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+
+from ...core import Inputs
+from ...core.discover import instances
+from ...effects import Effect
+from .base import PatternShape, Span
+
+__all__ = ["PatternShape", "Span", "catalogue", "patterns"]
+LENGTHS = 30
+SOURCE = "a description, not a physical effect"
+
+
+@cache
+def catalogue() -> dict[str, PatternShape]:
+    """Every pattern by name."""
+    return {one.name: one for one in instances(__name__, __path__, PatternShape)}
+
+
+def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
+    """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask.
+
+    `beats` are periods in s that a spectrum shows, tried beside the slow ones. A table of few lengths shows no pattern:
+    any curve over contraction passes through its lengths.
+    """
+    if len(np.unique(np.round(inputs.displacement_mm, 3))) < LENGTHS:
+        return ()
+    span = Span.of(inputs, tuple(beats))
+    return tuple(
+        Effect(one.name, one.title, SOURCE, tuple(one.forms(span)), test="", candidate=False)
+        for one in catalogue().values()
+        if one.coordinate != "time" or inputs.time is not None
+    )

@@ -1,0 +1,133 @@
+"""What a pattern is, and what several of them are made of.
+
+Columns of a pattern take arrays (m,) of shapes, too, and are then (n, k m) of k sizes, all of the first size first;
+where the contraction is given in single precision, so are they.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...core import Inputs, Param
+from ...effects import Form
+from ...effects.base import Array, Shape
+
+FAR = 8.0
+"""Standard deviations at which a bell's tail stays what it is, 1e-14."""
+SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
+GAIN = Param("gain", "1", "change of the force's scale", -0.9, 2.0, scale=0.01)
+ZERO = Param("zero", "MPa", "shift of the pressure", -0.3, 0.3, scale=0.002)
+WAVE = (Param("cosine", "N", "cosine part", scale=10.0), Param("sine", "N", "sine part", scale=10.0))
+
+
+@dataclass(frozen=True)
+class Span:
+    """What a record covers: displacement from `low` over `stroke` (mm), time from `first` over `duration` (s, 0 without
+    time), and the periods in s, `beats`, that a spectrum of what is left shows."""
+
+    inputs: Inputs
+    low: float
+    stroke: float
+    first: float
+    duration: float
+    beats: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, inputs: Inputs, beats: tuple[float, ...] = ()) -> "Span":
+        """The span of a record's inputs."""
+        x, time = inputs.displacement_mm, inputs.time
+        first, duration = (0.0, 0.0) if time is None else (float(time[0]), max(float(np.ptp(time)), 1e-9))
+        return cls(inputs, float(x.min()), max(float(np.ptp(x)), 1e-9), first, duration, beats)
+
+    def place(self, count: int = 40) -> Param:
+        """Somewhere along the stroke, looked for at so many places."""
+        grid = steps(self.low, self.stroke, count)
+        return Param("place", "mm", "where", self.low, self.low + self.stroke, self.low + self.stroke / 2, grid=grid)
+
+    def moment(self, count: int = 150) -> Param:
+        """Some time of the record, looked for at so many moments."""
+        begin, end = self.first, self.first + self.duration
+        grid = steps(begin, self.duration, count)
+        return Param("moment", "s", "when", begin, end, begin + self.duration / 2, grid=grid)
+
+
+@dataclass(frozen=True)
+class PatternShape:
+    """A pattern: its `name`, the `kind` and `coordinate` it has in an answer, its forms over a record's span, and
+    `words`, which describes it by the values of its shapes and the coordinate; `elsewhere` has the coordinate of forms
+    along another.
+    """
+
+    name: str
+    title: str
+    kind: str
+    coordinate: str
+    forms: Callable[[Span], Sequence[Form]]
+    words: Callable[[Mapping[str, float], str], str]
+    elsewhere: Mapping[str, str] = field(default_factory=dict)
+
+
+def steps(low: float, span: float, count: int) -> tuple[float, ...]:
+    """The middles of so many equal parts."""
+    return tuple(float(v) for v in low + span * (np.arange(count) + 0.5) / count)
+
+
+def searched(name: str, unit: str, doc: str, grid: Sequence[float]) -> Param:
+    """A shape that is looked for from a grid, with bounds a little beyond its ends."""
+    values = tuple(map(float, grid))
+    return Param(name, unit, doc, min(values) * 0.8, max(values) * 1.25, start=values[0], grid=values)
+
+
+def knots(count: int) -> tuple[Param, ...]:
+    """Sizes of a free curve."""
+    return tuple(Param(f"knot_{k}", "N", "free curve", scale=10.0) for k in range(count))
+
+
+def hats(values: Array, count: int) -> Array:
+    """Straight lines between `count` even knots over values (n,), shape (n, count)."""
+    at = np.linspace(values.min(), values.max(), count)
+    return np.maximum(0.0, 1.0 - np.abs(values[:, None] - at) / max(at[1] - at[0], 1e-12))
+
+
+def like(inputs: Inputs, values: Array | float) -> Array:
+    """Values in the precision of the inputs."""
+    return np.asarray(values, inputs.contraction.dtype)
+
+
+def bell(away: Array) -> Array:
+    """Gaussian at so many standard deviations; its tail ends before squares lose digits, which is slow."""
+    return np.exp(-0.5 * np.minimum(away * away, FAR**2))
+
+
+def after(inputs: Inputs, shape: Shape) -> Array:
+    """1 from a moment on, before it 0, shape (n, m)."""
+    assert inputs.time is not None
+    return like(inputs, inputs.time[:, None] >= shape["moment"])
+
+
+def wave(along: Array, period: Array | float) -> Array:
+    """Cosine and sine of 2π along/period, along (n,): (n, 2), or (n, 2 m) of m periods, cosines first.
+
+    Of wave numbers in even steps few are turned, by the angles of a coarse and of a fine step, into all others.
+    """
+    numbers = 1.0 / np.atleast_1d(period)
+    even = len(numbers) > 8 and np.ptp(np.diff(numbers)) < 1e-9 * np.max(np.abs(np.diff(numbers)))
+    numbers = numbers.astype(along.dtype)
+    turn, m = 2.0 * np.pi * along[:, None], len(numbers)
+    found = np.empty((len(along), 2, m), along.dtype)
+    if even:
+        fine = math.isqrt(m)
+        coarse = _circle(turn * numbers[::fine])[:, :, None]
+        waves = (coarse * _circle(turn * (numbers[:fine] - numbers[0]))[:, None, :]).reshape(len(along), -1)[:, :m]
+        found[:, 0], found[:, 1] = np.real(waves), np.imag(waves)
+    else:
+        phase = turn * numbers
+        np.cos(phase, out=found[:, 0])
+        np.sin(phase, out=found[:, 1])
+    return found.reshape(len(along), -1)
+
+
+def _circle(angle: Array) -> Array:
+    return np.cos(angle) + 1j * np.sin(angle)

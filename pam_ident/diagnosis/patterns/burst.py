@@ -1,0 +1,30 @@
+"""A force for a while."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...core import Inputs
+from ...effects import AddsForce, Form
+from ...effects.base import Array, Shape
+from .base import SIZE, PatternShape, Span, bell, like, searched
+
+
+def _burst(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    assert inputs.time is not None
+    return bell(like(inputs, (inputs.time[:, None] - np.asarray(shape["moment"])) / np.asarray(shape["length"])))
+
+
+def _forms(span: Span) -> Sequence[Form]:
+    length = searched("length", "s", "how long", [span.duration * w for w in (0.08, 0.03, 0.012)])
+    return (AddsForce("bell", "bell over time", (SIZE,), _burst, (span.moment(), length)),)
+
+
+PATTERN = PatternShape(
+    "burst",
+    "force for a while",
+    "local",
+    "time",
+    _forms,
+    lambda at, along: f"a force for a while around {at['moment']:.4g} s",
+)

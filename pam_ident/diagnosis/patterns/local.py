@@ -1,0 +1,98 @@
+"""A force in one place of the stroke, or in two."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...core import Inputs, Param
+from ...effects import AddsForce, Form
+from ...effects.base import Array, Shape, slip
+from .base import SIZE, PatternShape, Span, bell, like
+
+PLACES = 16
+"""Places from which each of two is sought."""
+AGAINST = Param("against", "N", "amplitude against motion", scale=10.0)
+AGAIN = Param("again", "N", "amplitude in the other place", scale=10.0)
+POWER = Param("power", "1", "power at which it grows", 0.7, 3.0, start=1.0, grid=(1.0, 1.5, 2.2))
+
+
+def _beyond(inputs: Inputs, shape: Shape) -> Array:
+    """Millimetres beyond the places, shape (n, m)."""
+    return inputs.displacement_mm[:, None] - like(inputs, shape["place"])
+
+
+def _bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return bell(_beyond(inputs, shape) / like(inputs, shape["width"]))
+
+
+def _odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -_bump(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _one_way_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Of either size on either branch; on one branch alone where the two sizes are alike."""
+    return np.hstack([_bump(inputs, shape, force), _odd_bump(inputs, shape, force)])
+
+
+def _pressed_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    pressed = inputs.pressure / max(float(np.max(inputs.pressure)), 1e-9)
+    return _bump(inputs, shape, force) * pressed[:, None]
+
+
+def _pressed_odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -_pressed_bump(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _two_bumps(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    other = {**shape, "place": shape["second"]}
+    return np.hstack([_bump(inputs, shape, force), _bump(inputs, other, force)])
+
+
+def _box(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """Constant within the width, with soft edges a fifth of it wide, so that place and width can be searched."""
+    off, width = np.abs(_beyond(inputs, shape)), like(inputs, shape["width"])
+    return 0.5 - 0.5 * np.tanh((off - width) / (0.2 * width))
+
+
+def _odd_box(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -_box(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _stop(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return np.maximum(_beyond(inputs, shape), 0.0) ** like(inputs, shape["power"])
+
+
+def _edge(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    """From nothing to constant, soft by a hundredth of the stroke so that the place can be searched."""
+    soft = like(inputs, max(0.01 * float(np.ptp(inputs.displacement_mm)), 1e-9))
+    return 0.5 + 0.5 * np.tanh(_beyond(inputs, shape) / soft)
+
+
+def _forms(span: Span) -> Sequence[Form]:
+    stroke, place, first = span.stroke, span.place(), span.place(PLACES)
+    widths = tuple(stroke * w for w in (0.015, 0.035, 0.08))
+    width = Param("width", "mm", "half width", stroke * 0.005, stroke, start=stroke * 0.05, grid=widths)
+    second = replace(first, name="second", doc="where else")
+    wide = replace(width, grid=tuple(stroke * w for w in (0.05, 0.1)))
+    at = (place, width)
+    return (
+        AddsForce("even", "bump", (SIZE,), _bump, at),
+        AddsForce("odd", "bump against motion", (SIZE,), _odd_bump, at),
+        AddsForce("one_way", "bump that differs by branch", (SIZE, AGAINST), _one_way_bump, at),
+        AddsForce("pressed", "bump in proportion to pressure", (SIZE,), _pressed_bump, at),
+        AddsForce("pressed_odd", "bump against motion, in proportion to pressure", (SIZE,), _pressed_odd_bump, at),
+        AddsForce("two_places", "bumps in two places", (SIZE, AGAIN), _two_bumps, (first, second, wide)),
+        AddsForce("box", "step up and down", (SIZE,), _box, at),
+        AddsForce("odd_box", "step up and down against motion", (SIZE,), _odd_box, at),
+        AddsForce("stop", "force that grows beyond a place", (SIZE,), _stop, (place, POWER)),
+        AddsForce("edge", "force that sets in at a place", (SIZE,), _edge, (place,)),
+    )
+
+
+def _words(at: Mapping[str, float], along: str) -> str:
+    places = [f"{at[key]:.3g}" for key in ("place", "second") if key in at]
+    return f"a force in {'two places' if places[1:] else 'one place'}, around {' and '.join(places)} mm of contraction"
+
+
+PATTERN = PatternShape("local", "local force", "local", "displacement", _forms, _words)

@@ -1,0 +1,50 @@
+"""A free curve over contraction or pressure: what depends on them in a way that no effect does."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...core import Inputs
+from ...effects import AddsForce, Form
+from ...effects.base import Array, Shape, slip
+from .base import PatternShape, Span, hats, knots
+
+KNOTS, PRESSURE_KNOTS = 9, 5
+
+
+def _even(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return hats(inputs.contraction, KNOTS)
+
+
+def _odd(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return -hats(inputs.contraction, KNOTS) * slip(inputs)[0][:, None]
+
+
+def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return hats(inputs.contraction, KNOTS) * inputs.pressure[:, None]
+
+
+def _over_pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return hats(inputs.pressure, PRESSURE_KNOTS)[:, 1:]
+
+
+def _forms(span: Span) -> Sequence[Form]:
+    over_pressure = AddsForce("over_pressure", "free curve over pressure", knots(PRESSURE_KNOTS - 1), _over_pressure)
+    levels = np.unique(np.round(span.inputs.pressure, 2))
+    return (
+        AddsForce("even", "free curve", knots(KNOTS), _even),
+        AddsForce("odd", "free curve against motion", knots(KNOTS), _odd),
+        AddsForce("pressed", "free curve in proportion to pressure", knots(KNOTS), _pressed),
+        *([over_pressure] if len(levels) >= PRESSURE_KNOTS else []),
+    )
+
+
+PATTERN = PatternShape(
+    "other",
+    "free curve over contraction",
+    "other",
+    "contraction",
+    _forms,
+    lambda at, along: f"a dependence on {along} that no known effect follows",
+    {"over_pressure": "pressure"},
+)

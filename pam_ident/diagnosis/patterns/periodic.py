@@ -1,0 +1,43 @@
+"""A ripple over displacement, such as the pitch of a spindle leaves."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...core import Inputs
+from ...effects import AddsForce, Form
+from ...effects.base import Array, Shape, slip
+from .base import WAVE, PatternShape, Span, searched, wave
+
+
+def _ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return wave(inputs.displacement_mm, shape["period"])
+
+
+def _loaded_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _ripple(inputs, shape, force) * (force / max(float(np.mean(np.abs(force))), 1e-9))[:, None]
+
+
+def _odd_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _ripple(inputs, shape, force) * slip(inputs)[0][:, None]
+
+
+def _forms(span: Span) -> Sequence[Form]:
+    numbers = np.arange(1.0, max(2.0, span.stroke / 1.0), 0.25)[::-1]
+    periods = [span.stroke / k for k in numbers if span.stroke / k < 0.5 * span.stroke]
+    period = searched("period", "mm", "period over displacement", periods or [0.25 * span.stroke])
+    return (
+        AddsForce("even", "ripple", WAVE, _ripple, (period,)),
+        AddsForce("loaded", "ripple in proportion to force", WAVE, _loaded_ripple, (period,), uses_force=True),
+        AddsForce("odd", "ripple against motion", WAVE, _odd_ripple, (period,)),
+    )
+
+
+PATTERN = PatternShape(
+    "periodic",
+    "ripple over displacement",
+    "periodic",
+    "displacement",
+    _forms,
+    lambda at, along: f"a ripple with a period of {at['period']:.3g} mm",
+)

@@ -1,0 +1,43 @@
+"""A step in time: a mount that slips, a gauge whose zero jumps."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...core import Inputs, Param
+from ...effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
+from ...effects.base import Array, Shape
+from .base import GAIN, SIZE, ZERO, PatternShape, Span, after, steps
+
+LATER = Param("later", "N", "size of the second", scale=10.0)
+SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
+
+
+def _force_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return after(inputs, shape)
+
+
+def _two_steps(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return np.hstack([after(inputs, shape), after(inputs, {"moment": shape["moment"] + shape["length"]})])
+
+
+def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return after(inputs, shape) / inputs.specimen.initial_length_mm
+
+
+def _forms(span: Span) -> Sequence[Form]:
+    moment, duration = span.moment(), span.duration
+    grid = steps(0.0, duration / 2, 12)
+    length = Param("length", "s", "how long", 0.0, duration, start=duration / 8, grid=grid)
+    return (
+        AddsForce("force", "step of the force", (SIZE,), _force_step, (moment,)),
+        AddsForce("two", "two steps of the force", (SIZE, LATER), _two_steps, (span.moment(75), length)),
+        ScalesForce("gain", "step of the force's scale", (GAIN,), _force_step, (moment,)),
+        TransformsContraction("length", "step of the length", (SHIFT,), _length_step, (moment,)),
+        TransformsPressure("pressure", "step of the pressure", (ZERO,), _force_step, (moment,)),
+    )
+
+
+PATTERN = PatternShape(
+    "step", "step in time", "step", "time", _forms, lambda at, along: f"a step at {at['moment']:.4g} s"
+)

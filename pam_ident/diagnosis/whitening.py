@@ -1,0 +1,100 @@
+"""Filters that make coloured noise white: gains of a first-order process, and the filter in blocks of rows."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.recursion import decaying_sum
+
+Array = np.ndarray
+BLOCK = 16
+"""Rows that are filtered as one."""
+
+
+@dataclass(frozen=True)
+class BlockFilter:
+    """A filter in blocks of rows, each a small matrix, so that many columns pass at the speed of matrix products.
+
+    A block takes its rows z (BLOCK, k) and the prediction p (k,) of the first of them to `rows` · z + `first` ⊗ p, and
+    hands on the prediction `onward` · z + `kept` p.
+    """
+
+    rows: Array
+    first: Array
+    onward: Array
+    kept: Array
+
+    @classmethod
+    def of(cls, decay: Array, gain: Array, weight: Array) -> "BlockFilter":
+        """Innovations under a filter, times `weight`, shape (n,) each; rows of no weight are not read."""
+        short = -len(decay) % BLOCK
+        keep = np.r_[decay[1:] * (1.0 - gain[:-1]), np.zeros(short + 1)].reshape(-1, BLOCK)
+        take = np.r_[decay[1:] * gain[:-1], np.zeros(short + 1)].reshape(-1, BLOCK)
+        scale = np.r_[weight, np.zeros(short)].reshape(-1, BLOCK)
+        read = scale > 0.0
+        rows, state = np.zeros((len(keep), BLOCK, BLOCK + 1)), np.zeros((len(keep), BLOCK + 1))
+        state[:, BLOCK] = 1.0
+        for j in range(BLOCK):
+            rows[:, j] = -scale[:, j, None] * state
+            rows[:, j, j] += scale[:, j]
+            state *= keep[:, j, None]
+            state[:, j] += take[:, j] * read[:, j]
+        return cls(rows[:, :, :BLOCK] * read[:, None, :], rows[:, :, BLOCK], state[:, None, :BLOCK], state[:, BLOCK])
+
+    def filter(self, z: Array) -> Array:
+        """Columns (n, k) → (n, k)."""
+        n, k = z.shape
+        short = -n % BLOCK
+        parts = (np.vstack([z, np.zeros((short, k), z.dtype)]) if short else z).reshape(-1, BLOCK, k)
+        out = self.rows @ parts
+        begun = decaying_sum(self.kept[:-1], (self.onward @ parts)[:-1, 0])
+        out += self.first[:, :, None] * begun.astype(z.dtype)[:, None, :]
+        return out.reshape(-1, k)[:n]
+
+
+def innovations(z: Array, decay: Array, gain: Array) -> Array:
+    """One-step prediction errors of each column of z (n, k) under a filter, decay and gain (n,)."""
+    return z - decaying_sum(decay[1:] * (1.0 - gain[:-1]), (decay[1:] * gain[:-1])[:, None] * z[:-1])
+
+
+def filter_gains(decay: Array, share: Array, extra: Array) -> tuple[Array, Array]:
+    """Kalman gain and innovation deviation, shape (n, g) each, of unit-variance noise plus white noise `extra`.
+
+    `decay` (n, g) is the memory from the sample before, `share` (g,) the correlated part of the unit variance,
+    `extra` (n,) the variance of what is added.
+
+    A step of the variance is a fraction of two straight lines, so a block of steps is one, too: a product of 2 × 2
+    matrices. Blocks are multiplied out side by side, then their first variances follow one from the other.
+    """
+    n, g = decay.shape
+    length = math.isqrt(n - 1) + 1
+    square = _in_blocks(decay**2, length)
+    fresh = (1.0 - square) * share
+    white = 1.0 - share + _in_blocks(extra[:, None], length)
+    shape = fresh[:, 0].shape
+    a, b, c, d = np.ones(shape), np.zeros(shape), np.zeros(shape), np.ones(shape)
+    for j in range(length):
+        s, q, r = square[:, j], fresh[:, j], white[:, j]
+        top, side = s * a + q * c, s * b + q * d  # variance predicted, times the denominator
+        a, b, c, d = r * top, r * side, top + r * c, side + r * d
+        unit = 1.0 / (c + d)
+        a, b, c, d = a * unit, b * unit, c * unit, d * unit
+    variance = np.empty_like(fresh[:, 0])
+    variance[0] = share
+    for k in range(1, len(variance)):
+        v = variance[k - 1]
+        variance[k] = (a[k - 1] * v + b[k - 1]) / (c[k - 1] * v + d[k - 1])
+    gain, total = np.empty_like(fresh), np.empty_like(fresh)
+    for j in range(length):
+        predicted = square[:, j] * variance + fresh[:, j]
+        total[:, j] = predicted + white[:, j]
+        gain[:, j] = predicted / total[:, j]
+        variance = predicted * (1.0 - gain[:, j])
+    return gain.reshape(-1, g)[:n], np.sqrt(total.reshape(-1, g)[:n])
+
+
+def _in_blocks(rows: Array, length: int) -> Array:
+    """Rows (n, g) in blocks, (blocks, length, g), filled up with zeros."""
+    short = -len(rows) % length
+    return np.vstack([rows, np.zeros((short, rows.shape[1]))]).reshape(-1, length, rows.shape[1])
