@@ -5,7 +5,7 @@ where the contraction is given in single precision, so are they.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -74,7 +74,7 @@ def steps(low: float, span: float, count: int) -> tuple[float, ...]:
     return tuple(float(v) for v in low + span * (np.arange(count) + 0.5) / count)
 
 
-def searched(name: str, unit: str, doc: str, grid: Sequence[float]) -> Param:
+def searched(name: str, unit: str, doc: str, grid: Iterable[float]) -> Param:
     """A shape that is looked for from a grid, with bounds a little beyond its ends."""
     values = tuple(map(float, grid))
     return Param(name, unit, doc, min(values) * 0.8, max(values) * 1.25, start=values[0], grid=values)
