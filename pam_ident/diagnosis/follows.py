@@ -1,0 +1,290 @@
+"""What the error follows, before any name: shares of its square, by smooth surfaces over what was driven.
+
+    r = J b + Σ_k Φ_k a_k + what comes back in repeats + noise
+
+r is what a model leaves (N), J its slopes over its own parameters, Φ_k the columns of a driver: what the force may
+follow (direction, speed, the way since the last reversal, …) times low polynomials of pressure and contraction. No
+physics and no catalogue enter. Drivers, and how much detail each has, are taken in as long as their gain exceeds its
+price; a share is the gain of a driver averaged over all orders of those taken in (Lindeman, Merenda & Gold 1980).
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise, permutations
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from ..core import Inputs
+from ..effects._history import relax, since_first, time_held, way_travelled
+from ..fitting import Fit
+from ..fitting.floor import nearest, repeats
+from ..fitting.solve import jacobian
+from ..records import Record, thinned
+from .search import orthonormal
+
+Array = np.ndarray
+ROWS = 10_000
+"""Rows of a record in time that are looked at."""
+ORDERS = 120
+"""Orders of drivers over which shares are averaged, at most."""
+SEEN, RIDGE = 1e-4, 1e-6
+"""Share of a column that the model must leave for it to count, and what keeps dependent ones solvable."""
+CERTAIN = 5.0
+"""Standard errors by which what repeats share must differ from none."""
+
+
+@dataclass(frozen=True)
+class Follows:
+    """A share of the squared error: `what` it follows, in a word, and in words."""
+
+    what: str
+    share: float
+    text: str
+
+
+@dataclass(frozen=True)
+class Driver:
+    """What a force may follow: its word, its words, and its columns (n, k) at several degrees of detail, none where the
+    record does not hold it."""
+
+    what: str
+    text: str
+    columns: Callable[[Inputs], list[Array]]
+
+
+def _smooth(values: Array, most: int) -> Array:
+    """Polynomials of 0 … `most` over values (n,), fewer where few values are different, shape (n, orders)."""
+    low, high = float(values.min()), float(values.max())
+    order = min(most, len(np.unique(np.round((values - low) / max(high - low, 1e-12), 2))) - 1)
+    return legendre.legvander((2.0 * values - low - high) / max(high - low, 1e-12), order)
+
+
+def _times(columns: Array, *others: Array) -> Array:
+    """Every column times every column of the others, shape (n, product of the numbers)."""
+    for other in others:
+        columns = (columns[:, :, None] * other[:, None, :]).reshape(len(columns), -1)
+    return columns
+
+
+def _surface(inputs: Inputs, pressure: int, contraction: int) -> Array:
+    return _times(_smooth(inputs.pressure, pressure), _smooth(inputs.contraction, contraction))
+
+
+def _by(states: Array, inputs: Inputs) -> list[Array]:
+    """States (n, k) by themselves, over pressure, over contraction, and over smooth surfaces of both."""
+    return [_times(states, _surface(inputs, *order)) for order in ((0, 0), (1, 0), (0, 1), (0, 3), (1, 1), (2, 3))]
+
+
+def _moves(inputs: Inputs) -> tuple[Array, Array]:
+    """Direction where the muscle moves, and the one before where it rests, (n, 1) each."""
+    moving = np.ones(len(inputs), bool) if inputs.moving is None else inputs.moving
+    return (inputs.direction * moving)[:, None], (inputs.direction * ~moving)[:, None]
+
+
+def _map(inputs: Inputs) -> list[Array]:
+    return [_surface(inputs, *order) for order in ((1, 2), (0, 5), (2, 2), (1, 4), (3, 4), (2, 7), (4, 7))]
+
+
+def _direction(inputs: Inputs) -> list[Array]:
+    moved, rested = _moves(inputs)
+    return [*_by(moved, inputs), *_by(np.hstack([moved, rested]), inputs)] if inputs.has("branch") else []
+
+
+def _speed(inputs: Inputs) -> list[Array]:
+    if inputs.velocity is None:
+        return []
+    v = np.abs(inputs.velocity)
+    v = v / max(float(np.median(v[v > 0.0], axis=None)) if np.any(v > 0.0) else 1.0, 1e-9)
+    moved, _ = _moves(inputs)
+    curved = np.column_stack([v, np.sqrt(v), np.log1p(10.0 * v)]) * moved
+    return [*_by(v[:, None] * moved, inputs), *_by(curved, inputs), *_by(np.hstack([curved, v[:, None]]), inputs)]
+
+
+def _way(inputs: Inputs) -> list[Array]:
+    if inputs.moving is None:
+        return []
+    x = inputs.displacement_mm
+    turns = np.diff(inputs.direction, prepend=inputs.direction[0]) != 0.0
+    if inputs.segment is not None:
+        turns |= np.diff(inputs.segment, prepend=inputs.segment[0]) != 0
+    begins = np.maximum.accumulate(np.where(turns, np.arange(len(x)), 0))
+    way, stroke = np.abs(x - x[begins]), max(float(np.ptp(x)), 1e-9)
+    fading = np.exp(-way[:, None] / (stroke * np.array([0.01, 0.03, 0.1]))) * inputs.direction[:, None]
+    return [states for k in range(3) for states in _by(fading[:, k : k + 1], inputs)] + _by(fading, inputs)
+
+
+def _rest(inputs: Inputs) -> list[Array]:
+    if inputs.time is None or inputs.segment is None or inputs.moving is None:
+        return []
+    held = time_held(inputs, ~inputs.moving) * ~inputs.moving
+    past = [relax(inputs, inputs.contraction, tau) for tau in (1.0, 10.0, 100.0)]
+    resting = np.column_stack([np.log1p(held / tau) for tau in (0.3, 10.0)])
+    resting = resting * inputs.direction[:, None]
+    relaxed = np.column_stack([one / max(float(np.ptp(one)), 1e-12) for one in past])
+    return [*_by(relaxed, inputs), *_by(resting, inputs), *_by(np.hstack([relaxed, resting]), inputs)]
+
+
+def _cycle(inputs: Inputs) -> list[Array]:
+    if inputs.cycle is None or len(np.unique(inputs.cycle)) < 2:
+        return []
+    count = inputs.cycle - inputs.cycle.min()
+    way = np.log1p(way_travelled(inputs) / max(float(np.ptp(inputs.displacement_mm)), 1e-9))
+    fading = np.column_stack([np.exp(-count), 1.0 / (1.0 + count), way])
+    return [states for k in range(3) for states in _by(fading[:, k : k + 1], inputs)] + _by(fading, inputs)
+
+
+def _clock(inputs: Inputs) -> list[Array]:
+    if inputs.time is None or np.ptp(inputs.time) <= 0.0:
+        return []
+    return [
+        _times(_smooth(inputs.time, order)[:, 1:], _smooth(inputs.contraction, over))
+        for order, over in ((1, 0), (2, 0), (4, 0), (1, 1), (4, 1))
+    ]
+
+
+def _temperature(inputs: Inputs) -> list[Array]:
+    if inputs.temperature is None or np.ptp(inputs.temperature) <= 0.0:
+        return []
+    return _by(since_first(inputs, inputs.temperature)[:, None], inputs)
+
+
+DRIVERS = (
+    Driver("map", "pressure and contraction, alike on both branches", _map),
+    Driver("direction", "the direction of motion", _direction),
+    Driver("speed", "the speed", _speed),
+    Driver("way", "the way since the last reversal", _way),
+    Driver("rest", "rest and relaxation", _rest),
+    Driver("cycle", "the cycle and the distance travelled", _cycle),
+    Driver("clock", "the clock", _clock),
+    Driver("temperature", "the temperature", _temperature),
+)
+
+
+def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
+    """Shares of a fit's squared error, largest first, noise last; they add to 1, and none is what chance would give.
+
+    The record's steady inputs are taken: the noise of pressure and length, which the model turns into force, would
+    follow what is measured.
+    """
+    record = fit.record if fit.rows.all() else fit.record.take(fit.rows)
+    record = thinned(replace(record, inputs=record.steady), ROWS)
+    inputs = record.inputs
+    left = record.force - fit.model.force(inputs, fit.values)
+    law = orthonormal(jacobian(fit.model, inputs, fit.values, record.force))
+    left = left - law @ (law.T @ left)
+    details = [(driver.what, columns) for driver in DRIVERS for columns in driver.columns(inputs)]
+    return _shares(record, left, _Gains(details, law, left))
+
+
+class _Gains:
+    """Gain in squares of sets of groups of columns (each with a name), free of what the model can follow."""
+
+    def __init__(self, groups: Sequence[tuple[str, Array]], law: Array, left: Array) -> None:
+        matrix = np.hstack([np.empty((len(left), 0)), *(columns for _, columns in groups)])
+        before = np.linalg.norm(matrix, axis=0)
+        matrix = matrix - law @ (law.T @ matrix)
+        size = np.linalg.norm(matrix, axis=0)
+        seen = size > SEEN * before
+        self.matrix = np.where(seen, matrix / np.where(seen, size, 1.0), 0.0)
+        self.gram, self.product = self.matrix.T @ self.matrix, self.matrix.T @ left
+        ends = np.cumsum([0, *(columns.shape[1] for _, columns in groups)])
+        self.columns = [np.flatnonzero(seen[a:b]) + a for a, b in pairwise(ends)]
+        self.names = [name for name, _ in groups]
+        self.known: dict[frozenset[int], tuple[float, int]] = {}
+
+    def of(self, groups: frozenset[int]) -> tuple[float, int]:
+        """Gain of a set of groups, and the degrees of freedom that it takes."""
+        if groups not in self.known:
+            which = self._which(groups)
+            self.known[groups] = float(self.product[which] @ self._sizes(which)), len(which)
+        return self.known[groups]
+
+    def explained(self, groups: frozenset[int]) -> Array:
+        """What a set of groups explains of what is left, (n,)."""
+        which = self._which(groups)
+        return self.matrix[:, which] @ self._sizes(which)
+
+    def _which(self, groups: frozenset[int]) -> Array:
+        return np.concatenate([np.empty(0, int), *(self.columns[k] for k in sorted(groups))])
+
+    def _sizes(self, which: Array) -> Array:
+        return np.linalg.solve(self.gram[np.ix_(which, which)] + RIDGE * np.eye(len(which)), self.product[which])
+
+
+def _shares(record: Record, left: Array, gains: _Gains) -> tuple[Follows, ...]:
+    words = {driver.what: driver.text for driver in DRIVERS}
+    total, n = float(left @ left), len(left)
+    if not gains.names or total <= 0.0:
+        return (Follows("noise", 1.0, "noise"),)
+    richest = frozenset({name: k for k, name in enumerate(gains.names)}.values())
+    noise = left - gains.explained(richest)
+    variance = float(noise @ noise) / max(n - gains.of(richest)[1], 1.0)
+    memory = _memory(noise)
+
+    def worth(groups: frozenset[int]) -> float:
+        """Gain less its price: the Bayesian information criterion, and that so many groups were looked at."""
+        gain, freedom = gains.of(groups)
+        price = freedom * math.log(max(n / memory, 3.0)) + 2.0 * len(groups) * math.log(len(gains.names))
+        return gain - variance * memory * price
+
+    chosen: frozenset[int] = frozenset()
+    while True:
+        held = {gains.names[k]: k for k in chosen}
+        others = [chosen - {held[name]} for name in held]
+        others += [chosen - {held.get(name, -1)} | {k} for k, name in enumerate(gains.names) if k not in chosen]
+        best = max(others, key=worth)
+        if worth(best) <= worth(chosen):
+            break
+        chosen = best
+    shares = dict.fromkeys(sorted(chosen), 0.0)
+    orders = list(permutations(shares)) if len(shares) <= 5 else _drawn_orders(list(shares))
+    for order in orders:
+        taken: frozenset[int] = frozenset()
+        for k in order:
+            more = taken | {k}
+            step = gains.of(more)[0] - gains.of(taken)[0] - variance * (gains.of(more)[1] - gains.of(taken)[1])
+            shares[k] += max(step, 0.0) / total / len(orders)
+            taken = more
+    rest = left - gains.explained(chosen)
+    whole = sum(shares.values())
+    back = (1.0 - whole) * _comes_back(record, rest)
+    found = [Follows(gains.names[k], share, words[gains.names[k]]) for k, share in shares.items()]
+    found += [Follows("repeats", back, "what comes back with every repeat, but follows none of these")] * (back > 0.0)
+    found.sort(key=lambda one: -one.share)
+    return (*found, Follows("noise", max(1.0 - whole - back, 0.0), "noise"))
+
+
+def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
+    draw = np.random.default_rng(0)
+    return [tuple(draw.permutation(names).tolist()) for _ in range(ORDERS)]
+
+
+def _memory(noise: Array) -> float:
+    """Samples that count as one because they are correlated, at least 1: the sum of the first correlations, twice."""
+    power = np.abs(np.fft.rfft(noise, 2 * len(noise))) ** 2
+    correlation = np.fft.irfft(power)[: len(noise)] / max(float(noise @ noise), 1e-300)
+    below = np.flatnonzero(correlation < 0.05)
+    return 1.0 + 2.0 * float(np.sum(correlation[1 : below[0]])) if len(below) and below[0] > 1 else 1.0
+
+
+def _comes_back(record: Record, rest: Array) -> float:
+    """Share of the squares of what is left (n,) that neighbouring repeats have in common, 0 where it may be chance."""
+    shared, size = [], 0.0
+    for group in repeats(record, np.ones(len(rest), bool)):
+        for (one, x), (other, y) in pairwise(group):
+            shared.append(float(rest[one] @ rest[other[nearest(x, y)]]))
+            size += float(rest[one] @ rest[one])
+    if len(shared) < 3 or not np.mean(shared) > CERTAIN * np.std(shared) / math.sqrt(len(shared)):
+        return 0.0
+    return min(max(float(np.sum(shared)) / max(size, 1e-300), 0.0), 1.0)
+
+
+def sentence(found: Sequence[Follows]) -> str:
+    """The largest shares in one sentence."""
+    told = [f"{one.share:.0%} follows {one.text}" for one in found if one.what != "noise" and one.share >= 0.01][:4]
+    noise = next((one.share for one in found if one.what == "noise"), 0.0)
+    if not told:
+        return "None of the squared error follows anything beyond chance: it is noise."
+    return f"Of the squared error {', '.join(told)}; {noise:.0%} is noise."
