@@ -97,6 +97,36 @@ class Effect:
         return [need for need in self.needs if not inputs.has(need)]
 
 
+def free_form(
+    text: str,
+    states: Callable[[Inputs, Shape], Array],
+    count: int = 1,
+    pressure: int = 1,
+    contraction: int = 2,
+    shapes: tuple[Param, ...] = (),
+    remembers: bool = False,
+) -> AddsForce:
+    """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
+    this where no written form has the right dependence on pressure and contraction.
+
+    `pressure` and `contraction` are the surface's orders; `text` says the states in the formula.
+    """
+    orders = [(i, j) for i in range(pressure + 1) for j in range(contraction + 1)]
+    sizes = tuple(
+        Param(f"f_{k}{i}{j}", "N", f"coefficient of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", scale=10.0)
+        for k in range(count)
+        for i, j in orders
+    )
+
+    def columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
+        p, e = inputs.pressure / 0.3, inputs.contraction / 0.1
+        surface = inputs.xp.stack([p**i * e**j for i, j in orders]).T
+        return (states(inputs, shape)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
+
+    formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j"
+    return AddsForce("free", formula, sizes, columns, shapes, remembers=remembers)
+
+
 def one(values: Array) -> Array:
     """A single column, shape (n, 1)."""
     return values.__array_namespace__().asarray(values, dtype=float)[:, None]

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from ..core import Inputs, Param
 from ._history import stop_operator, time_held
-from .base import AddsForce, Array, Effect, Shape, bladder_area, one, slip, speed
+from .base import AddsForce, Array, Effect, Shape, bladder_area, free_form, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
 F_IN = Param("F_in", "N", "friction force while the muscle contracts", 0.0, 2000.0, scale=10.0)
@@ -117,6 +117,7 @@ EFFECT = Effect(
             exponential_dip,
             (V_S,),
         ),
+        free_form("−sgn(ε̇)", lambda inputs, shape: -inputs.xp.stack(slip(inputs)).T, 2, pressure=0),
     ),
     test="slow reversals at several pressures: the gap between the branches keeps its width",
     needs=("branch",),

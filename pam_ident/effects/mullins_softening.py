@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from ..core import Inputs, Param
 from ._history import cycles_of_test, greatest_so_far, way_travelled
-from .base import AddsForce, Array, Effect, ScalesForce, Shape, one
+from .base import AddsForce, Array, Effect, ScalesForce, Shape, free_form, one
 from .bladder_elasticity import hoop_force
 
 EXTRA = Param("s", "1", "extra force in the first cycle, as a share", 0.0, 1.0, scale=0.02)
@@ -148,6 +148,7 @@ EFFECT = Effect(
             (M,),
             remembers=True,
         ),
+        free_form("exp(−(n−1)/n_0)", lambda inputs, shape: one(_fading(inputs, shape)), shapes=(N0,)),
     ),
     test="at least three cycles, and a re-run of the first after rest",
     needs=("cycle", "time"),

@@ -1,7 +1,7 @@
 """Dry friction in proportion to the contact pressure of the braid."""
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, bladder_area, slip
+from .base import AddsForce, Array, Effect, Shape, bladder_area, free_form, slip
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
 MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
@@ -26,6 +26,10 @@ def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -inputs.xp.stack(slip(inputs)).T * inputs.pressure[:, None]
 
 
+def _pressed(inputs: Inputs, shape: Shape) -> Array:
+    return _held(inputs, shape, inputs.pressure) / 0.3
+
+
 def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """The bladder's area over its area at rest, to a power."""
     return _held(inputs, shape, force) * bladder_area(inputs)[:, None] ** shape["growth"]
@@ -45,6 +49,7 @@ EFFECT = Effect(
         AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
         AddsForce("power", "−μ_f 0.3 MPa (p/0.3 MPa)^n sgn(ε̇)", (MU, MU_HOLD), _power, (POWER,)),
         AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
+        free_form("−p/0.3 MPa sgn(ε̇)", _pressed, 2, pressure=0),
     ),
     test="pressures over 4:1: the gap between the branches grows in proportion",
     needs=("branch",),

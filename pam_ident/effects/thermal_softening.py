@@ -2,7 +2,7 @@
 
 from ..core import Inputs, Param
 from ._history import relax, since_first
-from .base import AddsForce, Array, Effect, ScalesForce, Shape, TransformsPressure, one
+from .base import AddsForce, Array, Effect, ScalesForce, Shape, TransformsPressure, free_form, one
 from .bladder_elasticity import hoop_force
 
 ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the start", 0.0, 0.1, scale=0.001)
@@ -59,6 +59,7 @@ EFFECT = Effect(
         TransformsPressure("pressure", "p → p (1 − (α + α_e ε) ΔT)", (ALPHA, ALPHA_E), _pressure),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
+        free_form("−ΔT/10 K", lambda inputs, shape: one(-0.1 * warming(inputs))),
     ),
     test="temperature logged and varied while the protocol is repeated",
     needs=("temperature",),

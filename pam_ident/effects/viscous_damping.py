@@ -1,7 +1,7 @@
 """Force against the speed of motion."""
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, one, speed
+from .base import AddsForce, Array, Effect, Shape, free_form, one, speed
 
 B = Param("B", "N·s/m", "damping (for n ≠ 1 at 10 mm/s)", 0.0, 1e5, scale=100.0)
 B_C = Param("B_c", "N·s/m", "damping in contraction", 0.0, 1e5, scale=100.0)
@@ -19,6 +19,10 @@ def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
 def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
     assert inputs.velocity is not None
     return one(-inputs.xp.sign(inputs.velocity) * 0.01 * (speed(inputs) / 10.0) ** shape["n"])
+
+
+def _powers(inputs: Inputs, shape: Shape) -> Array:
+    return 100.0 * _power(inputs, shape, inputs.pressure)
 
 
 def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -47,6 +51,7 @@ EFFECT = Effect(
         AddsForce("thinning", "−B ẋ/(1 + |ẋ|/v_1)", (B,), _thinning, (V_1,)),
         AddsForce("asymmetric", "−B_c ẋ in contraction, −B_e ẋ in extension", (B_C, B_E), _asymmetric),
         AddsForce("pressure", "−(B + B_p p) |ẋ|^n sgn(ẋ)", (B, B_P), _pressure, (N,)),
+        free_form("−|ẋ/10 mm/s|^n sgn(ẋ)", _powers, contraction=1, shapes=(N,)),
     ),
     test="at least two speeds: the gap between the branches grows with speed",
     needs=("branch", "motion"),
