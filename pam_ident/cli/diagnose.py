@@ -88,12 +88,15 @@ def write_protocol(path: str, experiment: "Experiment | None") -> str:
 
 def describe(found: "Diagnosis") -> list[str]:
     """A diagnosis in words and a table of the suspects."""
+    from ..tasks.diagnose import told
+
     lines = [
         found.sentence,
         f"verdict {found.verdict}: error {text.newtons(found.base.rmse)} → {text.newtons(found.best.rmse)} "
         f"(held out {text.newtons(found.heldout_rmse)} → {text.newtons(found.heldout_rmse_after)}), "
         f"noise floor {text.newtons(found.noise_floor)}",
     ]
+    lines += [told(found.follows)]
     lines += [f"cannot be told apart here: {', '.join(group)}" for group in found.groups if len(group) > 1]
     rows = [
         (

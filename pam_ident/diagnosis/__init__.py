@@ -4,13 +4,14 @@ from .compare import compare
 from .diagnose import diagnose
 from .heldout import heldout_rmse
 from .ladder import climb
-from .nouns import Bin, Comparison, Diagnosis, Experiment, Ladder, Pattern, Region, Rung, Suspect
+from .nouns import Bin, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region, Rung, Suspect
 
 __all__ = [
     "Bin",
     "Comparison",
     "Diagnosis",
     "Experiment",
+    "Follows",
     "Ladder",
     "Pattern",
     "Region",

@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from ..fitting import Fit
+from .follows import told, what_it_follows
 from .nouns import Bin, Comparison, Region
 
 Array = np.ndarray
@@ -43,9 +44,10 @@ def compare(fit: Fit) -> Comparison:
     odd, even = _odd_even(fit, cell, len(levels), total)
     rest = 1.0 - (odd or 0.0) - (even or 0.0) if odd is not None else math.nan
     by = _profiles(fit, signs, levels, edges, total)
-    sentence = _sentence(fit, by, odd, even, worst)
+    follows = what_it_follows(fit)
+    sentence = f"{_sentence(fit, by, odd, even, worst)} {told(follows)}"
     branches = tuple(NAMES[s] for s in signs)
-    return Comparison(fit, branches, levels, edges, mean, rms, share, by, odd, even, rest, worst, sentence)
+    return Comparison(fit, branches, levels, edges, mean, rms, share, by, odd, even, rest, worst, follows, sentence)
 
 
 def contraction_edges(contraction: Array) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import Effect, catalogue
+from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record, thinned
@@ -14,6 +14,7 @@ from .confounding import groups
 from .deliberate import EXACT, investigate
 from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
+from .follows import what_it_follows
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
 from .nouns import Diagnosis, Pattern, Suspect
 from .patterns import catalogue as catalogue_of_patterns
@@ -35,15 +36,28 @@ MOST = 10_000
 """Rows of a record in time that are looked at: in so many what deserves a name earns ten times its cost."""
 
 
-def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Diagnosis:
+def diagnose(
+    model: Model,
+    record: Record,
+    extra: tuple[Effect, ...] = (),
+    without: tuple[str, ...] = (),
+    only: tuple[str, ...] = (),
+) -> Diagnosis:
     """Try every effect of the catalogue and `extra` that the model does not hold yet, and patterns of no known effect.
 
     Suspects are judged on the record's steady inputs, against noise whose size and colour are estimated with them;
-    the fits in the answer are to the record as measured. Raises FitError or DataError as `fit` does.
+    the fits in the answer are to the record as measured. Effects `without` are left out, because the rig cannot have
+    them; with `only` no others are tried. Raises FitError or DataError as `fit` does, UsageError for an unknown name.
     """
     base = fit(model, record)
     known = catalogue(extra)
-    suspects = [e for e in known.values() if e.candidate and e.name not in model.effect_names]
+    for name in (*without, *only):
+        get_effect(name, extra)
+    suspects = [
+        e
+        for e in known.values()
+        if e.candidate and e.name not in (*model.effect_names, *without) and (not only or e.name in only)
+    ]
     steady = thinned(replace(record, inputs=record.steady), MOST)
     trial, verdict = investigate(fit(model, steady, start=base.values, detail=False), suspects)
     verdict = _likely(trial, verdict)
@@ -53,7 +67,7 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     heldout = heldout_rmse(model, record, base)
     best, after, named = _confirmed(base, heldout, named, verdict)
     shapes = [t for t in verdict.terms if not t.effect.candidate]
-    pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
+    pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values)) or _followed(base, best)
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
     ranking = _ranking(trial, suspects, selected, probabilities(trial, classes))
@@ -66,7 +80,20 @@ def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Di
     floor = min(noise.whole, float(np.sqrt(np.mean(left**2))))
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     return Diagnosis(
-        base, best, outcome, selected, labels, classes, ranking, floor, heldout, after, pattern, experiment, sentence
+        base,
+        best,
+        outcome,
+        selected,
+        labels,
+        classes,
+        ranking,
+        floor,
+        heldout,
+        after,
+        pattern,
+        experiment,
+        sentence,
+        what_it_follows(base),
     )
 
 
@@ -134,6 +161,22 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
     along = shape.elsewhere.get(term.form.name, shape.coordinate)
     text = f"{shape.words(at, along)} ({term.form.name}), {share:.0%} of what is left unexplained"
     return Pattern(shape.kind, along, value, unit, float(share), text)
+
+
+def _followed(base: Fit, best: Fit) -> Pattern | None:
+    """What the best model leaves although it follows something, by smooth surfaces that know no catalogue.
+
+    The noise of a court is what no candidate explains, and so holds what none of them could: this finds it.
+    """
+    follows = what_it_follows(best)
+    noise = next(one.share for one in follows if one.what == "noise")
+    first, left = follows[0], 1.0 - noise
+    removable = max((base.rmse / best.rmse) ** 2 - noise, 1e-9)
+    if first.what == "noise" or left < REMAINDER * noise or left < OF_ALL * removable:
+        return None
+    size = best.rmse * math.sqrt(left)
+    text = f"about {size:.3g} N rms that no name explains; it follows {first.text}"
+    return Pattern("other", first.what, None, "", min(left / removable, 1.0), text)
 
 
 def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:

@@ -22,6 +22,7 @@ from ..fitting import Fit
 from ..fitting.floor import nearest, repeats
 from ..fitting.solve import jacobian
 from ..records import Record, thinned
+from .nouns import Follows
 from .search import orthonormal
 
 Array = np.ndarray
@@ -36,128 +37,96 @@ CERTAIN = 5.0
 
 
 @dataclass(frozen=True)
-class Follows:
-    """A share of the squared error: `what` it follows, in a word, and in words."""
-
-    what: str
-    share: float
-    text: str
-
-
-@dataclass(frozen=True)
 class Driver:
-    """What a force may follow: its word, its words, and its columns (n, k) at several degrees of detail, none where the
-    record does not hold it."""
+    """What a force may follow: its word and words, and its states (n, k), None where the record does not hold it.
+
+    States are times polynomials of pressure and contraction; `orders` are these two, from the simplest surface to the
+    richest, and `some` says which of the states are taken together.
+    """
 
     what: str
     text: str
-    columns: Callable[[Inputs], list[Array]]
+    states: Callable[[Inputs], Array | None]
+    some: tuple[tuple[int, ...], ...] = ((0,),)
+    orders: tuple[tuple[int, int], ...] = ((0, 0), (1, 0), (0, 1), (0, 3), (1, 1), (2, 3))
 
 
-def _smooth(values: Array, most: int) -> Array:
-    """Polynomials of 0 … `most` over values (n,), fewer where few values are different, shape (n, orders)."""
+def _polynomials(values: Array, most: int) -> Array:
+    """Legendre polynomials of 0 … `most` over values (n,), fewer where few values are different, shape (n, orders)."""
     low, high = float(values.min()), float(values.max())
     order = min(most, len(np.unique(np.round((values - low) / max(high - low, 1e-12), 2))) - 1)
     return legendre.legvander((2.0 * values - low - high) / max(high - low, 1e-12), order)
 
 
-def _times(columns: Array, *others: Array) -> Array:
-    """Every column times every column of the others, shape (n, product of the numbers)."""
-    for other in others:
-        columns = (columns[:, :, None] * other[:, None, :]).reshape(len(columns), -1)
-    return columns
-
-
-def _surface(inputs: Inputs, pressure: int, contraction: int) -> Array:
-    return _times(_smooth(inputs.pressure, pressure), _smooth(inputs.contraction, contraction))
-
-
-def _by(states: Array, inputs: Inputs) -> list[Array]:
-    """States (n, k) by themselves, over pressure, over contraction, and over smooth surfaces of both."""
-    return [_times(states, _surface(inputs, *order)) for order in ((0, 0), (1, 0), (0, 1), (0, 3), (1, 1), (2, 3))]
-
-
 def _moves(inputs: Inputs) -> tuple[Array, Array]:
-    """Direction where the muscle moves, and the one before where it rests, (n, 1) each."""
+    """Direction where the muscle moves, and the one before where it rests, (n,) each."""
     moving = np.ones(len(inputs), bool) if inputs.moving is None else inputs.moving
-    return (inputs.direction * moving)[:, None], (inputs.direction * ~moving)[:, None]
+    return inputs.direction * moving, inputs.direction * ~moving
 
 
-def _map(inputs: Inputs) -> list[Array]:
-    return [_surface(inputs, *order) for order in ((1, 2), (0, 5), (2, 2), (1, 4), (3, 4), (2, 7), (4, 7))]
+def _direction(inputs: Inputs) -> Array | None:
+    return np.column_stack(_moves(inputs)) if inputs.has("branch") else None
 
 
-def _direction(inputs: Inputs) -> list[Array]:
-    moved, rested = _moves(inputs)
-    return [*_by(moved, inputs), *_by(np.hstack([moved, rested]), inputs)] if inputs.has("branch") else []
-
-
-def _speed(inputs: Inputs) -> list[Array]:
+def _speed(inputs: Inputs) -> Array | None:
     if inputs.velocity is None:
-        return []
-    v = np.abs(inputs.velocity)
-    v = v / max(float(np.median(v[v > 0.0], axis=None)) if np.any(v > 0.0) else 1.0, 1e-9)
-    moved, _ = _moves(inputs)
-    curved = np.column_stack([v, np.sqrt(v), np.log1p(10.0 * v)]) * moved
-    return [*_by(v[:, None] * moved, inputs), *_by(curved, inputs), *_by(np.hstack([curved, v[:, None]]), inputs)]
+        return None
+    v, (moves, _) = np.abs(inputs.velocity), _moves(inputs)
+    v = v / max(float(np.median(v[moves != 0.0])) if np.any(moves) else 1.0, 1e-9)
+    return np.column_stack([v * moves, np.sqrt(v) * moves, np.log1p(10.0 * v) * moves, v])
 
 
-def _way(inputs: Inputs) -> list[Array]:
+def _way(inputs: Inputs) -> Array | None:
     if inputs.moving is None:
-        return []
+        return None
     x = inputs.displacement_mm
     turns = np.diff(inputs.direction, prepend=inputs.direction[0]) != 0.0
     if inputs.segment is not None:
         turns |= np.diff(inputs.segment, prepend=inputs.segment[0]) != 0
     begins = np.maximum.accumulate(np.where(turns, np.arange(len(x)), 0))
     way, stroke = np.abs(x - x[begins]), max(float(np.ptp(x)), 1e-9)
-    fading = np.exp(-way[:, None] / (stroke * np.array([0.01, 0.03, 0.1]))) * inputs.direction[:, None]
-    return [states for k in range(3) for states in _by(fading[:, k : k + 1], inputs)] + _by(fading, inputs)
+    return np.exp(-way[:, None] / (stroke * np.array([0.01, 0.03, 0.1]))) * inputs.direction[:, None]
 
 
-def _rest(inputs: Inputs) -> list[Array]:
+def _rest(inputs: Inputs) -> Array | None:
     if inputs.time is None or inputs.segment is None or inputs.moving is None:
-        return []
+        return None
     held = time_held(inputs, ~inputs.moving) * ~inputs.moving
-    past = [relax(inputs, inputs.contraction, tau) for tau in (1.0, 10.0, 100.0)]
-    resting = np.column_stack([np.log1p(held / tau) for tau in (0.3, 10.0)])
-    resting = resting * inputs.direction[:, None]
-    relaxed = np.column_stack([one / max(float(np.ptp(one)), 1e-12) for one in past])
-    return [*_by(relaxed, inputs), *_by(resting, inputs), *_by(np.hstack([relaxed, resting]), inputs)]
+    resting = [np.log1p(held / tau) * inputs.direction for tau in (0.3, 10.0)]
+    relaxed = [relax(inputs, inputs.contraction, tau) for tau in (1.0, 10.0, 100.0)]
+    return np.column_stack(relaxed + resting)
 
 
-def _cycle(inputs: Inputs) -> list[Array]:
+def _cycle(inputs: Inputs) -> Array | None:
     if inputs.cycle is None or len(np.unique(inputs.cycle)) < 2:
-        return []
+        return None
     count = inputs.cycle - inputs.cycle.min()
-    way = np.log1p(way_travelled(inputs) / max(float(np.ptp(inputs.displacement_mm)), 1e-9))
-    fading = np.column_stack([np.exp(-count), 1.0 / (1.0 + count), way])
-    return [states for k in range(3) for states in _by(fading[:, k : k + 1], inputs)] + _by(fading, inputs)
+    way = way_travelled(inputs) / max(float(np.ptp(inputs.displacement_mm)), 1e-9)
+    return np.column_stack([np.exp(-count), 1.0 / (1.0 + count), np.log1p(way)])
 
 
-def _clock(inputs: Inputs) -> list[Array]:
+def _clock(inputs: Inputs) -> Array | None:
     if inputs.time is None or np.ptp(inputs.time) <= 0.0:
-        return []
-    return [
-        _times(_smooth(inputs.time, order)[:, 1:], _smooth(inputs.contraction, over))
-        for order, over in ((1, 0), (2, 0), (4, 0), (1, 1), (4, 1))
-    ]
+        return None
+    return _polynomials(inputs.time, 4)[:, 1:]
 
 
-def _temperature(inputs: Inputs) -> list[Array]:
+def _temperature(inputs: Inputs) -> Array | None:
     if inputs.temperature is None or np.ptp(inputs.temperature) <= 0.0:
-        return []
-    return _by(since_first(inputs, inputs.temperature)[:, None], inputs)
+        return None
+    return since_first(inputs, inputs.temperature)[:, None]
 
 
+MAP = ((1, 2), (0, 5), (2, 2), (1, 4), (3, 4), (2, 7), (4, 7))
+ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
 DRIVERS = (
-    Driver("map", "pressure and contraction, alike on both branches", _map),
-    Driver("direction", "the direction of motion", _direction),
-    Driver("speed", "the speed", _speed),
-    Driver("way", "the way since the last reversal", _way),
-    Driver("rest", "rest and relaxation", _rest),
-    Driver("cycle", "the cycle and the distance travelled", _cycle),
-    Driver("clock", "the clock", _clock),
+    Driver("map", "pressure and contraction, alike on both branches", lambda i: np.ones((len(i), 1)), orders=MAP),
+    Driver("direction", "the direction of motion", _direction, ((0,), (0, 1))),
+    Driver("speed", "the speed", _speed, ((0,), (0, 1, 2), (0, 1, 2, 3))),
+    Driver("way", "the way since the last reversal", _way, ONE_OR_ALL),
+    Driver("rest", "rest and relaxation", _rest, ((0, 1, 2), (3, 4), (0, 1, 2, 3, 4))),
+    Driver("cycle", "the cycle and the distance travelled", _cycle, ONE_OR_ALL),
+    Driver("clock", "the clock", _clock, ((0,), (0, 1), (0, 1, 2, 3)), ((0, 0), (0, 1))),
     Driver("temperature", "the temperature", _temperature),
 )
 
@@ -174,24 +143,44 @@ def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
     left = record.force - fit.model.force(inputs, fit.values)
     law = orthonormal(jacobian(fit.model, inputs, fit.values, record.force))
     left = left - law @ (law.T @ left)
-    details = [(driver.what, columns) for driver in DRIVERS for columns in driver.columns(inputs)]
-    return _shares(record, left, _Gains(details, law, left))
+    return _shares(record, left, _Gains(inputs, law, left))
 
 
 class _Gains:
-    """Gain in squares of sets of groups of columns (each with a name), free of what the model can follow."""
+    """Gain in squares of sets of groups of columns, free of what the model can follow.
 
-    def __init__(self, groups: Sequence[tuple[str, Array]], law: Array, left: Array) -> None:
-        matrix = np.hstack([np.empty((len(left), 0)), *(columns for _, columns in groups)])
+    A group is a driver at one degree of detail: some of its states, times polynomials up to some orders.
+    """
+
+    def __init__(self, inputs: Inputs, law: Array, left: Array) -> None:
+        parts: list[Array] = []
+        self.names: list[str] = []
+        self.columns: list[Array] = []
+        begin = 0
+        for driver in DRIVERS:
+            states = driver.states(inputs)
+            if states is None:
+                continue
+            over_p, over_e = (
+                _polynomials(values, max(order[k] for order in driver.orders))
+                for k, values in enumerate((inputs.pressure, inputs.contraction))
+            )
+            product = states[:, :, None, None] * over_p[:, None, :, None] * over_e[:, None, None, :]
+            place = begin + np.arange(product[0].size).reshape(product.shape[1:])
+            for which in driver.some:
+                for p, e in driver.orders:
+                    self.columns.append(place[list(which), : p + 1, : e + 1].ravel())
+                    self.names.append(driver.what)
+            parts.append(product.reshape(len(left), -1))
+            begin += place.size
+        matrix = np.hstack([np.empty((len(left), 0)), *parts])
         before = np.linalg.norm(matrix, axis=0)
         matrix = matrix - law @ (law.T @ matrix)
         size = np.linalg.norm(matrix, axis=0)
         seen = size > SEEN * before
         self.matrix = np.where(seen, matrix / np.where(seen, size, 1.0), 0.0)
         self.gram, self.product = self.matrix.T @ self.matrix, self.matrix.T @ left
-        ends = np.cumsum([0, *(columns.shape[1] for _, columns in groups)])
-        self.columns = [np.flatnonzero(seen[a:b]) + a for a, b in pairwise(ends)]
-        self.names = [name for name, _ in groups]
+        self.columns = [which[seen[which]] for which in self.columns]
         self.known: dict[frozenset[int], tuple[float, int]] = {}
 
     def of(self, groups: frozenset[int]) -> tuple[float, int]:
@@ -281,10 +270,10 @@ def _comes_back(record: Record, rest: Array) -> float:
     return min(max(float(np.sum(shared)) / max(size, 1e-300), 0.0), 1.0)
 
 
-def sentence(found: Sequence[Follows]) -> str:
+def told(found: Sequence[Follows]) -> str:
     """The largest shares in one sentence."""
-    told = [f"{one.share:.0%} follows {one.text}" for one in found if one.what != "noise" and one.share >= 0.01][:4]
+    parts = [f"{one.share:.0%} follows {one.text}" for one in found if one.what != "noise" and one.share >= 0.01][:4]
     noise = next((one.share for one in found if one.what == "noise"), 0.0)
-    if not told:
+    if not parts:
         return "None of the squared error follows anything beyond chance: it is noise."
-    return f"Of the squared error {', '.join(told)}; {noise:.0%} is noise."
+    return f"Of the squared error {', '.join(parts)}; {noise:.0%} is noise."

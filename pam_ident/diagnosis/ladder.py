@@ -18,17 +18,23 @@ LEAST_FALL = 0.01
 """Relative fall of the held-out error below which a rung is not worth an effect."""
 
 
-def climb(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Ladder:
+def climb(
+    model: Model,
+    record: Record,
+    extra: tuple[Effect, ...] = (),
+    without: tuple[str, ...] = (),
+    only: tuple[str, ...] = (),
+) -> Ladder:
     """Diagnose, add, and diagnose again, until nothing is missing or the error on held-out data stops falling.
 
-    The effects of one diagnosis are added one at a time, first the one that lowers the error most, or in a table the
+    `without` and `only` are those of `diagnose`. The effects of one diagnosis are added one at a time, first the one that lowers the error most, or in a table the
     error on held-out data.
     """
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]
     while True:
         with part(f"rung {len(rungs)}"):
-            found = diagnose(rungs[-1].fit.model, record, extra)
+            found = diagnose(rungs[-1].fit.model, record, extra, without, only)
         terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
         new = _rungs(rungs[-1], terms, record, found) if terms and len(rungs) <= MOST_RUNGS else []
         if not new:

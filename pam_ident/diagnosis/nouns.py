@@ -38,13 +38,23 @@ class Region:
 
 
 @dataclass(frozen=True)
+class Follows:
+    """A share of the squared error: `what` it follows in a word of the contract, and `text` in plain words."""
+
+    what: str
+    share: float
+    text: str
+
+
+@dataclass(frozen=True)
 class Comparison:
     """Where a fitted model fails.
 
     `mean`, `rms` (N) and `share` have shape (branches, pressures, contraction cells), NaN where there is no
     sample; `edges` (cells + 1,) are contraction ratios. `by` holds the error over each coordinate alone.
     `odd`, `even` and `rest` are shares of the squared error: opposite on the two branches (hysteresis), the
-    same on both, and neither; odd and even are None where a record has no branches.
+    same on both, and neither; odd and even are None where a record has no branches. `follows` are shares of it, too, by
+    what it follows, and add to 1.
     """
 
     fit: Fit
@@ -59,6 +69,7 @@ class Comparison:
     even: float | None
     rest: float
     worst: tuple[Region, ...]
+    follows: tuple[Follows, ...]
     sentence: str
 
 
@@ -120,7 +131,8 @@ class Diagnosis:
     """Which effect a law lacks on a record.
 
     `base` is the model as given, `best` with the `selected` effects (names, largest first) added. `labels` are
-    the same with their forms. Floors and errors in N.
+    the same with their forms. `follows` says what the error of `base` follows, whatever it is called. Floors and errors
+    in N.
     """
 
     base: Fit
@@ -136,6 +148,7 @@ class Diagnosis:
     pattern: Pattern | None
     next_experiment: Experiment | None
     sentence: str
+    follows: tuple[Follows, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)
 
 

@@ -7,7 +7,7 @@ from .fit import Json, covariance, muscle, parameters
 from .versions import schema
 
 if TYPE_CHECKING:
-    from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Experiment, Ladder, Pattern, Region
+    from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region
     from ..fitting import Fit
     from ..tasks.add import Addition
 
@@ -36,8 +36,13 @@ def comparison_json(record: str, comparison: "Comparison") -> Json:
             "rms_N": comparison.rms,
             "share": comparison.share,
         },
+        "follows": _follows(comparison.follows),
         "sentence": comparison.sentence,
     }
+
+
+def _follows(found: "tuple[Follows, ...]") -> list[Json]:
+    return [asdict(one) for one in found]
 
 
 def _bin(one: "Bin") -> Json:
@@ -89,6 +94,7 @@ def diagnosis_json(record: str, diagnosis: "Diagnosis") -> Json:
         "rmse_after_N": diagnosis.best.rmse,
         "heldout_rmse_N": diagnosis.heldout_rmse,
         "heldout_rmse_after_N": diagnosis.heldout_rmse_after,
+        "follows": _follows(diagnosis.follows),
         "pattern": _pattern(diagnosis.pattern),
         "next_experiment": _experiment(diagnosis.next_experiment),
     }

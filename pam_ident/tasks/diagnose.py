@@ -10,12 +10,14 @@ from functools import partial
 from ..core import PamError
 from ..core.progress import steps
 from ..diagnosis import diagnose
+from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
 from ..model import Model
 from ..parallel.one_thread import without_script
 from ..records import Record
 from .setup import Setup
 
+__all__ = ["diagnose_record", "diagnose_records", "told"]
 Answer = Diagnosis | PamError
 
 

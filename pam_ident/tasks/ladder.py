@@ -12,7 +12,7 @@ from .setup import Setup
 
 def climb_ladder(record: Record, setup: Setup) -> Ladder:
     """The ladder from `setup.model` up. Raises FitError or DataError where the record cannot be fitted at all."""
-    return climb(setup.model, record, setup.extra)
+    return climb(setup.model, record, setup.extra, setup.without, setup.only)
 
 
 def ladder_by_hand(

@@ -25,7 +25,7 @@ class Setup:
     """A law by name with effects (`name` or `name:form`), the user's own effect files, and the specimen's file.
 
     Without `specimen` each record takes the `specimen.toml` beside it. `free_geometry` lets radius and braid angle
-    be fitted.
+    be fitted. A diagnosis does not try the effects `without`, and no others than `only` where these are given.
     """
 
     law: str
@@ -33,6 +33,8 @@ class Setup:
     effect_files: tuple[str, ...] = ()
     free_geometry: bool = False
     specimen: str | None = None
+    without: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
 
     @cached_property
     def extra(self) -> tuple[Effect, ...]:
@@ -73,4 +75,7 @@ class Setup:
             words.append("--free-geometry")
         if self.specimen is not None:
             words += ["--specimen", self.specimen]
+        if verb in ("diagnose", "ladder"):
+            words += [word for name in self.without for word in ("--without", name)]
+            words += [word for name in self.only for word in ("--only", name)]
         return shlex.join([*words, *more])

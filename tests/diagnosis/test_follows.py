@@ -1,0 +1,81 @@
+"""What the error follows, by shares: planted dependences of forms that no effect has, and none in noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Specimen
+from pam_ident.diagnosis.follows import told, what_it_follows
+from pam_ident.fitting import fit
+from pam_ident.model import Model
+from pam_ident.records import build_record
+
+SPECIMEN = Specimen("bench", 200.0, 10.0, 25.4, 1.5)
+
+
+def record_with(hidden, seed=3, colour=0.0):
+    """Three isobars of four cycles at two speeds in turn, with holds, warming, and noise of 1 N."""
+    travel, level, cycle = [], [], []
+    for p in (0.2, 0.35, 0.5):
+        for k in range(4):
+            step = (0.4, 1.6)[k % 2]
+            rise = np.arange(step, 40.0 + step / 2, step)
+            there = np.r_[rise, np.full(15, 40.0)]
+            travel.append(np.r_[there, 40.0 - there])
+            level.append(np.full(2 * len(there), p))
+            cycle.append(np.full(2 * len(there), k + 1.0))
+    x, pressure, cycle = (np.concatenate(v) for v in (travel, level, cycle))
+    time, e = 0.1 * np.arange(len(x)), x / SPECIMEN.initial_length_mm
+    warm = 20.0 + 12.0 * (1.0 - np.exp(-time / 60.0)) + 4.0 * np.sin(time / 15.0)
+    noise = np.random.default_rng(seed).standard_normal(len(x))
+    for k in range(1, len(noise)):
+        noise[k] = colour * noise[k - 1] + np.sqrt(1.0 - colour**2) * noise[k]
+    force = pressure * (2400.0 - 9000.0 * e) - 150.0 - 600.0 * e + noise
+    record = build_record("rig", SPECIMEN, pressure, e, force, time=time, cycle=cycle, temperature=warm)
+    i = record.inputs
+    at = {"p": i.pressure, "e": i.contraction, "s": i.direction * i.moving, "v": np.abs(i.velocity), "n": i.cycle}
+    return replace(record, force=force + hidden(at | {"t": time, "T": warm - warm[0]}))
+
+
+PLANTED = {
+    "direction": lambda at: -6.0 * at["s"] * (0.4 + 15.0 * at["e"] ** 2 + at["p"]),
+    "speed": lambda at: -0.8 * at["s"] * at["v"] ** 0.8 * (1.0 - 2.0 * at["e"]),
+    "temperature": lambda at: -0.5 * at["T"] * (0.3 + 4.0 * at["e"]),
+    "cycle": lambda at: 12.0 * np.exp(-(at["n"] - 1.0) / 0.8) * (0.2 + 3.0 * at["e"] * at["p"]),
+    "clock": lambda at: 8.0 * np.sqrt(at["t"] / at["t"].max()),
+    "map": lambda at: 25.0 * np.cos(25.0 * at["e"]) * (1.0 - at["p"]),
+}
+
+
+def shares(record):
+    return {one.what: one.share for one in what_it_follows(fit(Model.build("exponential_law"), record))}
+
+
+@pytest.mark.parametrize("what", PLANTED)
+def test_what_was_planted_has_the_largest_share(what):
+    found = shares(record_with(PLANTED[what]))
+    assert sum(found.values()) == pytest.approx(1.0)
+    others = sum(share for name, share in found.items() if name not in (what, "noise"))
+    assert found[what] > 0.3 and others < 0.1 * found[what], found
+
+
+def test_two_causes_have_a_share_each():
+    found = shares(record_with(lambda at: 0.3 * PLANTED["direction"](at) + PLANTED["clock"](at)))
+    assert found["direction"] > 0.2 and found["clock"] > 0.1
+    assert found["direction"] + found["clock"] + found["noise"] > 0.97
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.7])
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_follows_nothing(seed, colour):
+    found = shares(record_with(lambda at: 0.0 * at["t"], seed, colour))
+    assert found["noise"] > 0.98, found
+
+
+def test_what_comes_back_and_follows_nothing_is_told_apart_from_noise():
+    comb = record_with(lambda at: 6.0 * np.sign(np.sin(at["e"] * 200.0 * 2.0 * np.pi / 3.1)))
+    found = what_it_follows(fit(Model.build("exponential_law"), comb))
+    by_name = {one.what: one.share for one in found}
+    assert by_name["repeats"] > 0.5
+    assert "comes back with every repeat" in told(found)
