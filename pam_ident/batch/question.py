@@ -40,9 +40,8 @@ class Question:
         return tuple(sorted(branch_names(self.branch)))
 
     def bare(self) -> "Question":
-        """The same for another process: files of effects by absolute path, nothing loaded from them."""
-        files = tuple(os.path.abspath(path) for path in self.setup.effect_files)
-        return replace(self, setup=replace(self.setup, effect_files=files))
+        """The same for another process."""
+        return replace(self, setup=self.setup.bare())
 
     def words(self) -> dict[str, Any]:
         """All that an answer depends on besides the record, for its key; files by their hashes."""

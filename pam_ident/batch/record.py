@@ -45,7 +45,7 @@ def answer(question: Question, item: Item) -> Json:
     try:
         record = load(item.path, item.specimen)
         if record.sha256 != item.sha256:
-            raise Changed(f"{item.name}: it changed while the batch ran; run the batch again")
+            raise Changed("it changed while the batch ran; run the batch again")
         found["specimen"] = _specimen(record.specimen, item.specimen)
         diagnosis = _diagnose(setup, record) if question.diagnose else None
     except Exception as error:

@@ -32,7 +32,7 @@ def batch(
         typer.Option(
             "--workers",
             metavar="N",
-            help="A Dask cluster of so many on this machine; default: a process for each core.",
+            help="So many processes; default: one for each core.",
             show_default=False,
         ),
     ] = None,
@@ -46,6 +46,7 @@ def batch(
     options.check_json(json)
     setup = options.setup(law, effect, effect_file, free_geometry, None)
     from ..batch.run import run_batch
+    from ..parallel.executor import Executor
 
     found = run_batch(
         folder,
@@ -53,9 +54,7 @@ def batch(
         out,
         branch=branch,
         diagnose=diagnose,
-        workers=workers,
-        scheduler=scheduler,
-        note=lambda line: typer.echo(line, err=True),
+        executor=Executor.of_cores(workers, scheduler),
     )
     options.give_json(
         json,

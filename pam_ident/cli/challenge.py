@@ -43,6 +43,7 @@ def challenge(
     from tempfile import TemporaryDirectory
 
     from ..core import UsageError
+    from ..parallel.executor import Executor
     from ..schema.trials import challenge_json
     from ..validation.challenge import score_answers, sit_challenge
 
@@ -52,7 +53,8 @@ def challenge(
         if answers is not None:
             found = score_answers(str(out), answers)
         else:
-            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers, scheduler)
+            executor = Executor.of_cores(workers, scheduler)
+            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, executor)
         pictures = _draw(found) if out is not None else []
     options.give_json(json, lambda: challenge_json(found))
     text.say(*describe(found))

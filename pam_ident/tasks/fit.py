@@ -17,9 +17,9 @@ from ..fitting.long import LongFit
 from ..fitting.methods import MethodRow, compare_methods
 from ..fitting.profile import Profile
 from ..fitting.weigh import LOSSES, Weighing
-from ..parallel.crew import check_crew
+from ..parallel.executor import Executor
 from ..records import Record
-from .intervals import NOBODY, Crew, bootstrap_of, profiles_of
+from .intervals import bootstrap_of, profiles_of
 from .setup import Setup
 
 BRANCHES = ("together", "separate", "contraction", "extension")
@@ -42,7 +42,7 @@ class Wishes:
     loss: str = "linear"
     intervals: str = "linear"
     seed: int = 0
-    crew: Crew = NOBODY
+    executor: Executor = field(default_factory=Executor)
 
     def __post_init__(self) -> None:
         for what, given, known in (
@@ -54,8 +54,7 @@ class Wishes:
         ):
             if given not in known:
                 raise UsageError(f"{what} {given!r}: expected one of {', '.join(known)}")
-        check_crew(self.crew.workers, self.crew.scheduler)
-        if self.crew != NOBODY and self.intervals == "linear":
+        if self.executor != Executor() and self.intervals == "linear":
             raise UsageError("--workers and --scheduler are for --intervals profile or bootstrap; ask for one of them")
 
     @property
@@ -157,10 +156,10 @@ def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[
     if wishes.intervals == "linear":
         return one, ()
     if wishes.intervals == "profile":
-        found = profiles_of(one, setup, wishes.crew)
+        found = profiles_of(one, setup, wishes.executor)
         ends = {name: (p.low, p.high) for name, p in found.items()}
     else:
-        found, ends = {}, bootstrap_of(one, setup, wishes.seed, wishes.crew).intervals
+        found, ends = {}, bootstrap_of(one, setup, wishes.seed, wishes.executor).intervals
     estimates = tuple(
         replace(e, low=ends[e.name][0], high=ends[e.name][1]) if e.name in ends else e for e in one.estimates
     )

@@ -12,10 +12,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 from batch_tree import answers, environment, finish, frame, start, write_tree
-
 from pam_ident.batch.cluster import work_on_cluster
-from pam_ident.batch.question import Item
 from pam_ident.batch.work import Done
+
+from pam_ident.batch.question import Item
 
 distributed = pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")

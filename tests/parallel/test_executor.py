@@ -13,10 +13,10 @@ from batch_tree import environment, write_tree
 
 from pam_ident.core import UsageError
 from pam_ident.core.progress import Stage, heard
-from pam_ident.parallel import crew
+from pam_ident.parallel import executor
+from pam_ident.parallel.executor import Executor
 from pam_ident.tasks import fit as fit_record
 from pam_ident.tasks.fit import Wishes
-from pam_ident.tasks.intervals import Crew
 from pam_ident.tasks.setup import Setup
 
 EFFECT = """
@@ -32,7 +32,7 @@ EFFECT = Effect(name="bowed", title="Bowed", source="made up", forms=(FORM,), te
 
 @pytest.fixture(scope="module")
 def record(tmp_path_factory):
-    folder = write_tree(tmp_path_factory.mktemp("crew"), 1)
+    folder = write_tree(tmp_path_factory.mktemp("tree"), 1)
     return folder / "muscle00" / "run.csv"
 
 
@@ -66,54 +66,55 @@ def address(tmp_path_factory):
 def intervals(record, effect, how, by):
     """Ends of the intervals, without a word on who is to work, and with one."""
     setup = Setup("exponential_law", ("bowed",), (effect,))
-    wishes = Wishes(held={"mu": 45.0}, intervals=how, seed=3, crew=by)
+    wishes = Wishes(held={"mu": 45.0}, intervals=how, seed=3, executor=by)
     (one,) = fit_record.fit_record(setup.read(record), setup, wishes).fits.values()
     return {e.name: (e.low, e.high) for e in one.estimates if e.name != "mu"}
 
 
 @pytest.mark.parametrize("how", ["bootstrap", "profile"])
-def test_intervals_are_the_same_by_any_crew(record, effect, address, how):
-    alone = intervals(record, effect, how, Crew())
+def test_intervals_are_the_same_by_any_executor(record, effect, address, how):
+    alone = intervals(record, effect, how, Executor())
     assert all(math.isfinite(end) for ends in alone.values() for end in ends) and "bowed.A" in alone
-    assert intervals(record, effect, how, Crew(workers=2)) == alone
-    assert intervals(record, effect, how, Crew(scheduler=address)) == alone
+    assert intervals(record, effect, how, Executor(2)) == alone
+    assert intervals(record, effect, how, Executor(scheduler=address)) == alone
 
 
-def test_without_dask_processes_do_the_same(monkeypatch):
-    monkeypatch.setattr(crew, "find_spec", lambda name: None)
+@pytest.mark.parametrize("workers", [None, 2])
+def test_processes_need_no_dask_and_tell_how_far_they_are(workers, monkeypatch):
+    monkeypatch.setattr(executor, "find_spec", lambda name: None)
     told = []
     with heard(told.append):
-        found = crew.do_all(math.sqrt, [4.0, 9.0, 2.0], "roots", 2)
-    assert found == [2.0, 3.0, math.sqrt(2.0)] and told == [Stage("roots", done, 3) for done in (1, 2, 3)]
+        found = Executor(workers).all(math.sqrt, [4.0, 9.0, 2.0], "roots")
+    assert found == [2.0, 3.0, math.sqrt(2.0)] and told == [Stage("roots", done, 3) for done in (0, 1, 2, 3)]
     with pytest.raises(UsageError, match="needs Dask"):
-        crew.do_all(math.sqrt, [4.0], "roots", scheduler="tcp://127.0.0.1:1")
+        Executor(scheduler="tcp://127.0.0.1:1")
 
 
 def test_what_a_task_raises_is_raised(address):
-    with pytest.raises(ValueError, match=r"math domain error|nonnegative"):
-        crew.do_all(math.sqrt, [4.0, -1.0], "roots", scheduler=address)
+    for by in (Executor(), Executor(2), Executor(scheduler=address)):
+        with pytest.raises(ValueError, match=r"math domain error|nonnegative"):
+            by.all(math.sqrt, [4.0, -1.0], "roots")
 
 
 @pytest.mark.parametrize(
     ("who", "word"),
     [
-        (Crew(workers=0), "workers = 0"),
-        (Crew(2, "tcp://127.0.0.1:1"), "give one of the two"),
-        (Crew(workers=2), "--intervals profile or bootstrap"),
+        ((0,), "workers = 0"),
+        ((2, "tcp://127.0.0.1:1"), "give one of the two"),
+        ((2,), "--intervals profile or bootstrap"),
     ],
 )
-def test_a_crew_that_cannot_be_is_refused(who, word):
+def test_an_executor_that_cannot_be_is_refused(who, word):
     with pytest.raises(UsageError, match=word):
-        Wishes(crew=who)
+        Wishes(executor=Executor(*who))
 
 
-def test_a_scheduler_that_does_not_answer_is_told(monkeypatch):
+def test_a_scheduler_that_does_not_answer_is_told():
     with pytest.raises(UsageError, match="no Dask scheduler answers"):
-        crew.do_all(math.sqrt, [4.0], "roots", scheduler="tcp://127.0.0.1:9")
+        Executor(scheduler="tcp://127.0.0.1:9").all(math.sqrt, [4.0], "roots")
 
 
 def test_a_worker_of_this_machine_has_one_thread_and_keeps_its_memory():
-    """Dask gives freed memory back at each array unless told otherwise, which costs a third of a fit's time."""
-    pytest.importorskip("distributed")
+    """To give freed memory back at each array, as Dask's workers do unless told otherwise, takes a third of a fit's time."""
     asked = ["OMP_NUM_THREADS", "MALLOC_TRIM_THRESHOLD_"]
-    assert crew.do_all(os.environ.get, asked, "asking", workers=2) == ["1", os.environ.get("MALLOC_TRIM_THRESHOLD_")]
+    assert Executor(2).all(os.getenv, asked, "asking") == ["1", os.getenv("MALLOC_TRIM_THRESHOLD_")]
