@@ -14,16 +14,18 @@ import pandas as pd
 import pytest
 from scipy.optimize import curve_fit
 
+from pam_ident.batch import run
 from pam_ident.batch import table as batch_table
-from pam_ident.batch.question import Item, Question, plan
+from pam_ident.batch.question import Question, plan
+from pam_ident.batch.record import answer
 from pam_ident.batch.run import run_batch
 from pam_ident.batch.store import Store
 from pam_ident.core import UsageError
-from pam_ident.parallel.executor import Executor, WorkerLost
+from pam_ident.parallel.executor import Executor
 from pam_ident.tasks.setup import Setup
 
 sys.path.insert(0, str(Path(__file__).parent))
-from batch_tree import TRUTH, a1_of, answers, environment, finish, frame, start, work_that_kills, write_tree
+from batch_tree import TRUTH, a1_of, answers, environment, finish, frame, start, write_tree
 
 pytest.importorskip("pyarrow")
 SETUP = Setup("exponential_law")
@@ -136,11 +138,32 @@ def test_only_what_changed_is_asked_again(tmp_path):
     assert run_batch(folder, Setup("exponential_law", ("coulomb_friction",)), out, executor=Executor(1)).kept == 0
 
 
-def test_a_worker_that_dies_is_replaced_and_only_its_record_given_up(tmp_path):
-    items = [Item(name, str(tmp_path / name), "", "", name) for name in ("a", "bad", "b", "once", "c", "d")]
-    found = {items[k].name: result for k, result in Executor(2).map(work_that_kills, items, "items")}
-    assert isinstance(lost := found.pop("bad"), WorkerLost) and str(lost).startswith("its worker was killed 2 times")
-    assert found == {name: name for name in ("a", "b", "c", "d", "once")}
+def test_a_worker_that_fails_ends_the_batch_with_what_is_finished(tree, tmp_path, monkeypatch):
+    def failing(question, item):
+        if item.name.startswith("muscle02"):
+            raise RuntimeError("no such disk")
+        return answer(question, item)
+
+    monkeypatch.setattr(run, "answer", failing)
+    with pytest.raises(UsageError, match=r"a worker failed: RuntimeError: no such disk\. The 2 records"):
+        run_batch(tree, SETUP, tmp_path / "out", executor=Executor())
+    assert len(answers(tmp_path / "out")) == 2
+
+
+def test_ctrl_c_ends_the_command_and_its_workers(tree, tmp_path):
+    out = tmp_path / "results"
+    process = start(tree, out, "--branch", "separate", "--workers", 2, start_new_session=True)
+    while not answers(out):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.002)
+    os.killpg(process.pid, signal.SIGINT)
+    code, _, stderr = finish(process)
+    assert code == 130 and "Traceback" not in stderr
+    end = time.monotonic() + 10.0
+    with pytest.raises(ProcessLookupError):
+        while time.monotonic() < end:  # Python's own tracker of resources ends after what it tracks
+            os.killpg(process.pid, 0)
+            time.sleep(0.01)
 
 
 @pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")  # other tests have loaded JAX; the child only limits files

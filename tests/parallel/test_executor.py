@@ -2,19 +2,21 @@
 
 import math
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "batch"))
-from batch_tree import environment, write_tree
+from batch_tree import work_that_kills, write_tree
+from dask_cluster import Cluster
 
-from pam_ident.core import UsageError
+from pam_ident.batch.question import Item
+from pam_ident.core import PamError, UsageError
 from pam_ident.core.progress import Stage, heard
 from pam_ident.parallel import executor
-from pam_ident.parallel.executor import Executor
+from pam_ident.parallel.executor import Executor, WorkerLost
 from pam_ident.tasks import fit as fit_record
 from pam_ident.tasks.fit import Wishes
 from pam_ident.tasks.setup import Setup
@@ -46,21 +48,9 @@ def effect(tmp_path_factory):
 @pytest.fixture(scope="module")
 def address(tmp_path_factory):
     """A scheduler with one worker, as a user starts them."""
-    distributed = pytest.importorskip("distributed")
-    folder, running = tmp_path_factory.mktemp("dask"), []
-    options = {"env": environment(), "cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    file = folder / "scheduler.json"
-    for words in (("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"), ("worker", "--nthreads", "1")):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{words[0]}", "--scheduler-file", str(file), *words[1:]]
-        running.append(subprocess.Popen(command, **options))
-    try:
-        with distributed.Client(scheduler_file=str(file), timeout=60, set_as_default=False) as client:
-            client.wait_for_workers(1, timeout=60)
-            yield client.scheduler.address
-    finally:
-        for process in running:
-            process.terminate()
-            process.wait()
+    pytest.importorskip("distributed")
+    with Cluster(tmp_path_factory.mktemp("dask"), 1) as cluster:
+        yield cluster.address
 
 
 def intervals(record, effect, how, by):
@@ -115,6 +105,66 @@ def test_a_scheduler_that_does_not_answer_is_told():
 
 
 def test_a_worker_of_this_machine_has_one_thread_and_keeps_its_memory():
-    """To give freed memory back at each array, as Dask's workers do unless told otherwise, takes a third of a fit's time."""
+    """To give freed memory back at each array takes a third of a fit's time."""
     asked = ["OMP_NUM_THREADS", "MALLOC_TRIM_THRESHOLD_"]
     assert Executor(2).all(os.getenv, asked, "asking") == ["1", os.getenv("MALLOC_TRIM_THRESHOLD_")]
+
+
+def killing(tmp_path):
+    names = ("a", "bad", "b", "once", "c", "d")
+    return [Item(name, str(tmp_path / name), "", "", name) for name in names]
+
+
+def held(items, executor):
+    """That all tasks but the one that kills each of its workers are done."""
+    found = {items[k].name: result for k, result in executor.map(work_that_kills, items, "items")}
+    lost = found.pop("bad")
+    assert isinstance(lost, WorkerLost) and found == {name: name for name in ("a", "b", "c", "d", "once")}
+    return str(lost)
+
+
+def test_a_process_that_dies_is_replaced_and_only_its_task_given_up(tmp_path):
+    assert held(killing(tmp_path), Executor(2)).startswith("its worker was killed 2 times")
+
+
+@pytest.mark.long
+def test_a_worker_of_dask_that_dies_is_replaced_and_only_its_task_given_up(address, tmp_path):
+    """What waited beside it at the same worker is asked again, not given up with it."""
+    assert held(killing(tmp_path), Executor(scheduler=address)).startswith("its worker was killed 1 times")
+
+
+def test_a_task_that_was_lost_is_told_where_all_are_needed(tmp_path):
+    with pytest.raises(PamError, match=r"items, 2 of 6: its worker was killed 2 times"):
+        Executor(1).all(work_that_kills, killing(tmp_path), "items")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("back", [True, False])
+def test_a_scheduler_that_dies_in_mid_run_of_profiles(record, effect, tmp_path, back):
+    """Back again, the answer is the same to the bit; else it is one error that says what to do."""
+    told = []
+    with Cluster(tmp_path, 1) as cluster:
+
+        def ear(stage):
+            if stage.what != "profiles":
+                return
+            told.append(stage.done)
+            if stage.done == 1:
+                for name in ("scheduler", "worker1"):
+                    cluster.kill(name)
+                if back:
+                    cluster.schedule()
+                    cluster.hire(2)
+
+        by = Executor(scheduler=cluster.address, patience_s=60.0 if back else 0.5)
+        with heard(ear):
+            if back:
+                found = intervals(record, effect, "profile", by)
+            else:
+                with pytest.raises(UsageError, match=r"no Dask scheduler answers .* start one"):
+                    intervals(record, effect, "profile", by)
+    if back:
+        assert found == intervals(record, effect, "profile", Executor())
+        assert told == list(range(len(found) + 1))
+    else:
+        assert told == [0, 1]
