@@ -11,15 +11,15 @@ from ..tasks.setup import Setup
 from .question import Item, Plan, Question, plan
 from .record import Changed, answer
 from .store import Store
-from .table import require_arrow, table
+from .table import read_results, require_arrow, table
 
 TABLE, PAGE, KEPT = "results.parquet", "index.html", "records"
 
 
 @dataclass(frozen=True)
 class Batch:
-    """What a batch came to: its records, how many answers were kept from an earlier run, and what went wrong by
-    record."""
+    """What a batch came to: its records, how many answers were kept from an earlier run, and the first error by record
+    of those that have one."""
 
     folder: Path
     records: int
@@ -76,7 +76,8 @@ def run_batch(
         raise _stopped(why, finished) from error
     words = ["--branch", branch, *(["--diagnose"] if diagnose else []), "--out", str(out)]
     _conclude(asked, question, store, lost, out, setup.command("batch", str(folder), *words))
-    return Batch(out, len(asked), kept, _errors(asked, store, lost))
+    bad = read_results(out).dropna(subset="error").drop_duplicates("record")
+    return Batch(out, len(asked), kept, dict(zip(bad["record"], bad["error"], strict=True)))
 
 
 @dataclass(frozen=True)
@@ -126,14 +127,3 @@ def _conclude(asked: Plan, question: Question, store: Store, lost: dict[str, str
         write_whole(out / PAGE, batch_page(out / TABLE, command))
     except OSError as error:
         raise _stopped(f"{error.filename or out}: {error.strerror or error}", len(asked.items) - len(lost)) from None
-
-
-def _errors(asked: Plan, store: Store, lost: dict[str, str]) -> dict[str, str]:
-    """The first error of each record that has one, by name."""
-    found = asked.faults | lost
-    for item in asked.items:
-        kept = store.get(item.key) or {"rows": []}
-        message = next((row["error"] for row in kept["rows"] if row["error"]), None)
-        if message is not None:
-            found[item.name] = message
-    return dict(sorted(found.items()))

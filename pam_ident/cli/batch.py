@@ -27,15 +27,7 @@ def batch(
     branch: Annotated[
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
     ] = "together",
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            metavar="N",
-            help="So many processes; default: one for each core.",
-            show_default=False,
-        ),
-    ] = None,
+    workers: options.Workers = None,
     scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
 ) -> None:

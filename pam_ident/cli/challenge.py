@@ -27,9 +27,7 @@ def challenge(
             "--answers", metavar="FILE.jsonl", help="Score these answers to the set in --out.", show_default=False
         ),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option("--workers", metavar="N", help="Cases at a time; default: the cores.")
-    ] = None,
+    workers: options.Workers = None,
     scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
 ) -> None:

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from ..core import PamError, UsageError
 from ..core.progress import part, tell
-from .one_thread import one_thread, without_script
+from .one_thread import one_thread
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -114,7 +114,7 @@ def _by_processes(work: Callable, tasks: Sequence, workers: int) -> Iterator[tup
             while waiting and len(busy) < workers:
                 pool = idle.pop() if idle else ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin)
                 try:
-                    with one_thread(), without_script():
+                    with one_thread():
                         busy[pool.submit(work, tasks[waiting[0]])] = pool, waiting[0]
                     waiting.popleft()
                 except BrokenProcessPool:  # killed while it had nothing to do

@@ -6,7 +6,7 @@ import pytest
 
 from pam_ident.core import DataError, UsageError
 from pam_ident.core.progress import heard
-from pam_ident.parallel.executor import Executor
+from pam_ident.parallel.executor import Executor, WorkerLost
 from pam_ident.validation import challenge
 from pam_ident.validation.challenge import write_challenge
 from pam_ident.validation.score import confusion, score, tally
@@ -197,6 +197,13 @@ def test_the_program_answers_without_the_truth(folder, tmp_path, monkeypatch):
         challenge.open_envelope(tmp_path, given, 1.0)
     asked = json.loads((folder / "questions.json").read_text())
     assert all(set(one) == {"case", "law"} for one in asked)
+
+
+def test_a_case_whose_worker_is_killed_is_a_wrong_answer(folder, monkeypatch):
+    monkeypatch.setattr(Executor, "in_order", lambda self, work, tasks, what: iter([WorkerLost(2)] * len(tasks)))
+    given = challenge.answer_all(folder)
+    assert list(given) == ["c000", "c001", "c002"] and "killed 2 times" in given["c002"]["error"]
+    assert not any(one.right for one in challenge.open_envelope(folder, given, 1.0).scores)
 
 
 def test_a_set_is_never_written_over_another(folder):
