@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -40,9 +41,8 @@ class Question:
         return tuple(sorted(branch_names(self.branch)))
 
     def bare(self) -> "Question":
-        """The same for another process: files of effects by absolute path, nothing loaded from them."""
-        files = tuple(os.path.abspath(path) for path in self.setup.effect_files)
-        return replace(self, setup=replace(self.setup, effect_files=files))
+        """The same for another process."""
+        return replace(self, setup=self.setup.bare())
 
     def words(self) -> dict[str, Any]:
         """All that an answer depends on besides the record, for its key; files by their hashes."""
@@ -101,13 +101,10 @@ def plan(folder: Path, question: Question, out: Path) -> Plan:
     return Plan(tuple(sorted(items, key=lambda item: item.name)), faults)
 
 
-def _records(folder: Path, out: Path) -> list[Path]:
-    found = []
+def _records(folder: Path, out: Path) -> Iterator[Path]:
     for place, folders, files in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith(".") and Path(place, name) != out]
-        names = (name for name in files if name.lower().endswith(".csv") and not name.startswith("."))
-        found += [Path(place, name) for name in names]
-    return found
+        yield from (Path(place, n) for n in files if n.lower().endswith(".csv") and not n.startswith("."))
 
 
 def _specimen(record: Path, folder: Path) -> Path:

@@ -45,19 +45,17 @@ def answer(question: Question, item: Item) -> Json:
     try:
         record = load(item.path, item.specimen)
         if record.sha256 != item.sha256:
-            raise Changed(f"{item.name}: it changed while the batch ran; run the batch again")
+            raise Changed("it changed while the batch ran; run the batch again")
         found["specimen"] = _specimen(record.specimen, item.specimen)
-        diagnosis = _diagnose(setup, record) if question.diagnose else None
+        diagnosis = None
+        if question.diagnose:
+            from ..tasks.diagnose import diagnose_record
+
+            diagnosis = diagnose_record(record, setup)
     except Exception as error:
         message = _message(error, item)
         return found | {"rows": [{"branch": branch, "error": message} for branch in question.branches]}
     return found | {"rows": [_row(setup, record, branch, diagnosis, item) for branch in question.branches]}
-
-
-def _diagnose(setup: Setup, record: Record) -> "Diagnosis":
-    from ..diagnosis import diagnose
-
-    return diagnose(setup.model, record, setup.extra)
 
 
 def _row(setup: Setup, record: Record, branch: str, diagnosis: "Diagnosis | None", item: Item) -> Json:

@@ -1,29 +1,25 @@
 """Many records fitted alike: resumed where it stopped, one table and one page at the end."""
 
-import os
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
-from ..core import UsageError
+from .. import __version__
+from ..core import PamError, UsageError
 from ..core.files import write_whole
-from ..core.progress import tell
-from ..parallel.crew import check_crew, cluster
+from ..parallel.executor import Executor
 from ..tasks.setup import Setup
-from .cluster import work_on_cluster
 from .question import Item, Plan, Question, plan
+from .record import Changed, answer
 from .store import Store
-from .table import require_arrow, table
-from .work import Done, FitAndKeep, work_here
+from .table import read_results, require_arrow, table
 
 TABLE, PAGE, KEPT = "results.parquet", "index.html", "records"
 
 
 @dataclass(frozen=True)
 class Batch:
-    """What a batch came to: its records, how many answers were kept from an earlier run, and what went wrong by
-    record."""
+    """What a batch came to: its records, how many answers were kept from an earlier run, and the first error by record
+    of those that have one."""
 
     folder: Path
     records: int
@@ -48,51 +44,63 @@ def run_batch(
     *,
     branch: str = "together",
     diagnose: bool = False,
-    workers: int | None = None,
-    scheduler: str | None = None,
-    note: Callable[[str], None] = lambda line: None,
+    executor: Executor | None = None,
 ) -> Batch:
     """Answer every record under `folder`; results in `out`.
 
-    By a process for each core, or where `workers` are asked for by a Dask cluster of so many on this machine, or by the
-    one at `scheduler`.
+    By a process for each core, or by `executor`; the workers of a Dask cluster must see both under the same paths.
 
     Each answer is a file of its own as soon as it is found, so that the same call goes on where an earlier one was
     killed. The table is the same, byte for byte, whoever did the work and however often it was interrupted. A bad
     record is an error in its rows. Raises UsageError for what cannot be asked, and where the results cannot be written.
     """
     require_arrow()
-    check_crew(workers, scheduler)
     question = Question(setup, branch, diagnose)
     _ = setup.model
     folder, out = Path(folder), Path(out)
     asked = plan(folder, question, out)
     store = Store(_make(out.resolve() / KEPT))
     waiting = [item for item in asked.items if store.get(item.key) is None]
-    kept = len(asked.items) - len(waiting)
-    work = FitAndKeep(question.bare(), store)
-    doing = _doing(work, waiting, workers, scheduler, note)
-    done = len(asked) - len(waiting)
-    tell("records", done, len(asked))
+    kept = finished = len(asked.items) - len(waiting)
     lost = {}
-    for item, outcome in _until_stopped(doing, out, kept):
-        done += 1
-        if outcome.error is not None and store.get(item.key) is None:
-            lost[item.name] = outcome.error
-        tell("records", done, len(asked))
+    try:
+        found = (executor or Executor.of_cores()).map(
+            _FitAndKeep(question.bare(), store), waiting, "records", len(asked) - len(waiting)
+        )
+        for k, why in found:
+            finished += 1
+            if why is not None:
+                lost[waiting[k].name] = f"{waiting[k].name}: {why}"
+    except Exception as error:
+        why = str(error) if isinstance(error, PamError) else f"a worker failed: {type(error).__name__}: {error}"
+        raise _stopped(why, finished) from error
     words = ["--branch", branch, *(["--diagnose"] if diagnose else []), "--out", str(out)]
     _conclude(asked, question, store, lost, out, setup.command("batch", str(folder), *words))
-    return Batch(out, len(asked), kept, _errors(asked, store, lost))
+    bad = read_results(out).dropna(subset="error").drop_duplicates("record")
+    return Batch(out, len(asked), kept, dict(zip(bad["record"], bad["error"], strict=True)))
 
 
-def _doing(
-    work: FitAndKeep, items: list[Item], workers: int | None, scheduler: str | None, note: Callable[[str], None]
-) -> Iterator[tuple[Item, Done]]:
-    if scheduler is None and (workers is None or min(workers, len(items)) < 2 or find_spec("distributed") is None):
-        yield from work_here(work, items, min(workers or os.cpu_count() or 1, max(len(items), 1)))
-        return
-    with cluster(min(workers or 1, len(items)), scheduler) as address:
-        yield from work_on_cluster(work, items, address, note)
+@dataclass(frozen=True)
+class _FitAndKeep:
+    """Answer an item and keep the answer, in whatever process: the worker that finds it does, so that nothing that is
+    killed later takes it along. Says why nothing is kept; raises UsageError where no record can be worked at now."""
+
+    question: Question
+    store: Store
+
+    def __call__(self, item: Item) -> str | None:
+        if __version__ != self.question.version:
+            raise UsageError(f"a worker has pam-ident {__version__}, the batch {self.question.version}; install one")
+        if not self.store.folder.is_dir() or not Path(item.path).is_file():
+            raise UsageError(f"a worker does not see {self.store.folder} or {item.path}; share the folders with it")
+        if self.store.get(item.key) is None:
+            try:
+                self.store.put(item.key, answer(self.question, item))
+            except Changed as error:
+                return str(error)
+            except OSError as error:
+                raise UsageError(f"{self.store.folder}: {error.strerror or error}") from None
+        return None
 
 
 def _make(folder: Path) -> Path:
@@ -104,18 +112,10 @@ def _make(folder: Path) -> Path:
     return folder
 
 
-def _until_stopped(doing: Iterator[tuple[Item, Done]], out: Path, kept: int) -> Iterator[tuple[Item, Done]]:
-    for count, (item, outcome) in enumerate(doing):
-        if outcome.stop is not None:
-            raise _Stopped(outcome.stop, kept + count)
-        yield item, outcome
-
-
-class _Stopped(UsageError):
-    def __init__(self, why: str, done: int) -> None:
-        super().__init__(
-            f"{why}. The {done} records that are finished are kept: mend that, then give the same command again"
-        )
+def _stopped(why: str, finished: int) -> UsageError:
+    return UsageError(
+        f"{why}. The {finished} records that are finished are kept: mend that, then give the same command again"
+    )
 
 
 def _conclude(asked: Plan, question: Question, store: Store, lost: dict[str, str], out: Path, command: str) -> None:
@@ -126,15 +126,4 @@ def _conclude(asked: Plan, question: Question, store: Store, lost: dict[str, str
         write_whole(out / TABLE, table(asked, question, store, lost))
         write_whole(out / PAGE, batch_page(out / TABLE, command))
     except OSError as error:
-        raise _Stopped(f"{error.filename or out}: {error.strerror or error}", len(asked.items) - len(lost)) from None
-
-
-def _errors(asked: Plan, store: Store, lost: dict[str, str]) -> dict[str, str]:
-    """The first error of each record that has one, by name."""
-    found = asked.faults | lost
-    for item in asked.items:
-        kept = store.get(item.key) or {"rows": []}
-        message = next((row["error"] for row in kept["rows"] if row["error"]), None)
-        if message is not None:
-            found[item.name] = message
-    return dict(sorted(found.items()))
+        raise _stopped(f"{error.filename or out}: {error.strerror or error}", len(asked.items) - len(lost)) from None

@@ -27,15 +27,7 @@ def batch(
     branch: Annotated[
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
     ] = "together",
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            metavar="N",
-            help="A Dask cluster of so many on this machine; default: a process for each core.",
-            show_default=False,
-        ),
-    ] = None,
+    workers: options.Workers = None,
     scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
 ) -> None:
@@ -46,6 +38,7 @@ def batch(
     options.check_json(json)
     setup = options.setup(law, effect, effect_file, free_geometry, None)
     from ..batch.run import run_batch
+    from ..parallel.executor import Executor
 
     found = run_batch(
         folder,
@@ -53,9 +46,7 @@ def batch(
         out,
         branch=branch,
         diagnose=diagnose,
-        workers=workers,
-        scheduler=scheduler,
-        note=lambda line: typer.echo(line, err=True),
+        executor=Executor.of_cores(workers, scheduler),
     )
     options.give_json(
         json,

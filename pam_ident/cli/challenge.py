@@ -27,9 +27,7 @@ def challenge(
             "--answers", metavar="FILE.jsonl", help="Score these answers to the set in --out.", show_default=False
         ),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option("--workers", metavar="N", help="Cases at a time; default: the cores.")
-    ] = None,
+    workers: options.Workers = None,
     scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
 ) -> None:
@@ -43,6 +41,7 @@ def challenge(
     from tempfile import TemporaryDirectory
 
     from ..core import UsageError
+    from ..parallel.executor import Executor
     from ..schema.trials import challenge_json
     from ..validation.challenge import score_answers, sit_challenge
 
@@ -52,7 +51,8 @@ def challenge(
         if answers is not None:
             found = score_answers(str(out), answers)
         else:
-            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, workers, scheduler)
+            executor = Executor.of_cores(workers, scheduler)
+            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, executor)
         pictures = _draw(found) if out is not None else []
     options.give_json(json, lambda: challenge_json(found))
     text.say(*describe(found))

@@ -76,12 +76,13 @@ def fit(
 
         make_folder(figures)
     setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    from ..parallel.executor import Executor
     from ..records.files import share_of_memory
     from ..schema.fit import fit_json
     from ..tasks.fit import Wishes, fit_record
-    from ..tasks.intervals import Crew
 
-    wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals, crew=Crew(workers, scheduler))
+    executor = Executor(workers, scheduler)
+    wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals, executor=executor)
     if chunked or share_of_memory(record) > MOST_OF_MEMORY:
         from ..tasks.fit_long import fit_long_record
 

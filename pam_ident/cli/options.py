@@ -86,7 +86,7 @@ Workers = Annotated[
     typer.Option(
         "--workers",
         metavar="N",
-        help="Share profiles or a bootstrap out among so many processes; same answer.",
+        help="So many processes at a time; same answer. Default: the cores; for fit: 1.",
         show_default=False,
     ),
 ]

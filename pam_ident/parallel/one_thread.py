@@ -13,26 +13,18 @@ ONE_THREAD = {
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Processes started inside compute on one thread: more would only get into each other's way."""
-    before = dict(os.environ)
-    os.environ.update(ONE_THREAD)
-    try:
-        yield
-    finally:
-        os.environ.clear()
-        os.environ.update(before)
-
-
-@contextmanager
-def without_script() -> Iterator[None]:
-    """Processes started inside do not run the main script again, as a new interpreter does to find what it defines.
+    """Processes started inside compute on one thread, for more would only get into each other's way, and do not run the
+    main script again, as a new interpreter does to find what it defines.
 
     All that is asked of workers is found in this package, so that a script needs no `if __name__ == "__main__":`.
     """
-    script = vars(sys.modules["__main__"])
-    before = {name: script.pop(name) for name in ("__spec__", "__file__") if name in script}
+    environment, script = dict(os.environ), vars(sys.modules["__main__"])
+    names = {name: script.pop(name) for name in ("__spec__", "__file__") if name in script}
+    os.environ.update(ONE_THREAD)
     script["__spec__"] = None
     try:
         yield
     finally:
-        script.update(before)
+        script.update(names)
+        os.environ.clear()
+        os.environ.update(environment)

@@ -1,19 +1,15 @@
 """Which effect a law lacks, record by record."""
 
-import multiprocessing
 import os
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 
 from ..core import PamError
-from ..core.progress import steps
 from ..diagnosis import diagnose
 from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
 from ..model import Model
-from ..parallel.one_thread import without_script
+from ..parallel.executor import Executor, WorkerLost
 from ..records import Record
 from .setup import Setup
 
@@ -33,19 +29,12 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
     process could not look up. Raises UsageError for an unknown law or effect, before any record is read.
     """
     one = partial(_diagnose, setup, setup.model)
-    paths, workers = list(records), os.cpu_count() or 1
-    if len(paths) < 3 or workers < 2 or setup.extra:
+    paths = list(records)
+    if len(paths) < 3 or setup.extra:
         yield from zip(paths, map(one, paths), strict=True)
         return
-    with ProcessPoolExecutor(min(workers, len(paths)), mp_context=multiprocessing.get_context("spawn")) as pool:
-        with without_script():
-            futures = [pool.submit(one, path) for path in paths]
-        for path, future in steps(zip(paths, futures, strict=True), "records", len(paths)):
-            try:
-                answer = future.result()
-            except BrokenProcessPool:
-                answer = one(path)  # a worker was killed; what it was asked is not lost
-            yield path, answer
+    for path, found in zip(paths, Executor.of_cores().in_order(one, paths, "records"), strict=True):
+        yield path, PamError(f"{path}: {found}") if isinstance(found, WorkerLost) else found
 
 
 def _diagnose(setup: Setup, model: Model, path: str) -> Answer:

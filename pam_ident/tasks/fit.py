@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,9 +18,9 @@ from ..fitting.long import LongFit
 from ..fitting.methods import MethodRow, compare_methods
 from ..fitting.profile import Profile
 from ..fitting.weigh import LOSSES, Weighing
-from ..parallel.crew import check_crew
+from ..parallel.executor import Executor
 from ..records import Record
-from .intervals import NOBODY, Crew, bootstrap_of, profiles_of
+from .intervals import bootstrap_of, profiles_of
 from .setup import Setup
 
 BRANCHES = ("together", "separate", "contraction", "extension")
@@ -42,7 +43,7 @@ class Wishes:
     loss: str = "linear"
     intervals: str = "linear"
     seed: int = 0
-    crew: Crew = NOBODY
+    executor: Executor = field(default_factory=Executor)
 
     def __post_init__(self) -> None:
         for what, given, known in (
@@ -54,8 +55,7 @@ class Wishes:
         ):
             if given not in known:
                 raise UsageError(f"{what} {given!r}: expected one of {', '.join(known)}")
-        check_crew(self.crew.workers, self.crew.scheduler)
-        if self.crew != NOBODY and self.intervals == "linear":
+        if self.executor != Executor() and self.intervals == "linear":
             raise UsageError("--workers and --scheduler are for --intervals profile or bootstrap; ask for one of them")
 
     @property
@@ -76,8 +76,7 @@ class Checks:
 
 @dataclass(frozen=True)
 class FitAnswer:
-    """Fits by branch; for the two-stage method also the table of the isobars. `loops` are the modelled loops in J,
-    `measured_loops` those of the record.
+    """Fits by branch; for the two-stage method also the table of the isobars.
 
     `two_stage` names the branches whose parameters come from straight lines through the isobars; where a law has no
     such lines, or effects are fitted too, its fit is the global one. `profiles` are there for intervals by profile,
@@ -87,14 +86,29 @@ class FitAnswer:
     record: Record
     fits: Mapping[str, Fit]
     wishes: Wishes
-    isobars: IsobarTable | None
-    two_stage: tuple[str, ...]
     checks: Mapping[str, Checks]
-    profiles: Mapping[str, tuple[Profile, ...]]
-    methods: tuple[MethodRow, ...]
-    loops: Mapping[float, float]
-    measured_loops: Mapping[float, float]
-    warnings: tuple[str, ...]
+    isobars: IsobarTable | None = None
+    two_stage: tuple[str, ...] = ()
+    profiles: Mapping[str, tuple[Profile, ...]] = field(default_factory=dict)
+    methods: tuple[MethodRow, ...] = ()
+
+    @cached_property
+    def loops(self) -> Mapping[float, float]:
+        """The modelled loops in J by pressure."""
+        return model_loops(self.fits)
+
+    @cached_property
+    def measured_loops(self) -> Mapping[float, float]:
+        """The loops of the record in J by pressure."""
+        return loop_energies(self.record, self.record.force)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What effects warn of, and modelled loops that give energy."""
+        effects = [term.effect for term in next(iter(self.fits.values())).model.terms]
+        found = [f"{effect.name}: {effect.warning}" for effect in effects if effect.warning]
+        energy = energy_warning(self.loops)
+        return tuple(found if energy is None else [*found, energy])
 
     @property
     def passive(self) -> bool | None:
@@ -134,22 +148,9 @@ def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> Fi
     for name, one in fits.items():
         if name not in straight and one.valid:
             fits[name], profiles[name] = _with_intervals(one, setup, wishes)
-    loops = model_loops(fits)
-    warnings = [f"{term.effect.name}: {term.effect.warning}" for term in setup.model.terms if term.effect.warning]
-    energy = energy_warning(loops)
-    return FitAnswer(
-        record,
-        fits,
-        wishes,
-        isobars,
-        straight,
-        {name: Checks(noise_floor(one), lack_of_fit(one), one.stand_ins) for name, one in fits.items()},
-        profiles,
-        compare_methods(record, setup.model, wishes.branch) if wishes.method == "both" else (),
-        loops,
-        loop_energies(record, record.force),
-        tuple([*warnings, energy] if energy is not None else warnings),
-    )
+    checks = {name: Checks(noise_floor(one), lack_of_fit(one), one.stand_ins) for name, one in fits.items()}
+    methods = compare_methods(record, setup.model, wishes.branch) if wishes.method == "both" else ()
+    return FitAnswer(record, fits, wishes, checks, isobars, straight, profiles, methods)
 
 
 def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[Profile, ...]]:
@@ -157,10 +158,10 @@ def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[
     if wishes.intervals == "linear":
         return one, ()
     if wishes.intervals == "profile":
-        found = profiles_of(one, setup, wishes.crew)
+        found = profiles_of(one, setup, wishes.executor)
         ends = {name: (p.low, p.high) for name, p in found.items()}
     else:
-        found, ends = {}, bootstrap_of(one, setup, wishes.seed, wishes.crew).intervals
+        found, ends = {}, bootstrap_of(one, setup, wishes.seed, wishes.executor).intervals
     estimates = tuple(
         replace(e, low=ends[e.name][0], high=ends[e.name][1]) if e.name in ends else e for e in one.estimates
     )

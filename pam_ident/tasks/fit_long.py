@@ -3,8 +3,6 @@
 from pathlib import Path
 
 from ..core import UsageError
-from ..fitting import loop_energies
-from ..fitting.energy import energy_warning, model_loops
 from ..fitting.fit import branch_names
 from ..fitting.long import fit_long
 from ..records.long import open_long
@@ -30,19 +28,4 @@ def fit_long_record(path: str | Path, setup: Setup, wishes: Wishes | None = None
     with open_long(path, setup.specimen) as record:
         fits = fit_long(setup.model, record, branch_names(wishes.branch), wishes.held)
     sample = next(iter(fits.values())).record
-    loops = model_loops(fits)
-    warnings = [f"{term.effect.name}: {term.effect.warning}" for term in setup.model.terms if term.effect.warning]
-    energy = energy_warning(loops)
-    return FitAnswer(
-        sample,
-        fits,
-        wishes,
-        isobars=None,
-        two_stage=(),
-        checks={name: Checks(None, None, one.stand_ins) for name, one in fits.items()},
-        profiles={},
-        methods=(),
-        loops=loops,
-        measured_loops=loop_energies(sample, sample.force),
-        warnings=tuple([*warnings, energy] if energy is not None else warnings),
-    )
+    return FitAnswer(sample, fits, wishes, {name: Checks(None, None, one.stand_ins) for name, one in fits.items()})

@@ -1,7 +1,8 @@
 """What every task is asked: a law, effects, a specimen."""
 
+import os
 import shlex
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -63,6 +64,10 @@ class Setup:
                 "chunks; take a part of it, or a larger machine"
             )
         return load(record, self._specimen)
+
+    def bare(self) -> "Setup":
+        """The same for another process: files of effects by absolute path, nothing loaded from them."""
+        return replace(self, effect_files=tuple(os.path.abspath(path) for path in self.effect_files))
 
     def command(self, verb: str, record: str, *more: str) -> str:
         """The command line that asks the same again."""

@@ -1,7 +1,6 @@
 """A sealed set, its answers, and the envelope that is opened only when all of them are there."""
 
 import json
-import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from typing import Any
 from ..core import DataError, PamError, UsageError
 from ..core.files import write_json_lines
 from ..effects import catalogue
-from ..parallel.crew import check_crew, do_all
+from ..parallel.executor import Executor, WorkerLost
 from ..rig import make_challenge
 from ..schema.diagnosis import diagnosis_json
 from ..tasks.diagnose import diagnose_records
@@ -65,8 +64,7 @@ def sit_challenge(
     n: int = 60,
     seed: int = 1,
     only: str | None = None,
-    workers: int | None = None,
-    scheduler: str | None = None,
+    executor: Executor | None = None,
 ) -> Challenge:
     """Write a set into `folder`, let the program answer (answers.jsonl), then open the envelope and score.
 
@@ -77,10 +75,9 @@ def sit_challenge(
         raise UsageError(
             f"{folder}: holds a set already; name another folder, or score your answers to it by --answers"
         )
-    check_crew(workers, scheduler)
     write_challenge(str(folder), n, seed, only)
     start = time.perf_counter()
-    answers = answer_all(folder, workers, scheduler)
+    answers = answer_all(folder, executor)
     seconds = time.perf_counter() - start
     write_json_lines(folder / "answers.jsonl", answers.values())
     return open_envelope(folder, answers, seconds)
@@ -100,21 +97,28 @@ def questions(folder: Path) -> dict[str, str]:
     return {one["case"]: one["law"] for one in _read(folder, "questions.json")}
 
 
-def answer_all(folder: Path, workers: int | None = None, scheduler: str | None = None) -> dict[str, Json]:
+def answer_all(folder: Path, executor: Executor | None = None) -> dict[str, Json]:
     """The program's answers by case, in the order of the cases, several at a time; truth.json is not read.
 
-    By `workers` processes, default the cores, or by the Dask cluster at `scheduler`, which must see the folder.
+    By a process for each core, or by `executor`; a Dask cluster's workers must see the folder.
     """
-    asked = questions(folder)
-    if scheduler is None:
-        workers = workers or os.cpu_count() or 1
-    seen = folder if scheduler is None else folder.resolve()
-    answers = do_all(partial(_answer, seen), list(asked.items()), "cases", workers, scheduler)
-    return dict(zip(asked, answers, strict=True))
+    asked = list(questions(folder).items())
+    executor = executor or Executor.of_cores()
+    seen = folder if executor.scheduler is None else folder.resolve()
+    found = executor.in_order(partial(_answer, seen), asked, "cases")
+    return {
+        case: _none(str(seen / case / "record.csv"), law, one) if isinstance(one, WorkerLost) else one
+        for (case, law), one in zip(asked, found, strict=True)
+    }
 
 
 def _answer(folder: Path, question: tuple[str, str]) -> Json:
     return answer_case(folder, *question)
+
+
+def _none(path: str, law: str, error: PamError) -> Json:
+    """What is said where no answer is found, which is wrong."""
+    return {"record": path, "law": law, "verdict": "none", "error": str(error)}
 
 
 def answer_case(folder: Path, case: str, law: str) -> Json:
@@ -122,7 +126,7 @@ def answer_case(folder: Path, case: str, law: str) -> Json:
     path = str(folder / case / "record.csv")
     ((_, found),) = diagnose_records([path], Setup(law))
     if isinstance(found, PamError):
-        return {"record": path, "law": law, "verdict": "none", "error": str(found)}
+        return _none(path, law, found)
     return diagnosis_json(path, found)
 
 

@@ -14,16 +14,18 @@ import pandas as pd
 import pytest
 from scipy.optimize import curve_fit
 
+from pam_ident.batch import run
 from pam_ident.batch import table as batch_table
-from pam_ident.batch.question import Item, Question, plan
+from pam_ident.batch.question import Question, plan
+from pam_ident.batch.record import answer
 from pam_ident.batch.run import run_batch
 from pam_ident.batch.store import Store
-from pam_ident.batch.work import work_here
 from pam_ident.core import UsageError
+from pam_ident.parallel.executor import Executor
 from pam_ident.tasks.setup import Setup
 
 sys.path.insert(0, str(Path(__file__).parent))
-from batch_tree import TRUTH, a1_of, answers, environment, finish, frame, start, work_that_kills, write_tree
+from batch_tree import TRUTH, a1_of, answers, environment, finish, frame, start, write_tree
 
 pytest.importorskip("pyarrow")
 SETUP = Setup("exponential_law")
@@ -43,7 +45,7 @@ def tree(tmp_path_factory):
 def undisturbed(tree, tmp_path_factory):
     """Results of a run in one go with one worker."""
     out = tmp_path_factory.mktemp("undisturbed") / "results"
-    found = run_batch(tree, SETUP, out, branch="separate", workers=1)
+    found = run_batch(tree, SETUP, out, branch="separate", executor=Executor(1))
     assert (found.records, found.kept, len(found.errors)) == (COUNT + 2, 0, 2)
     return out
 
@@ -69,7 +71,7 @@ def test_the_table_has_a_row_a_record_and_branch_with_the_true_parameters(undist
 
 def test_values_and_errors_are_those_of_scipy_on_the_same_rows(tmp_path):
     tree = write_tree(tmp_path / "tree", 2)
-    run_batch(tree, SETUP, tmp_path / "out", workers=1)
+    run_batch(tree, SETUP, tmp_path / "out", executor=Executor(1))
     for _, row in frame(tmp_path / "out").iterrows():
         data = pd.read_csv(tree / row["record"])
         p, e = data["pressure_MPa"], data["displacement_mm"] / row["specimen_initial_length_mm"]
@@ -91,7 +93,7 @@ def test_bad_files_are_told_by_their_place_in_the_tree_and_passed_over(undisturb
 
 
 def test_two_workers_give_the_bytes_of_one(tree, undisturbed, tmp_path):
-    run_batch(tree, SETUP, tmp_path / "two", branch="separate", workers=2)
+    run_batch(tree, SETUP, tmp_path / "two", branch="separate", executor=Executor(2))
     assert same(tmp_path / "two", undisturbed)
 
 
@@ -115,32 +117,53 @@ def test_killed_in_mid_run_it_goes_on_and_does_nothing_twice(tree, undisturbed, 
 
 def test_an_answer_that_was_cut_short_is_found_anew(tree, undisturbed, tmp_path):
     out = tmp_path / "results"
-    run_batch(tree, SETUP, out, branch="separate", workers=2)
+    run_batch(tree, SETUP, out, branch="separate", executor=Executor(2))
     victim = sorted(out.glob("records/*/*.json"))[4]
     victim.write_bytes(victim.read_bytes()[:100])
     (victim.parent / f".{victim.name}.left").write_text("half")
-    found = run_batch(tree, SETUP, out, branch="separate", workers=1)
+    found = run_batch(tree, SETUP, out, branch="separate", executor=Executor(1))
     assert found.kept == COUNT and same(out, undisturbed)
     assert not list(out.glob("records/*/.*"))
 
 
 def test_only_what_changed_is_asked_again(tmp_path):
     folder, out = write_tree(tmp_path / "tree", 4), tmp_path / "results"
-    run_batch(folder, SETUP, out, workers=1)
+    run_batch(folder, SETUP, out, executor=Executor(1))
     path = folder / "muscle01" / "specimen.toml"
     path.write_text(path.read_text().replace("25.4", "25.5"))
-    assert run_batch(folder, SETUP, out, workers=1).kept == 3
+    assert run_batch(folder, SETUP, out, executor=Executor(1)).kept == 3
     path = folder / "muscle02" / "run.csv"
     path.write_text("\n".join(path.read_text().splitlines()[:-1]) + "\n")
-    assert run_batch(folder, SETUP, out, workers=1).kept == 3
-    assert run_batch(folder, Setup("exponential_law", ("coulomb_friction",)), out, workers=1).kept == 0
+    assert run_batch(folder, SETUP, out, executor=Executor(1)).kept == 3
+    assert run_batch(folder, Setup("exponential_law", ("coulomb_friction",)), out, executor=Executor(1)).kept == 0
 
 
-def test_a_worker_that_dies_is_replaced_and_only_its_record_given_up(tmp_path):
-    items = [Item(name, str(tmp_path / name), "", "", name) for name in ("a", "bad", "b", "once", "c", "d")]
-    found = {item.name: done.error for item, done in work_here(work_that_kills, items, 2)}
-    assert {name for name, error in found.items() if error is None} == {"a", "b", "c", "d", "once"}
-    assert found["bad"].startswith("bad: its worker was killed 2 times")
+def test_a_worker_that_fails_ends_the_batch_with_what_is_finished(tree, tmp_path, monkeypatch):
+    def failing(question, item):
+        if item.name.startswith("muscle02"):
+            raise RuntimeError("no such disk")
+        return answer(question, item)
+
+    monkeypatch.setattr(run, "answer", failing)
+    with pytest.raises(UsageError, match=r"a worker failed: RuntimeError: no such disk\. The 2 records"):
+        run_batch(tree, SETUP, tmp_path / "out", executor=Executor())
+    assert len(answers(tmp_path / "out")) == 2
+
+
+def test_ctrl_c_ends_the_command_and_its_workers(tree, tmp_path):
+    out = tmp_path / "results"
+    process = start(tree, out, "--branch", "separate", "--workers", 2, start_new_session=True)
+    while not answers(out):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.002)
+    os.killpg(process.pid, signal.SIGINT)
+    code, _, stderr = finish(process)
+    assert code == 130 and "Traceback" not in stderr
+    end = time.monotonic() + 10.0
+    with pytest.raises(ProcessLookupError):
+        while time.monotonic() < end:  # Python's own tracker of resources ends after what it tracks
+            os.killpg(process.pid, 0)
+            time.sleep(0.01)
 
 
 @pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")  # other tests have loaded JAX; the child only limits files
@@ -157,7 +180,7 @@ def test_a_full_disk_is_told_and_takes_nothing_away(tree, undisturbed, tmp_path)
     assert "Traceback" not in stderr and len(stderr.strip().splitlines()) == 1
     before = answers(out)
     assert len(before) == COUNT + 1
-    found = run_batch(tree, SETUP, out, branch="separate", workers=1)
+    found = run_batch(tree, SETUP, out, branch="separate", executor=Executor(1))
     assert found.kept == COUNT + 1 and answers(out) == before and same(out, undisturbed)
 
 
@@ -194,7 +217,7 @@ def test_what_cannot_be_asked_is_refused(tree, tmp_path, monkeypatch):
     with pytest.raises(UsageError, match="no CSV file"):
         run_batch(tmp_path, SETUP, tmp_path / "out")
     with pytest.raises(UsageError, match="workers = 0"):
-        run_batch(tree, SETUP, tmp_path / "out", workers=0)
+        run_batch(tree, SETUP, tmp_path / "out", executor=Executor(0))
     with pytest.raises(UsageError, match="--branch 'up'"):
         run_batch(tree, SETUP, tmp_path / "out", branch="up")
     monkeypatch.setitem(sys.modules, "pyarrow", None)
@@ -236,7 +259,7 @@ def test_effects_of_ones_own_are_loaded_by_the_workers(root, tmp_path):
     source = source.replace("from ..core", "from pam_ident.core").replace("from .", "from pam_ident.effects.")
     own.write_text(source.replace('"force_drift"', '"my_drift"'), encoding="utf-8")
     setup = Setup("exponential_law", ("my_drift",), (str(own),))
-    found = run_batch(write_tree(tmp_path / "tree", 1), setup, tmp_path / "out", workers=1)
+    found = run_batch(write_tree(tmp_path / "tree", 1), setup, tmp_path / "out", executor=Executor(1))
     (row,) = frame(found.folder).to_dict("records")
     assert not found.errors and list(row["effects"]) == ["my_drift"]
     (name,) = (column for column in row if column.startswith("my_drift.") and not column.endswith("_stderr"))
@@ -258,20 +281,21 @@ def test_results_of_older_versions_are_read_and_of_later_ones_refused(root, tmp_
 SCRIPT = """
 import sys
 from pam_ident.batch.run import run_batch
+from pam_ident.parallel.executor import Executor
 from pam_ident.tasks.setup import Setup
 
 print("begun")
-found = run_batch(sys.argv[1], Setup("exponential_law"), sys.argv[2], workers={workers})
+found = run_batch(sys.argv[1], Setup("exponential_law"), sys.argv[2], executor={executor})
 print(found.records, found.errors)
 """
 
 
-@pytest.mark.parametrize("workers", [None, 2])
-def test_a_script_needs_no_guard_around_the_call(workers, tmp_path):
+@pytest.mark.parametrize("executor", ["None", "Executor(2)"])
+def test_a_script_needs_no_guard_around_the_call(executor, tmp_path):
     """A worker that ran the script again would begin a batch of its own, which multiprocessing refuses."""
     tree = write_tree(tmp_path / "tree", 3)
     script = tmp_path / "script.py"
-    script.write_text(SCRIPT.format(workers=workers))
+    script.write_text(SCRIPT.format(executor=executor))
     words = [sys.executable, script, tree, tmp_path / "out"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=300, env=environment())
     assert (done.returncode, done.stdout) == (0, "begun\n3 {}\n"), done.stderr

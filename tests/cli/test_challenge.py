@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from pam_ident.parallel.executor import Executor
 from pam_ident.validation import challenge
 
 
@@ -16,6 +17,7 @@ def guess(monkeypatch):
         return {"record": f"{case}/record.csv", "verdict": "adequate", "selected": [], "ranking": ranking}
 
     monkeypatch.setattr(challenge, "answer_case", answer)
+    monkeypatch.setattr(Executor, "of_cores", lambda *asked: Executor())
 
 
 def test_the_program_sits_its_own_examination(answer, tmp_path):
@@ -35,7 +37,7 @@ def test_the_program_sits_its_own_examination(answer, tmp_path):
 
 
 def test_all_that_is_missed_is_told(ask, guess, tmp_path):
-    result = ask("challenge", "--n", 3, "--only", "pair", "--workers", 1, "--out", tmp_path / "set")
+    result = ask("challenge", "--n", 3, "--only", "pair", "--out", tmp_path / "set")
     assert result.exit_code == 0 and "not right, or not exact:" in result.stdout
     assert result.stdout.count("  missed\n") == 3 and "3 probabilities stated" in result.stdout
 

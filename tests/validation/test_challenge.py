@@ -6,6 +6,7 @@ import pytest
 
 from pam_ident.core import DataError, UsageError
 from pam_ident.core.progress import heard
+from pam_ident.parallel.executor import Executor, WorkerLost
 from pam_ident.validation import challenge
 from pam_ident.validation.challenge import write_challenge
 from pam_ident.validation.score import confusion, score, tally
@@ -190,12 +191,19 @@ def test_the_program_answers_without_the_truth(folder, tmp_path, monkeypatch):
         challenge, "answer_case", lambda _, case, law: {"verdict": "adequate", "case": case, "law": law}
     )
     with heard(lambda stage: told.append((stage.done, stage.of))):
-        given = challenge.answer_all(tmp_path, 1)
-    assert list(given) == ["c000", "c001", "c002"] and told == [(0, 3), (1, 3), (2, 3)]
+        given = challenge.answer_all(tmp_path, Executor())
+    assert list(given) == ["c000", "c001", "c002"] and told == [(0, 3), (1, 3), (2, 3), (3, 3)]
     with pytest.raises(DataError, match=r"truth\.json.*expected a set"):
         challenge.open_envelope(tmp_path, given, 1.0)
     asked = json.loads((folder / "questions.json").read_text())
     assert all(set(one) == {"case", "law"} for one in asked)
+
+
+def test_a_case_whose_worker_is_killed_is_a_wrong_answer(folder, monkeypatch):
+    monkeypatch.setattr(Executor, "in_order", lambda self, work, tasks, what: iter([WorkerLost(2)] * len(tasks)))
+    given = challenge.answer_all(folder)
+    assert list(given) == ["c000", "c001", "c002"] and "killed 2 times" in given["c002"]["error"]
+    assert not any(one.right for one in challenge.open_envelope(folder, given, 1.0).scores)
 
 
 def test_a_set_is_never_written_over_another(folder):
@@ -208,7 +216,7 @@ def test_a_set_is_never_written_over_another(folder):
 def test_a_diagnosis_that_breaks_down_is_a_wrong_answer(tmp_path):
     write_challenge(str(tmp_path), 1, 7, "null")
     (tmp_path / "c000" / "record.csv").write_text("time_s,force_N\n0,1\n")
-    given = challenge.answer_all(tmp_path, 1)
+    given = challenge.answer_all(tmp_path, Executor())
     assert given["c000"]["verdict"] == "none" and "record.csv" in given["c000"]["error"]
     (one,) = challenge.open_envelope(tmp_path, given, 1.0).scores
     assert not one.right
