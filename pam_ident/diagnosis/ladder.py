@@ -27,8 +27,8 @@ def climb(
 ) -> Ladder:
     """Diagnose, add, and diagnose again, until nothing is missing or the error on held-out data stops falling.
 
-    `without` and `only` are those of `diagnose`. The effects of one diagnosis are added one at a time, first the one that lowers the error most, or in a table the
-    error on held-out data.
+    The effects of one diagnosis are added one at a time, first the one that lowers the error most, or in a table the
+    error on held-out data. `without` and `only` are those of `diagnose`.
     """
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]

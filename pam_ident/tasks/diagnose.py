@@ -8,7 +8,6 @@ from ..core import PamError
 from ..diagnosis import diagnose
 from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
-from ..model import Model
 from ..parallel.executor import Executor, WorkerLost
 from ..records import Record
 from .setup import Setup
@@ -19,7 +18,7 @@ Answer = Diagnosis | PamError
 
 def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
     """Which effect `setup.model` lacks on a record. Raises FitError or DataError."""
-    return diagnose(setup.model, record, setup.extra)
+    return diagnose(setup.model, record, setup.extra, setup.without, setup.only)
 
 
 def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str, Answer]]:
@@ -28,7 +27,8 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
     Several records are shared among the machine's cores, unless the user's own effects are in play, which another
     process could not look up. Raises UsageError for an unknown law or effect, before any record is read.
     """
-    one = partial(_diagnose, setup, setup.model)
+    _ = setup.model  # unknown names are told before any record is read
+    one = partial(_diagnose, setup)
     paths = list(records)
     if len(paths) < 3 or setup.extra:
         yield from zip(paths, map(one, paths), strict=True)
@@ -37,9 +37,9 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
         yield path, PamError(f"{path}: {found}") if isinstance(found, WorkerLost) else found
 
 
-def _diagnose(setup: Setup, model: Model, path: str) -> Answer:
+def _diagnose(setup: Setup, path: str) -> Answer:
     try:
-        return diagnose(model, setup.read(path), setup.extra)
+        return diagnose_record(setup.read(path), setup)
     except PamError as error:
         return error
     except Exception as error:
