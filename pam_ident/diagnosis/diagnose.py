@@ -36,10 +36,28 @@ MOST = 10_000
 
 
 def diagnose(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Diagnosis:
-    """Try every effect of the catalogue and `extra` that the model does not hold yet, and patterns of no known effect.
+    """Which effects of the catalogue a model lacks on a record, or that it lacks none, or one that is not known.
 
     Suspects are judged on the record's steady inputs, against noise whose size and colour are estimated with them;
-    the fits in the answer are to the record as measured. Raises FitError or DataError as `fit` does.
+    the fits in the answer are to the record as measured.
+
+    Args:
+        model: a law, with the effects that are known already.
+        record: what it is held against.
+        extra: effects of the user's own, tried beside the catalogue's.
+
+    Raises:
+        FitError: when the record cannot identify the law at all.
+        DataError: when an effect of the model needs what the record does not hold.
+
+    Example:
+        >>> from pam_ident import Model, diagnose, read_record
+        >>> from pam_ident.records import thinned
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> record = thinned(read_record(dataset_record("hidden_effect")), 1000)
+        >>> found = diagnose(Model.build("exponential_law"), record)
+        >>> print(f"{found.verdict}: {found.selected}, {found.base.rmse:.1f} → {found.best.rmse:.1f} N")
+        missing_effect: ('pressure_friction',), 5.8 → 2.1 N
     """
     base = fit(model, record)
     known = catalogue(extra)

@@ -22,10 +22,20 @@ def load(record: str | Path, specimen: str | Path | Specimen | None = None) -> R
 
 @dataclass(frozen=True)
 class Setup:
-    """A law by name with effects (`name` or `name:form`), the user's own effect files, and the specimen's file.
+    """What a task is asked: a law by name with effects, the user's own effect files, and the specimen's file.
 
-    Without `specimen` each record takes the `specimen.toml` beside it. `free_geometry` lets radius and braid angle
-    be fitted.
+    Args:
+        law: name of a law of the catalogue.
+        effects: `name` or `name:form` each.
+        effect_files: Python files that define effects of the user's own.
+        free_geometry: whether radius and braid angle are fitted, too.
+        specimen: file of the muscle; without it each record takes the `specimen.toml` beside it.
+
+    Example:
+        >>> from pam_ident.tasks.setup import Setup
+        >>> setup = Setup("chou_hannaford", ("creep",), free_geometry=True)
+        >>> print(setup.command("fit", "run.csv"))
+        pam-ident fit run.csv --law chou_hannaford --effect creep --free-geometry
     """
 
     law: str
