@@ -30,7 +30,7 @@ class Term:
 
     @property
     def label(self) -> str:
-        """`effect`, or `effect:form` where the form is not the simplest."""
+        """The effect's name, with the form's behind a colon where that is not the simplest."""
         return self.effect.name if self.form is self.effect.forms[0] else f"{self.effect.name}:{self.form.name}"
 
     def qualified(self, params: tuple[Param, ...]) -> tuple[Param, ...]:

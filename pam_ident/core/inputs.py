@@ -41,7 +41,7 @@ class Specimen:
         name: what it is called.
         initial_length_mm: length L0 without pressure and load, mm.
         initial_radius_mm: radius r0 of the braid at rest, mm.
-        braid_angle_deg: angle θ0 between thread and axis at rest, degrees, 5 to 54 (at 54.7 a muscle no longer contracts).
+        braid_angle_deg: angle θ0 between thread and axis at rest, degrees, 5 to 54 (from 54.7 on it cannot contract).
         wall_thickness_mm: of the bladder, mm; None where it is not known.
         sensors: those of the rig it was measured on, None where they are not known.
 

@@ -23,8 +23,8 @@ def compare(fit: Fit) -> Comparison:
         >>> from pam_ident import Model, compare, fit, read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = compare(fit(Model.build("exponential_law"), read_record(dataset_record("hidden_effect"))))
-        >>> print(f"worst at {found.worst[0].pressure_MPa} MPa; {found.odd:.0%} of the squares change sign with the branch")
-        worst at 0.5 MPa; ...% of the squares change sign with the branch
+        >>> print(f"worst at {found.worst[0].pressure_MPa} MPa; {found.odd:.0%} odd in the branch")
+        worst at 0.5 MPa; ...% odd in the branch
     """
     record, rows = fit.record, fit.rows
     residual = fit.residual

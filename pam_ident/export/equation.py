@@ -29,7 +29,7 @@ def latex(of: Model | Fit) -> str:
         >>> from pam_ident import Model, latex
         >>> print(latex(Model.build("chou_hannaford", ("coulomb_friction",))))
         \begin{aligned}
-        & F = \pi r_{0}^{2} p [a(1-\varepsilon )^{2} - b],\quad a = 3/\tan ^{2}\theta_{0},\quad b = 1/\sin ^{2}\theta_{0} \\
+        & F = \pi r_{0}^{2} p [a(1-\varepsilon )^{2} - b],\quad a = 3/\tan ^{2}\theta_{0},\quad ... \\
         & \text{coulomb\_friction: }-F_{c} \operatorname{sgn}(\dot{\varepsilon}) \\
         & F_{c}\ \text{N}
         \end{aligned}

@@ -21,8 +21,8 @@ def to_frame(result: Any) -> pd.DataFrame:
     """A result as a table of pandas.
 
     Args:
-        result: of a Record its samples, of a Fit its parameters, of a Comparison the cells of its map, of a Diagnosis its
-            ranking, of a Ladder and a Track their rungs.
+        result: of a Record its samples, of a Fit its parameters, of a Comparison the cells of its map, of a Diagnosis
+            its ranking, of a Ladder and a Track their rungs.
 
     Raises:
         UsageError: for anything else.

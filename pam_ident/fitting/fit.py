@@ -12,7 +12,7 @@ from ..core.progress import tell
 from ..model import Model
 from ..records import Record
 from .covariance import Covariance, Sums, clusters, covariance_of, student, sums
-from .identifiability import AT_BOUND, HELD, PINNED, StandIn, Verdict, flat_directions, stand_ins, verdicts
+from .identifiability import AT_BOUND, HELD, PINNED, Identifiability, StandIn, flat_directions, stand_ins, verdicts
 from .large import is_large, solve_large
 from .solve import Solution, jacobian, solve
 from .solvers import Solver
@@ -38,7 +38,7 @@ class Estimate:
     low: float = math.nan
     high: float = math.nan
     dof: float = math.nan
-    verdict: Verdict = PINNED
+    verdict: Identifiability = PINNED
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Fit:
         weights: what the residuals that were minimised were multiplied by, shape (n,), 1/N; None for ones.
         held: parameters that were not fitted, with their values.
         weighing: how the weights were found.
-        sums: what the errors of the parameters come from, when somebody looks at them; None where they were not asked for.
+        sums: what errors of the parameters come from, when somebody looks at them; None where they were not asked for.
         given: estimates that were found otherwise, such as from profiles.
 
     `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
@@ -63,8 +63,8 @@ class Fit:
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
         >>> first = found.estimates[0]
-        >>> print(f"{first.name} = {first.value:.0f} ± {first.stderr:.0f} {first.unit}; largest error {found.max_error:.1f} N")
-        A = 562 ± 16 mm^2; largest error 7.7 N
+        >>> print(f"{first.name} = {first.value:.0f} ± {first.stderr:.0f} {first.unit}; {found.max_error:.1f} N off")
+        A = 562 ± 16 mm^2; 7.7 N off
     """
 
     model: Model
@@ -330,7 +330,7 @@ def _estimates(one: Fit) -> tuple[tuple[Estimate, ...], Covariance | None]:
 
 
 def _determined(
-    free: list[Param], values: Mapping[str, float], cov: Covariance, flat: Mapping[str, Verdict]
+    free: list[Param], values: Mapping[str, float], cov: Covariance, flat: Mapping[str, Identifiability]
 ) -> Iterator[Estimate]:
     """Estimates of the free parameters with their intervals and verdicts."""
     stderr, dof = cov.error(np.eye(len(free)))

@@ -20,12 +20,12 @@ def read_record(
     """Load a record and its specimen.
 
     Args:
-        path: a file (CSV and other text, .xlsx, .mat, .tdms, .lvm, .parquet; the text ones gzipped too), or several that are
-            runs of one test: a folder, or a pattern such as `runs/*.csv`. Columns are found by name and unit: pressure and
-            force, one of displacement, contraction or length; optional time, pressure_set, cycle, branch, temperature and
-            slack (rows with slack = 1 are left out).
+        path: a file (CSV and other text, .xlsx, .mat, .tdms, .lvm, .parquet; the text ones gzipped too), or several
+            that are runs of one test: a folder, or a pattern such as `runs/*.csv`. Columns are found by name and unit:
+            pressure and force, one of displacement, contraction or length; optional time, pressure_set, cycle, branch,
+            temperature and slack (rows with slack = 1 are left out).
         specimen: the muscle, or its file; by default `specimen.toml` in the same folder.
-        columns: a file that says which column is what; by default `columns.toml` in the same folder, where there is one.
+        columns: a file that says which column is what; by default `columns.toml` in the same folder, if there is one.
 
     Raises:
         DataError: naming file, row and column.

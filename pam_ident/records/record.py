@@ -19,7 +19,7 @@ CROWD = 3
 
 @dataclass(frozen=True)
 class Record:
-    """A measured record: force with the inputs of a force law at the same n samples, cut into isobars, strokes and blocks.
+    """A measured record: force with the inputs of a force law at n samples, cut into isobars, strokes and blocks.
 
     Args:
         name: what it is called.
@@ -28,8 +28,9 @@ class Record:
         level: nominal pressure of a sample's isobar, MPa, shape (n,).
         stroke: number of a sample's stroke, shape (n,), 0 in a table.
         block: what is held out whole, shape (n,): a cycle of a record in time, a length or an isobar of a table.
-        steady: the inputs without the white noise of the pressure and displacement sensors, where a constant pressure and a
-            smooth motion describe them to the noise. The diagnosis uses them: noise through a force law looks like physics.
+        steady: the inputs without the white noise of the pressure and displacement sensors, where a constant pressure
+            and a smooth motion describe them to the noise. The diagnosis uses them: noise that goes through a force law
+            is taken for physics.
         source, sha256, columns: where the record came from, its hash, and what was read as what.
         block_kind: `cycle`, `length` or `isobar`.
         masked: how many slack rows were left out.
