@@ -205,6 +205,7 @@ class Model:
                 factor = scale if factor is None else factor * scale
             else:
                 added.append(term.columns(inputs, values, force))
+        # An effect may spend the pressure, but leaves no vacuum that was not measured.
         if pressure is not inputs.pressure:
             pressure = xp.maximum(pressure, xp.minimum(inputs.pressure, 0.0))
         if contraction is not inputs.contraction:

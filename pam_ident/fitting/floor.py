@@ -54,6 +54,7 @@ def repeats(record: Record, rows: Array, at_rest: bool = False) -> list[list[tup
     strokes = [s for s in np.split(usable, edges) if len(s) >= (1 if at_rest else 3) * SHAPES]
     alike: dict[tuple[float, float, int], list[Array]] = {}
     for s in strokes:
+        # Drives repeat a speed roughly: those in a quarter of its logarithm count as the same.
         pace = round(4.0 * np.log(max(float(inputs.stroke_speed[s[0]]), 1e-9)))
         alike.setdefault((float(record.level[s[0]]), float(inputs.direction[s[0]]), pace), []).append(s)
     found = []

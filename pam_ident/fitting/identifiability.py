@@ -76,6 +76,7 @@ def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Arr
             tie = np.nan_to_num(np.abs(matrix[i]) / (spread[i] * spread))
         tie[i] = 0.0
         partner = int(np.argmax(tie)) if len(tie) > 1 else i
+        # However tied, a parameter known to a tenth of its size is of use as it is.
         if inflation[i] > INFLATION and tie[partner] > TOGETHER and half[i] > 0.1 * reference:
             text = f"traded against {names[partner]} (errors correlated {tie[partner]:.3f})"
             found.append(Identifiability("traded", text, (names[partner],)))

@@ -172,6 +172,7 @@ def _calm_pressure(pressure: Array, segment: Array) -> Array:
     for rows in _runs(segment):
         off = pressure[rows] - pressure[rows].mean()
         square = float(np.mean(off**2))
+        # Only white deviations are the sensor's. What a regulator does slowly is the muscle's own pressure.
         if len(off) > 20 and square > 0 and np.mean(off[1:] * off[:-1]) < 4.0 / np.sqrt(len(off)) * square:
             calm[rows] = pressure[rows].mean()
     return calm

@@ -89,6 +89,7 @@ def _pieces(place: str, file: BinaryIO, layout: Layout) -> Iterator[bytes]:
         cut = chunk.rfind(b"\n") + 1
         if not cut:
             chunk, rest = rest + chunk, b""
+            # Not the last byte: its \n may come with the next chunk.
             cut = chunk.rfind(b"\r", 0, len(chunk) - 1) + 1
         if cut:
             yield _valid(b"".join((rest, memoryview(chunk)[:cut])))
@@ -188,6 +189,7 @@ def _checked(place: str, text: bytes, first: int, layout: Layout) -> tuple[bytes
     lines, rows, starts = [], [], []
     for row, line in enumerate(text.split(b"\n")[:-1], first):
         stripped = line.strip()
+        # Loggers of DOS times end their files with ^Z.
         if not line.strip(delimiter + b' \t"\x1a'):
             continue
         if stripped in again:
