@@ -28,7 +28,7 @@ from pam_ident.model import Model
 from pam_ident.records import Record, build_record
 from pam_ident.rig import PROTOCOLS
 from pam_ident.rig.muscle import draw_muscle, draw_specimen
-from pam_ident.rig.sensors import Sensors
+from pam_ident.rig.sensors import RigSensors
 
 Array = np.ndarray
 SIGMA, RHO = 2.0, 0.7
@@ -50,7 +50,7 @@ def virtual_record(law: str, rho: float, seed: int) -> tuple[Record, dict[str, f
     kicks = rng.standard_normal(n)
     kicks[1:] *= np.sqrt(1.0 - rho**2)
     force = muscle.force(p, e) + SIGMA * np.asarray(lfilter([1.0], [1.0, -rho], kicks))
-    sensors, s = Sensors(), muscle.specimen
+    sensors, s = RigSensors(), muscle.specimen
     record = build_record(
         "virtual",
         Specimen("virtual", s.initial_length_mm, s.initial_radius_mm, s.braid_angle_deg, s.wall_thickness_mm),

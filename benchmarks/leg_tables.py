@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from pam_ident.leg.track import Track, Tracking
-from pam_ident.tasks.track import Wishes, track_leg
+from pam_ident.tasks.track import TrackOptions, track_leg
 
 TASKS = {
     "0.5": (0.5, False),
@@ -97,7 +97,7 @@ def main() -> None:
     found = {}
     for task, (cadence, paper) in TASKS.items():
         for leg, prototype in LEGS.items():
-            found[task, leg] = track_leg(Wishes(cadence_Hz=cadence, paper=paper, prototype=prototype))
+            found[task, leg] = track_leg(TrackOptions(cadence_Hz=cadence, paper=paper, prototype=prototype))
             print(task, leg, f"{found[task, leg].rungs[-1].tracking.rms_deg:.3f}", flush=True)
     tables = {
         "rungs": rungs(found["1.0", "reduced"], found["1.0", "prototype"]),

@@ -14,7 +14,7 @@ author = "The pam-ident developers"
 project_copyright = author
 version = release = pam_ident.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "pages"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "pages", "sphinx.ext.napoleon"]
 exclude_patterns = ["build", "_ext"]
 nitpicky = True
 nitpick_ignore_regex = [
@@ -27,6 +27,7 @@ myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
 
 default_role = "literal"
+napoleon_numpy_docstring = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_class_signature = "mixed"

@@ -30,7 +30,7 @@ class Term:
 
     @property
     def label(self) -> str:
-        """`effect`, or `effect:form` where the form is not the simplest."""
+        """The effect's name, with the form's behind a colon where that is not the simplest."""
         return self.effect.name if self.form is self.effect.forms[0] else f"{self.effect.name}:{self.form.name}"
 
     def qualified(self, params: tuple[Param, ...]) -> tuple[Param, ...]:
@@ -50,9 +50,23 @@ class Term:
 
 @dataclass(frozen=True)
 class Model:
-    """F(p, ε, …) of a law with effects. `free_geometry` lets radius and braid angle be fitted, and counts them.
+    """F(p, ε, …): one law, and effects in one of their forms each. It holds no numbers; a fit finds them.
 
-    Raises UsageError when an effect is named twice.
+    Args:
+        law: the static force law.
+        terms: its effects, each with its form.
+        free_geometry: whether radius and braid angle are fitted, and counted, too.
+
+    Raises:
+        UsageError: when an effect is named twice.
+
+    Example:
+        >>> from pam_ident import Model, read_record
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> inputs = read_record(dataset_record("dmsp20_300")).inputs
+        >>> model = Model.build("chou_hannaford", free_geometry=True)
+        >>> print(model.names, model.force(inputs, {"r0": 10.0, "theta0": 25.0})[:2].round(1), "N")
+        ('r0', 'theta0') [159.9 209.2] N
     """
 
     law: Law
@@ -69,7 +83,23 @@ class Model:
     def build(
         cls, law: str, effects: tuple[str, ...] = (), extra: tuple[Effect, ...] = (), free_geometry: bool = False
     ) -> "Model":
-        """From names: a law, and effects as `name` or `name:form`, looked up in the catalogue and `extra`."""
+        """A model from names.
+
+        Args:
+            law: name of a law of the catalogue.
+            effects: names of effects, `name` or `name:form`.
+            extra: effects of the user's own, which may be named too.
+            free_geometry: whether radius and braid angle are fitted, too.
+
+        Raises:
+            UsageError: for a name that is unknown, or an effect that is named twice.
+
+        Example:
+            >>> from pam_ident import Model
+            >>> print(Model.build("chou_hannaford", ("viscous_damping",)))
+            chou_hannaford: F = π r0² p [a(1−ε)² − b],  a = 3/tan²θ0,  b = 1/sin²θ0
+            + viscous_damping: −B ε̇ L0
+        """
         return cls(get_law(law), tuple(Term(*get_effect(name, extra)) for name in effects), free_geometry)
 
     def __str__(self) -> str:
@@ -175,6 +205,7 @@ class Model:
                 factor = scale if factor is None else factor * scale
             else:
                 added.append(term.columns(inputs, values, force))
+        # An effect may spend the pressure, but leaves no vacuum that was not measured.
         if pressure is not inputs.pressure:
             pressure = xp.maximum(pressure, xp.minimum(inputs.pressure, 0.0))
         if contraction is not inputs.contraction:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..plot import batch_spread, batch_trend
-from ..report.batch import Easel, Part, Table, newtons, number, render_batch
+from ..report.batch import Easel, PageTable, Part, newtons, number, render_batch
 from .compare import Spread, Trend, spreads, trends
 from .table import read_results
 
@@ -70,7 +70,7 @@ def _bad(frame: "pd.DataFrame") -> list[Part]:
     if bad.empty:
         return []
     rows = tuple(zip(bad["record"], bad["branch"], bad["error"], strict=True))[:MOST_ROWS]
-    table = Table(f"Errors ({len(rows)} of {len(bad)})", ("record", "branch", "what went wrong"), rows)
+    table = PageTable(f"Errors ({len(rows)} of {len(bad)})", ("record", "branch", "what went wrong"), rows)
     text = "These rows take no part in the comparison: bad data, or a fit that is not valid."
     return [Part("errors", "Errors", (text,), tables=(table,))]
 
@@ -95,7 +95,7 @@ def _spread_part(branch: str, mine: Sequence[Spread]) -> Part:
         for s in mine
     )
     head = ("quantity", "unit", "muscles", "median", "spread", "standard error, median", "outliers")
-    table = Table("Spread: 1.4826 times the median absolute deviation", head, rows, (2, 3, 4, 5, 6))
+    table = PageTable("Spread: 1.4826 times the median absolute deviation", head, rows, (2, 3, 4, 5, 6))
     text = "A spread far above the standard error is a difference between muscles, not noise of their records."
     return Part(f"{branch}-spread", "Spread", (text,), (picture,), (table,))
 
@@ -114,7 +114,7 @@ def _outlier_part(branch: str, mine: Sequence[Spread]) -> list[Part]:
     )
     head = ("record", "quantity", "value", "median", "robust standard deviations away")
     caption = f"Values that stand apart ({len(rows)} of {len(found)}), the furthest first"
-    return [Part(f"{branch}-outliers", "Outliers", tables=(Table(caption, head, rows, (2, 3, 4)),))]
+    return [Part(f"{branch}-outliers", "Outliers", tables=(PageTable(caption, head, rows, (2, 3, 4)),))]
 
 
 def _trend_part(branch: str, followed: Sequence[Trend]) -> list[Part]:
@@ -148,4 +148,4 @@ def _trend_part(branch: str, followed: Sequence[Trend]) -> list[Part]:
     head = ("quantity", "over", "Spearman's ρ", "slope", "p of all trends", "verdict")
     count = sum(t.found for t in followed)
     text = f"{count} of {len(followed)} trends are no chance at 1 % (p by Holm, for all that were looked at)."
-    return [Part(f"{branch}-trends", "Trends", (text,), (picture,), (Table("Trends", head, rows, (2, 3, 4)),))]
+    return [Part(f"{branch}-trends", "Trends", (text,), (picture,), (PageTable("Trends", head, rows, (2, 3, 4)),))]

@@ -46,13 +46,31 @@ def run_batch(
     diagnose: bool = False,
     executor: Executor | None = None,
 ) -> Batch:
-    """Answer every record under `folder`; results in `out`.
-
-    By a process for each core, or by `executor`; the workers of a Dask cluster must see both under the same paths.
+    """Answer every record under a folder, and write a table and a page.
 
     Each answer is a file of its own as soon as it is found, so that the same call goes on where an earlier one was
     killed. The table is the same, byte for byte, whoever did the work and however often it was interrupted. A bad
-    record is an error in its rows. Raises UsageError for what cannot be asked, and where the results cannot be written.
+    record is an error in its rows.
+
+    Args:
+        folder: the tree of records; each takes the `specimen.toml` beside or above it.
+        setup: the law and its effects.
+        out: the folder of the results.
+        branch: `together`, `separate`, `contraction` or `extension`.
+        diagnose: whether to name what the model lacks, too.
+        executor: who does the work, by default a process for each core; the workers of a Dask cluster must see both
+            folders under the same paths.
+
+    Raises:
+        UsageError: for what cannot be asked, and where the results cannot be written.
+
+    Example:
+        >>> from pam_ident.batch.run import run_batch
+        >>> from pam_ident.records.datasets import dataset_path
+        >>> from pam_ident.tasks.setup import Setup
+        >>> done = run_batch(dataset_path("dmsp20_300"), Setup("polynomial"), "results")
+        >>> print(done.records, "record,", len(done.errors), "errors,", done.table.name)
+        1 record, 0 errors, results.parquet
     """
     require_arrow()
     question = Question(setup, branch, diagnose)

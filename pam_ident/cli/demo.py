@@ -8,7 +8,7 @@ from . import options, text
 from .ladder import rungs
 
 if TYPE_CHECKING:
-    from ..tasks.demo import Stage
+    from ..tasks.demo import DemoPart
 
 
 def demo(
@@ -27,7 +27,7 @@ def demo(
     text.say(f"report: {found.path}")
 
 
-def _tell(stage: "Stage") -> None:
+def _tell(stage: "DemoPart") -> None:
     record = stage.section.record
     text.say(f"{stage.data_set}: {stage.about}", f"  {len(record)} samples, {len(record.levels)} pressures")
     text.say(*rungs(stage.ladder), f"  {stage.ladder.last.sentence}", "")

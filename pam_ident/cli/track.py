@@ -60,14 +60,14 @@ def track(
     """
     options.check_json(json)
     from ..schema.track import track_json
-    from ..tasks.track import Wishes, track_leg
+    from ..tasks.track import TrackOptions, track_leg
 
     if out is not None:
         from ..tasks.figures import make_folder
 
         make_folder(out)
     gains = (kp, ki, kd)
-    wishes = Wishes(
+    wishes = TrackOptions(
         plant, controller, gait, cadence, paper, prototype, gains, supply, load, tuple(effect_file or ()), specimen
     )
     found = track_leg(wishes)

@@ -35,11 +35,24 @@ class Sensors:
 
 @dataclass(frozen=True)
 class Specimen:
-    """Geometry of a muscle at rest: length and radius in mm, braid angle in degrees to the axis. `sensors` are those
-    of the rig it was measured on, where they are known.
+    """Geometry of a muscle at rest.
 
-    Raises DataError for lengths that are not positive or an angle outside 5 to 54 degrees (at
-    54.7 degrees a braided muscle no longer contracts).
+    Args:
+        name: what it is called.
+        initial_length_mm: length L0 without pressure and load, mm.
+        initial_radius_mm: radius r0 of the braid at rest, mm.
+        braid_angle_deg: angle θ0 between thread and axis at rest, degrees, 5 to 54 (from 54.7 on it cannot contract).
+        wall_thickness_mm: of the bladder, mm; None where it is not known.
+        sensors: those of the rig it was measured on, None where they are not known.
+
+    Raises:
+        DataError: for a length that is not positive, or an angle out of range.
+
+    Example:
+        >>> from pam_ident import Specimen
+        >>> muscle = Specimen("muscle 7", initial_length_mm=200.0, initial_radius_mm=10.0, braid_angle_deg=25.4)
+        >>> print(f"{muscle.ideal_force(0.5, 0.0):.0f} N at 0.5 MPa and rest length")
+        1236 N at 0.5 MPa and rest length
     """
 
     name: str = "unnamed"

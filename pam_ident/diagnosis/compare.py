@@ -15,7 +15,18 @@ NAMES = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
 
 
 def compare(fit: Fit) -> Comparison:
-    """Split the squared error of a fit by place, and its mean into a part odd and a part even in the branch."""
+    """Where a fit fails: its squared error by place, and the share that is odd or even in the branch.
+
+    Args:
+        fit: of any model. Errors of the answer are in N, by isobar, branch and ten equal parts of the contraction.
+
+    Example:
+        >>> from pam_ident import Model, compare, fit, read_record
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> found = compare(fit(Model.build("exponential_law"), read_record(dataset_record("hidden_effect"))))
+        >>> print(f"worst at {found.worst[0].pressure_MPa} MPa; {found.odd:.0%} odd in the branch")
+        worst at 0.5 MPa; ...% odd in the branch
+    """
     record, rows = fit.record, fit.rows
     residual = fit.residual
     direction, contraction = record.inputs.direction, record.inputs.contraction

@@ -43,11 +43,31 @@ def diagnose(
     without: tuple[str, ...] = (),
     only: tuple[str, ...] = (),
 ) -> Diagnosis:
-    """Try every effect of the catalogue and `extra` that the model does not hold yet, and patterns of no known effect.
+    """Which effects of the catalogue a model lacks on a record, or that it lacks none, or one that is not known.
 
     Suspects are judged on the record's steady inputs, against noise whose size and colour are estimated with them;
-    the fits in the answer are to the record as measured. Effects `without` are left out, because the rig cannot have
-    them; with `only` no others are tried. Raises FitError or DataError as `fit` does, UsageError for an unknown name.
+    the fits in the answer are to the record as measured.
+
+    Args:
+        model: a law, with the effects that are known already.
+        record: what it is held against.
+        extra: effects of the user's own, tried beside the catalogue's.
+        without: names of effects that are not tried, because the rig cannot have them.
+        only: names of the only effects that are tried; all where none is named.
+
+    Raises:
+        FitError: when the record cannot identify the law at all.
+        DataError: when an effect of the model needs what the record does not hold.
+        UsageError: for an unknown name.
+
+    Example:
+        >>> from pam_ident import Model, diagnose, read_record
+        >>> from pam_ident.records import thinned
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> record = thinned(read_record(dataset_record("hidden_effect")), 1000)
+        >>> found = diagnose(Model.build("exponential_law"), record)
+        >>> print(f"{found.verdict}: {found.selected}, {found.base.rmse:.1f} → {found.best.rmse:.1f} N")
+        missing_effect: ('pressure_friction',), 5.8 → 2.1 N
     """
     base = fit(model, record)
     known = catalogue(extra)

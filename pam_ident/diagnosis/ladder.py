@@ -28,7 +28,26 @@ def climb(
     """Diagnose, add, and diagnose again, until nothing is missing or the error on held-out data stops falling.
 
     The effects of one diagnosis are added one at a time, first the one that lowers the error most, or in a table the
-    error on held-out data. `without` and `only` are those of `diagnose`.
+    error on held-out data.
+
+    Args:
+        model: the lowest rung.
+        record: what it is held against.
+        extra: effects of the user's own, tried beside the catalogue's.
+        without, only: names, as in `diagnose`.
+
+    Raises:
+        FitError, DataError: as `diagnose`.
+
+    Example:
+        >>> from pam_ident import Model, climb, read_record
+        >>> from pam_ident.records import thinned
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> record = thinned(read_record(dataset_record("hidden_effect")), 1000)
+        >>> for rung in climb(Model.build("exponential_law"), record).rungs:
+        ...     print(rung.fit.model.effect_names, f"{rung.fit.rmse:.1f} N")
+        [] 5.8 N
+        ['pressure_friction'] 2.1 N
     """
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]

@@ -41,7 +41,17 @@ def _packaged() -> dict[str, Effect]:
 
 
 def catalogue(extra: tuple[Effect, ...] = ()) -> dict[str, Effect]:
-    """Every effect by name: the package's, installed packages', and `extra`."""
+    """Every effect by name: the package's, those of installed packages (entry points `pam_ident.effects`), and more.
+
+    Args:
+        extra: effects of the user's own, such as `load_effect_file` gives; one of a known name takes its place.
+
+    Example:
+        >>> from pam_ident import effects
+        >>> known = effects.catalogue()
+        >>> print(known["creep"].title, "needs", known["creep"].needs)
+        Creep and stress relaxation needs ('motion', 'time')
+    """
     return _packaged() | {effect.name: effect for effect in extra}
 
 
@@ -51,9 +61,20 @@ def listed(extra: tuple[Effect, ...] = ()) -> tuple[Effect, ...]:
 
 
 def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]:
-    """Effect and form of `name` or `name:form`; the simplest form where none is named.
+    """An effect and one of its forms.
 
-    Raises UsageError listing what is known.
+    Args:
+        name: `effect` for its simplest form, or `effect:form`.
+        extra: effects of the user's own.
+
+    Raises:
+        UsageError: for an unknown name, with the known ones.
+
+    Example:
+        >>> from pam_ident import effects
+        >>> effect, form = effects.get_effect("coulomb_friction")
+        >>> print(f"{effect.title}: {form.formula}, {form.params[0].name} in {form.params[0].unit}")
+        Coulomb friction: −F_c sgn(ε̇), F_c in N
     """
     base, _, form = name.partition(":")
     known = catalogue(extra)
@@ -74,7 +95,23 @@ def load_effect_files(paths: Iterable[str | Path]) -> tuple[Effect, ...]:
 
 
 def load_effect_file(path: str | Path) -> tuple[Effect, ...]:
-    """Effects defined in a user's Python file. Raises UsageError when it cannot be run or defines none."""
+    """The effects that a user's Python file defines.
+
+    Args:
+        path: the file; each name in capitals that is bound to an Effect counts.
+
+    Raises:
+        UsageError: when the file cannot be run or defines none.
+
+    Example:
+        >>> from pam_ident import effects
+        >>> from pam_ident.tasks.new_effect import new_effect
+        >>> new_effect("squeak.py")  # writes a scaffold to begin with
+        'squeak'
+        >>> (mine,) = effects.load_effect_file("squeak.py")
+        >>> print(mine.name, mine.forms[0].formula)
+        squeak +A exp(−x/length)
+    """
     path = Path(path)
     spec = importlib.util.spec_from_file_location(f"pam_ident_user_{path.stem}", path)
     if spec is None or spec.loader is None or not path.is_file():

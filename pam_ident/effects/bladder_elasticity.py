@@ -10,6 +10,7 @@ K = Param("K", "N", "stiffness of the bladder over contraction", 0.0, 1e5, scale
 C1 = Param("C1", "MPa", "first Mooney–Rivlin constant", 0.0, 200.0, scale=0.2)
 C2 = Param("C2", "MPa", "second Mooney–Rivlin constant", -200.0, 200.0, scale=0.2)
 G = Param("G", "MPa", "shear modulus of the bladder", 0.0, 200.0, scale=0.3)
+# Measured rubber softens before it stiffens, which the two constants of Mooney and Rivlin cannot follow.
 C10 = Param("C10", "MPa", "first Yeoh constant, half the shear modulus", 0.0, 200.0, scale=0.3)
 C20 = Param("C20", "MPa", "second Yeoh constant: softening where negative", -200.0, 200.0, scale=0.1)
 C30 = Param("C30", "MPa", "third Yeoh constant: stiffening at large stretch", 0.0, 200.0, scale=0.05)

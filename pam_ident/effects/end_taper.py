@@ -19,6 +19,7 @@ EFFECT = Effect(
     name="end_taper",
     title="Tapered ends",
     source="Tondu & Lopez 2000, IEEE Control Systems 20(2), 15–38",
+    # None that begins late or is cubic: on few lengths they take the bladder's place, and rubs and ripples elsewhere.
     forms=(
         TransformsContraction("textbook", "ε → k1 ε", (K1,), _linear),
         TransformsContraction("saturating", "ε → ε + (k1−1) e_s (1 − exp(−ε/e_s))", (K1,), _saturating, (SPAN,)),

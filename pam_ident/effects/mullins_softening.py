@@ -16,6 +16,7 @@ G_LATER = Param("G_later", "N", "extra force per contraction on the isobars afte
 E_EXTRA = Param("E_extra", "MPa", "extra modulus of the bladder in the first cycle", 0.0, 200.0, scale=1.0)
 F_EXTRA = Param("F_extra", "N", "extra force in the first cycle", -2000.0, 2000.0, scale=10.0)
 G_EXTRA = Param("G_extra", "N", "extra force per contraction in the first cycle", -1e5, 1e5, scale=100.0)
+# Never below zero: a force at the reversals passed for rubber that stiffens below its greatest stretch.
 E_LOST = Param("E_lost", "MPa", "modulus that the bladder loses below its greatest stretch", 0.0, 200.0, scale=1.0)
 M = Param("m", "1", "way below the greatest energy at which it is lost", 0.003, 3.0, start=0.1, grid=(0.02, 0.1))
 EXPONENT = Param("q", "1", "exponent of the number of the cycle", 0.2, 4.0, start=1.0, grid=(0.6, 1.5))

@@ -58,6 +58,7 @@ def _mass_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _volume_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """A line in which the gas is taken as incompressible loses pressure in proportion to the volume that flows."""
+    # 0.3 MPa, a usual pressure, keeps T_p a time of the size that it has in the other forms.
     return one(-_widening(inputs) * _volume(inputs) * 0.3)
 
 

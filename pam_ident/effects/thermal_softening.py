@@ -5,6 +5,7 @@ from ._history import relax, since_first
 from .base import AddsForce, Array, Effect, ScalesForce, Shape, TransformsPressure, free_form, one
 from .bladder_elasticity import hoop_force
 
+# Never below zero: a load cell whose gain wanders passed for rubber that stiffens as it warms.
 ALPHA = Param("alpha", "1/K", "loss of force per kelvin of warming since the start", 0.0, 0.1, scale=0.001)
 ALPHA_2 = Param("alpha_2", "1/K^2", "change of that loss with warming", -0.01, 0.01, scale=3e-5)
 ALPHA_E = Param("alpha_e", "1/K", "change of that loss with contraction", -1.0, 1.0, scale=0.003)

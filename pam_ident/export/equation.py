@@ -20,7 +20,20 @@ def equation(of: Model | Fit) -> str:
 
 
 def latex(of: Model | Fit) -> str:
-    """The same as one formula of LaTeX, an `aligned` without delimiters; of a model its parameters with their units."""
+    r"""A model, or a fit with its numbers, as one formula of LaTeX: an `aligned` without delimiters.
+
+    Args:
+        of: a Model, whose parameters are listed with their units, or a Fit, with values and standard errors, too.
+
+    Example:
+        >>> from pam_ident import Model, latex
+        >>> print(latex(Model.build("chou_hannaford", ("coulomb_friction",))))
+        \begin{aligned}
+        & F = \pi r_{0}^{2} p [a(1-\varepsilon )^{2} - b],\quad a = 3/\tan ^{2}\theta_{0},\quad ... \\
+        & \text{coulomb\_friction: }-F_{c} \operatorname{sgn}(\dot{\varepsilon}) \\
+        & F_{c}\ \text{N}
+        \end{aligned}
+    """
     return "\\begin{aligned}\n" + " \\\\\n".join(f"& {line}" for line in latex_lines(of)) + "\n\\end{aligned}"
 
 

@@ -18,8 +18,24 @@ BRANCHES = {1.0: "contraction", -1.0: "extension"}
 
 
 def to_frame(result: Any) -> pd.DataFrame:
-    """A result as a table: of a Record its samples, of a Fit its parameters, of a Comparison the cells of its map, of a
-    Diagnosis its ranking, of a Ladder and a Track their rungs. Raises UsageError for anything else."""
+    """A result as a table of pandas.
+
+    Args:
+        result: of a Record its samples, of a Fit its parameters, of a Comparison the cells of its map, of a Diagnosis
+            its ranking, of a Ladder and a Track their rungs.
+
+    Raises:
+        UsageError: for anything else.
+
+    Example:
+        >>> from pam_ident import Model, fit, read_record, to_frame
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
+        >>> print(to_frame(found)[["parameter", "value", "stderr"]].round(1).head(2))
+          parameter   value  stderr
+        0         A   562.3    15.6
+        1         H  1148.8    ...
+    """
     table = TABLES.get(type(result).__name__)
     if table is None:
         raise UsageError(f"no table of a {type(result).__name__}; expected one of {', '.join(TABLES)}")

@@ -142,6 +142,7 @@ def covariance_of(one: Sums) -> Covariance:
         return Covariance(basis, one.squares / free * np.eye(r), empty, empty, free, sizes)
     shares = basis.T @ one.grams @ basis
     weight, axes = np.linalg.eigh(shares)
+    # A direction that one cluster alone carries has no scatter between clusters; CR2 leaves it out.
     stretch = np.where(weight < 1.0 - 1e-9, 1.0 / np.sqrt(np.maximum(1.0 - weight, 1e-12)), 0.0)
     spreads = np.einsum("gri,gi,gsi->grs", axes, stretch, axes)
     pulled = np.einsum("grs,gs->gr", spreads, one.scores @ basis)

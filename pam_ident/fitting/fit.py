@@ -12,7 +12,7 @@ from ..core.progress import tell
 from ..model import Model
 from ..records import Record
 from .covariance import Covariance, Sums, clusters, covariance_of, student, sums
-from .identifiability import AT_BOUND, HELD, PINNED, StandIn, Verdict, flat_directions, stand_ins, verdicts
+from .identifiability import AT_BOUND, HELD, PINNED, Identifiability, StandIn, flat_directions, stand_ins, verdicts
 from .large import is_large, solve_large
 from .solve import Solution, jacobian, solve
 from .solvers import Solver
@@ -38,17 +38,33 @@ class Estimate:
     low: float = math.nan
     high: float = math.nan
     dof: float = math.nan
-    verdict: Verdict = PINNED
+    verdict: Identifiability = PINNED
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A model fitted to the rows `rows` (mask, shape (n,)) of a record; force and residual cover all n rows.
+    """A model with the values that a record gives it.
 
-    `values` are those of the parameters by name. `valid` needs convergence and every parameter identified; `problems`
-    says in words what is wrong. `weights` (n,) multiply the residuals that were minimised, `held` are the values of
-    parameters that were not fitted. Errors of the parameters come from `sums` (None where they were not asked for),
-    when somebody looks at them, unless estimates found otherwise are `given`.
+    Args:
+        model, record: what was fitted to what.
+        rows: mask of the samples that were fitted, shape (n,); `force` and `residual` cover all n.
+        values: the parameters by name, each in its unit.
+        converged, message: whether the search ended at a minimum, and how.
+        weights: what the residuals that were minimised were multiplied by, shape (n,), 1/N; None for ones.
+        held: parameters that were not fitted, with their values.
+        weighing: how the weights were found.
+        sums: what errors of the parameters come from, when somebody looks at them; None where they were not asked for.
+        given: estimates that were found otherwise, such as from profiles.
+
+    `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
+
+    Example:
+        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
+        >>> first = found.estimates[0]
+        >>> print(f"{first.name} = {first.value:.0f} ± {first.stderr:.0f} {first.unit}; {found.max_error:.1f} N off")
+        A = 562 ± 16 mm^2; 7.7 N off
     """
 
     model: Model
@@ -169,13 +185,29 @@ def fit(
     white: bool = False,
     solver: Solver | None = None,
 ) -> Fit:
-    """Least-squares fit over `rows` (mask (n,), default all), errors of the parameters included unless not `detail`.
+    """Least-squares fit of a model to a record, with the errors of its parameters.
 
-    `held` parameters keep the given values. Errors allow for residuals that are correlated along the strokes of a
-    record in time, unless `white`. `solver` searches the parameters in place of variable projection.
+    Args:
+        model, record: what to fit to what.
+        rows: mask of the samples to fit, shape (n,); by default all.
+        start: values to begin at, by name; by default the model's own.
+        detail: whether errors of the parameters are wanted.
+        held: parameters that keep the given values.
+        weighing: what samples weigh, and how far outliers count.
+        white: whether residuals are taken as independent; else errors allow for correlation along the strokes.
+        solver: what searches, in place of variable projection (Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413–432).
 
-    Raises FitError when the record cannot identify the law at all, DataError when an effect lacks a column,
-    UsageError when a parameter to hold is unknown or out of its bounds.
+    Raises:
+        FitError: when the record cannot identify the law at all.
+        DataError: when an effect needs what the record does not hold.
+        UsageError: when a parameter to hold is unknown or out of its bounds.
+
+    Example:
+        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
+        >>> print(f"{found.rmse:.2f} N rms, valid: {found.valid}")
+        3.21 N rms, valid: True
     """
     rows, held = np.ones(len(record), bool) if rows is None else rows, dict(held or {})
     check(model, record, rows, held)
@@ -298,7 +330,7 @@ def _estimates(one: Fit) -> tuple[tuple[Estimate, ...], Covariance | None]:
 
 
 def _determined(
-    free: list[Param], values: Mapping[str, float], cov: Covariance, flat: Mapping[str, Verdict]
+    free: list[Param], values: Mapping[str, float], cov: Covariance, flat: Mapping[str, Identifiability]
 ) -> Iterator[Estimate]:
     """Estimates of the free parameters with their intervals and verdicts."""
     stderr, dof = cov.error(np.eye(len(free)))

@@ -54,6 +54,7 @@ def repeats(record: Record, rows: Array, at_rest: bool = False) -> list[list[tup
     strokes = [s for s in np.split(usable, edges) if len(s) >= (1 if at_rest else 3) * SHAPES]
     alike: dict[tuple[float, float, int], list[Array]] = {}
     for s in strokes:
+        # Drives repeat a speed roughly: those in a quarter of its logarithm count as the same.
         pace = round(4.0 * np.log(max(float(inputs.stroke_speed[s[0]]), 1e-9)))
         alike.setdefault((float(record.level[s[0]]), float(inputs.direction[s[0]]), pace), []).append(s)
     found = []
@@ -80,6 +81,17 @@ def noise_floor(fit: Fit) -> NoiseFloor | None:
 
     Each stroke is taken from the next of its group, at the sample of the nearest contraction, so that neither the
     fit's own faults nor correlation along a stroke is counted. Noise slower than a cycle is missed.
+
+    Args:
+        fit: of any model; its residual in N takes the force's course out, so that neighbours can be compared.
+
+    Example:
+        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.fitting import noise_floor
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> found = fit(Model.build("exponential_law"), read_record(dataset_record("hidden_effect")))
+        >>> print(f"{found.rmse:.1f} N are left, noise is {noise_floor(found).sigma:.1f} N")
+        6.3 N are left, noise is 2.1 N
     """
     groups = repeats(fit.record, fit.rows)
     squares, samples, lags = 0.0, 0, np.zeros(41)
@@ -108,6 +120,19 @@ def lack_of_fit(fit: Fit) -> LackOfFit | None:
     The residual of each stroke is summed up in four Legendre coefficients over contraction; their means over the
     repeats are tested against their scatter, so that correlation within a stroke does no harm (trace of Lawley and
     Hotelling, F by McKeon 1974, Biometrika 61, 381–383; the fitted parameters are taken off its freedom).
+
+    Args:
+        fit: of any model to a record in time.
+
+    Example:
+        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.fitting import lack_of_fit
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> law = Model.build("exponential_law")
+        >>> for name in ("hidden_effect", "nothing_hidden"):
+        ...     print(name, lack_of_fit(fit(law, read_record(dataset_record(name)))).adequate)
+        hidden_effect False
+        nothing_hidden True
     """
     from scipy.special import fdtrc
 

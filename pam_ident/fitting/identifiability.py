@@ -22,7 +22,7 @@ SAME = 1e-5
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Identifiability:
     """What the record says of a parameter. `partners` are the parameters that can take its part."""
 
     kind: Kind
@@ -35,13 +35,13 @@ class Verdict:
         return self.kind in ("pinned", "traded", "loose")
 
 
-PINNED = Verdict("pinned", "pinned")
-DEAD = Verdict("dead", "dead: the force does not depend on it anywhere in this record")
-HELD = Verdict("held", "held where it was set")
-AT_BOUND = Verdict("at_bound", "at its bound: the data pull it further")
+PINNED = Identifiability("pinned", "pinned")
+DEAD = Identifiability("dead", "dead: the force does not depend on it anywhere in this record")
+HELD = Identifiability("held", "held where it was set")
+AT_BOUND = Identifiability("at_bound", "at its bound: the data pull it further")
 
 
-def flat_directions(names: Sequence[str], triangle: Array) -> dict[str, Verdict]:
+def flat_directions(names: Sequence[str], triangle: Array) -> dict[str, Identifiability]:
     """Verdicts of the parameters on which the force does not depend, alone (dead) or in company (flat).
 
     `triangle` (m, k), with triangleᵀ · triangle = JᵀJ, has a column for each of `names`.
@@ -59,11 +59,11 @@ def flat_directions(names: Sequence[str], triangle: Array) -> dict[str, Verdict]
         span = np.abs(overlap[i])
         partners = tuple(live[j] for j in np.argsort(-span).tolist() if j != i and span[j] > 1e-3)
         text = f"flat: moves with {', '.join(partners)} without any change of force"
-        found[live[i]] = Verdict("flat", text, partners)
+        found[live[i]] = Identifiability("flat", text, partners)
     return found
 
 
-def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Array) -> list[Verdict]:
+def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Array) -> list[Identifiability]:
     """Verdict of each parameter that is not flat; `half` (k,) is half the width of its 95 % interval."""
     names = [p.name for p in params]
     matrix = cov.matrix
@@ -76,11 +76,14 @@ def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Arr
             tie = np.nan_to_num(np.abs(matrix[i]) / (spread[i] * spread))
         tie[i] = 0.0
         partner = int(np.argmax(tie)) if len(tie) > 1 else i
+        # However tied, a parameter known to a tenth of its size is of use as it is.
         if inflation[i] > INFLATION and tie[partner] > TOGETHER and half[i] > 0.1 * reference:
             text = f"traded against {names[partner]} (errors correlated {tie[partner]:.3f})"
-            found.append(Verdict("traded", text, (names[partner],)))
+            found.append(Identifiability("traded", text, (names[partner],)))
         elif half[i] > reference or half[i] > 0.5 * (p.upper - p.lower):
-            found.append(Verdict("loose", "not pinned by this record: its interval is wider than the value itself"))
+            found.append(
+                Identifiability("loose", "not pinned by this record: its interval is wider than the value itself")
+            )
         else:
             found.append(PINNED)
     return found

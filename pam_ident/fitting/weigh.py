@@ -43,6 +43,7 @@ class Weighing:
         if self == PLAIN:
             return None
         weights = 1.0 / _deviation(model, record, values) if self.sensors else np.ones(len(record))
+        # Only their ratios matter; around 1 the sum of squares stays in N².
         weights /= np.median(weights[rows])
         if self.loss == "huber":
             residual = weights * (record.force - model.force(record.inputs, values))

@@ -11,7 +11,13 @@ __all__ = ["Law", "catalogue", "get_law", "listed"]
 
 @cache
 def catalogue() -> dict[str, Law]:
-    """Every law of the package, by name."""
+    """Every law of the package, by name.
+
+    Example:
+        >>> from pam_ident import laws
+        >>> print(*laws.catalogue(), sep=", ")
+        chou_hannaford, exponential_law, hildebrandt, martens_boblan, modified_chou_hannaford, polynomial, sarosi, ...
+    """
     return {law.name: law for law in instances(__name__, __path__, Law)}
 
 
@@ -21,7 +27,17 @@ def listed() -> tuple[Law, ...]:
 
 
 def get_law(name: str) -> Law:
-    """The law called `name`. Raises UsageError listing the known ones."""
+    """A law by its name.
+
+    Raises:
+        UsageError: for an unknown name, with the known ones.
+
+    Example:
+        >>> from pam_ident import laws
+        >>> law = laws.get_law("exponential_law")
+        >>> print(law.formula, "has", len(law.params), "parameters")
+        F = (a0 + a1 p) − (b0 + b1 p) ε + (c0 + c1 p) exp(−μ ε) has 7 parameters
+    """
     laws = catalogue()
     if name not in laws:
         raise UsageError(f"unknown law {name!r}; expected one of {', '.join(sorted(laws))}")

@@ -8,8 +8,8 @@ import numpy as np
 
 from .arrays import jax, jnp
 from .control import SAMPLE_S
-from .feed_forward import FeedForward, Plan
-from .gait import Gait, Motion, Window
+from .feed_forward import FeedForward, PressurePlan
+from .gait import Gait, LegAngles, Window
 from .loop import STEP_S, STEPS, Task
 
 Array = np.ndarray
@@ -36,12 +36,12 @@ class Course:
         return slice(len(self.time) - round(count), len(self.time))
 
     @cached_property
-    def imposed(self) -> Motion:
+    def imposed(self) -> LegAngles:
         """The gait at begin, middle and end of all steps of the plant, arrays of shape (N, STEPS, 3)."""
         steps = self.time[:, None] + STEP_S * np.arange(STEPS)
         return self.gait.at(jnp.asarray(steps[..., None] + STEP_S * np.array([0.0, 0.5, 1.0])))
 
-    def plans(self, forward: FeedForward, sets: Any) -> Plan:
+    def plans(self, forward: FeedForward, sets: Any) -> PressurePlan:
         """Pressures for the middle of each interval of control, because a command rests until its end; for k sets of
         parameters, NumPy arrays with the k in front."""
         middle = jnp.asarray(self.time + 0.5 * SAMPLE_S)

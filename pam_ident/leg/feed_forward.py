@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from .arrays import Array, jax, jnp
 from .control import SAMPLE_S, SIGN
-from .gait import Motion
+from .gait import LegAngles
 from .joint import inverse
 from .muscle import ByBranch, Memory
 from .pair import Pair
@@ -14,7 +14,7 @@ from .pneumatics import ATMOSPHERE, GAS, KAPPA, valve_flow
 HALVINGS = 30
 
 
-class Plan(NamedTuple):
+class PressurePlan(NamedTuple):
     """At N instants: contraction of both muscles (N, 2), gauge pressures wanted in them and references that lead the
     valves to these (MPa, (N, 2)), the torque that the leg needs and what of it the pair cannot give (N·m, (N,)), the
     openings that the pressures need (N, 2), beyond ±1 where the valves are too small."""
@@ -33,14 +33,14 @@ class FeedForward:
 
     pair: Pair
 
-    def plans(self, sets: Any, time: Array, motion: Motion) -> Plan:
+    def plans(self, sets: Any, time: Array, motion: LegAngles) -> PressurePlan:
         """Plans at times (N,) of a gait, for k sets of parameters as `Muscle.draws` gives them; the k in front of all
         arrays, 1 for a model without parameters."""
         leaves = jax.tree.leaves(sets)
         count = len(leaves[0]) if leaves else 1
         return jax.jit(jax.vmap(self._plan, in_axes=(0, None, None), axis_size=count))(sets, time, motion)
 
-    def _plan(self, values: ByBranch, time: Array, motion: Motion) -> Plan:
+    def _plan(self, values: ByBranch, time: Array, motion: LegAngles) -> PressurePlan:
         pair, knee = self.pair, motion.knee
         posture = pair.leg.knee.at(knee.angle)
         contraction, speed = jax.vmap(pair.stroke)(posture.sprocket, posture.ratio * knee.rate)
@@ -71,7 +71,7 @@ class FeedForward:
         opening = self._opening(pressure * 1e6 + ATMOSPHERE, contraction, speed)
         lead = opening + pair.valve.lag_s * _slope(opening)
         reference = pressure + pair.full_open_MPa * jnp.clip(lead, -1.0, 1.0)
-        return Plan(contraction, pressure, reference, need, missing, opening)
+        return PressurePlan(contraction, pressure, reference, need, missing, opening)
 
     def _opening(self, pressure: Array, contraction: Array, speed: Array) -> Array:
         """Openings (N, 2) that let the absolute pressures (Pa, (N, 2)) come about, from (9) solved for the flow."""

@@ -13,10 +13,10 @@ from ..core import DataError, Specimen, UsageError
 from ..effects import Effect
 from ..model import Model
 from ..schema.versions import VERSIONS, schema
-from .spread import Spread
+from .spread import ParameterSpread
 
 T = TypeVar("T")
-Fitted = tuple[dict[str, float], Spread | None]
+Fitted = tuple[dict[str, float], ParameterSpread | None]
 """Values of the parameters by name, and their covariance."""
 GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
 
@@ -56,7 +56,7 @@ class Answer:
             found[name] = float(value)
         return found
 
-    def spread(self, holder: Mapping[str, Any]) -> Spread | None:
+    def spread(self, holder: Mapping[str, Any]) -> ParameterSpread | None:
         """Covariance of a branch or a rung; None where the file holds none. Raises DataError for one of wrong shape."""
         if holder.get("covariance") is None:
             return None
@@ -66,7 +66,7 @@ class Answer:
             matrix = np.array(self.get("matrix", list, table), float).reshape(len(names), len(names))
         except (TypeError, ValueError):
             raise DataError(f"{self.path}: the covariance of {len(names)} parameters is no square of numbers") from None
-        return Spread(names, matrix)
+        return ParameterSpread(names, matrix)
 
     def fitted(self, holder: Mapping[str, Any]) -> Fitted:
         """Parameter values and their covariance of a branch or a rung."""

@@ -27,7 +27,7 @@ class Swing(NamedTuple):
     acceleration: Array
 
 
-class Motion(NamedTuple):
+class LegAngles(NamedTuple):
     """Knee flexion φ, hip flexion ψ (thigh from the vertical, forward) and ankle angle α (dorsiflexion)."""
 
     knee: Swing
@@ -54,7 +54,7 @@ class Gait:
         """How many harmonics the series have beside their means."""
         return self.cosines.shape[1] - 1
 
-    def at(self, time_s: Array) -> Motion:
+    def at(self, time_s: Array) -> LegAngles:
         """The motion at times of any shape, NumPy or JAX; derivatives are those of the series."""
         time = as_array(time_s)
         xp = time.__array_namespace__()
@@ -66,7 +66,7 @@ class Gait:
             angle = xp.sum(c * cos + s * sin, axis=-1)
             first = xp.sum(rate * (s * cos - c * sin), axis=-1)
             swings.append(Swing(angle, first, -xp.sum(rate**2 * (c * cos + s * sin), axis=-1)))
-        return Motion(*swings)
+        return LegAngles(*swings)
 
 
 @dataclass(frozen=True)

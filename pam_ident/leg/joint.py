@@ -10,13 +10,13 @@ prescribed and does no work on φ. The frame turns with the hip, so a holds what
 
 from .anatomy import Leg
 from .four_bar import Array, Posture, as_array
-from .gait import Motion, Swing
+from .gait import LegAngles, Swing
 
 GRAVITY = 9.81
 """m/s²"""
 
 
-def acceleration(leg: Leg, flexion: Array, rate: Array, sprocket_torque: Array, motion: Motion) -> Array:
+def acceleration(leg: Leg, flexion: Array, rate: Array, sprocket_torque: Array, motion: LegAngles) -> Array:
     """φ̈ in rad/s² at flexion (rad), its rate (rad/s) and a torque on the sprocket (N·m, positive flexes).
 
     Any shape that broadcasts, NumPy or JAX. Of `motion` only hip and ankle are used.
@@ -26,7 +26,7 @@ def acceleration(leg: Leg, flexion: Array, rate: Array, sprocket_torque: Array, 
     return (sprocket_torque * posture.ratio + passive_torque(leg, flexion, rate) - bias) / inertia
 
 
-def inverse(leg: Leg, flexion: Array, rate: Array, wanted: Array, motion: Motion) -> Array:
+def inverse(leg: Leg, flexion: Array, rate: Array, wanted: Array, motion: LegAngles) -> Array:
     """Torque on the sprocket in N·m under which the flexion's acceleration is `wanted` (rad/s²), all of one shape."""
     posture = leg.knee.at(flexion)
     inertia, bias = _equation(leg, posture, flexion, rate, motion)
@@ -46,7 +46,7 @@ def passive_torque(leg: Leg, flexion: Array, rate: Array) -> Array:
     return leg.stop_stiffness_N_m * push - leg.damping_N_m_s * rate + leg.load_torque_N_m
 
 
-def _equation(leg: Leg, posture: Posture, flexion: Array, rate: Array, motion: Motion) -> tuple[Array, Array]:
+def _equation(leg: Leg, posture: Posture, flexion: Array, rate: Array, motion: LegAngles) -> tuple[Array, Array]:
     """Generalised inertia in kg·m² and bias in N·m, so that inertia φ̈ + bias = T ds/dφ + Q."""
     hip, ankle = motion.hip, motion.ankle
     xp = as_array(flexion).__array_namespace__()

@@ -9,7 +9,7 @@ import numpy as np
 
 from .arrays import Array, jax, jnp
 from .control import SAMPLE_S, SIGN, Control, Gains, Sensor, pid, start
-from .gait import Motion
+from .gait import LegAngles
 from .joint import acceleration
 from .muscle import ByBranch, Memory
 from .pair import Air, Pair
@@ -39,7 +39,7 @@ class Task(NamedTuple):
 
     target: Array
     ahead: Array
-    motion: Motion
+    motion: LegAngles
 
 
 class Scale(NamedTuple):
@@ -106,7 +106,7 @@ class Loop:
         time: Array,
         state: State,
         reference_Pa: Array,
-        motion: Motion,
+        motion: LegAngles,
     ) -> tuple[State, Array, Memory]:
         """Time derivative of the state, forces of the muscles in N (2,), and their memory at this point."""
         pair = self.pair
@@ -130,7 +130,7 @@ class Loop:
             time, now = given
             split, reference, control = self.command(gains, control, state.flexion, now.target, now.ahead)
 
-            def step(carry: tuple[State, Memory], given: tuple[Array, Motion]) -> tuple[tuple[State, Memory], Array]:
+            def step(carry: tuple[State, Memory], given: tuple[Array, LegAngles]) -> tuple[tuple[State, Memory], Array]:
                 return self._step(values, scale, carry, reference * 1e6 + ATMOSPHERE, *given)
 
             times = time + STEP_S * jnp.arange(STEPS)
@@ -161,7 +161,13 @@ class Loop:
         return state, self.pair.muscle.start(gauge, contraction), control
 
     def _step(
-        self, values: ByBranch, scale: Scale, carry: tuple[State, Memory], reference: Array, time: Array, motion: Motion
+        self,
+        values: ByBranch,
+        scale: Scale,
+        carry: tuple[State, Memory],
+        reference: Array,
+        time: Array,
+        motion: LegAngles,
     ) -> tuple[tuple[State, Memory], Array]:
         """One step; `motion` at its begin, middle and end. The memory moves on to the step's begin, from where all
         stages look ahead."""

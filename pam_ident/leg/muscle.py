@@ -16,7 +16,7 @@ from ..model import GEOMETRY, Model, Values
 from .arrays import Array, jnp
 from .fit_file import fitted_branches, read_answer, read_rungs, read_specimen_of
 from .loop_check import loop_fault
-from .spread import Spread
+from .spread import ParameterSpread
 
 ByBranch = Mapping[str, Values]
 """Parameter values by branch and name."""
@@ -46,7 +46,7 @@ class Muscle:
     specimen: Specimen
     contraction: Values
     extension: Values
-    spreads: tuple[Spread | None, Spread | None] = (None, None)
+    spreads: tuple[ParameterSpread | None, ParameterSpread | None] = (None, None)
 
     def __post_init__(self) -> None:
         for branch, given in zip(BRANCHES, (self.contraction, self.extension), strict=True):
@@ -68,7 +68,7 @@ class Muscle:
         models = {(one.model.law.name, *one.model.labels, one.model.free_geometry) for one in pair}
         if len(models) > 1 or pair[0].record.specimen != pair[1].record.specimen:
             raise UsageError("fits: expected one model on one specimen for both branches; fit both in the same way")
-        spreads = (Spread.of(pair[0]), Spread.of(pair[1]))
+        spreads = (ParameterSpread.of(pair[0]), ParameterSpread.of(pair[1]))
         return cls(pair[0].model, pair[0].record.specimen, pair[0].values, pair[1].values, spreads)
 
     @classmethod

@@ -11,7 +11,7 @@ import numpy as np
 from ..core import UsageError
 from . import mjcf
 from .anatomy import Leg
-from .gait import Gait, Motion
+from .gait import Gait, LegAngles
 from .joint import passive_torque
 
 
@@ -129,7 +129,7 @@ class Prototype:
         end = self._world("rocker", knee.rocker_shank - knee.rocker_thigh)
         return float(1e3 * np.linalg.norm(end - self._world("shank", knee.rocker_shank - knee.crank_shank)))
 
-    def _targets(self, motion: Motion) -> tuple[float, float]:
+    def _targets(self, motion: LegAngles) -> tuple[float, float]:
         """Angles that hip and ankle are told: the gait's, led by what the servo's stiffness will give way.
 
         That is its damping, and the torque that the wanted acceleration takes under the weight, as a drive with a

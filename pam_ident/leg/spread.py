@@ -13,23 +13,23 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class ParameterSpread:
     """Covariance of some parameters, `matrix` (k, k) in the order of `names`; the others are taken as known."""
 
     names: tuple[str, ...]
     matrix: Array
 
     @classmethod
-    def of(cls, fit: Fit) -> "Spread | None":
+    def of(cls, fit: Fit) -> "ParameterSpread | None":
         """That of a fit; None where no errors were asked for."""
         return None if fit.covariance is None else cls(fit.free, fit.covariance.matrix)
 
-    def given(self, held: Sequence[str]) -> "Spread":
+    def given(self, held: Sequence[str]) -> "ParameterSpread":
         """What is left where some of the parameters are known: a conditional normal distribution."""
         known = np.array([name in held for name in self.names])
         free, cross = self.matrix[np.ix_(~known, ~known)], self.matrix[np.ix_(~known, known)]
         left = free - cross @ np.linalg.pinv(self.matrix[np.ix_(known, known)]) @ cross.T
-        return Spread(tuple(name for name in self.names if name not in held), left)
+        return ParameterSpread(tuple(name for name in self.names if name not in held), left)
 
     def draws(self, values: Values, params: Sequence[Param], normal: Array) -> dict[str, Array]:
         """Parameter sets by name, (draws,) each, kept within the bounds; `normal` (draws, k) are standard normal."""

@@ -52,7 +52,7 @@ class Tracking:
 
 
 @dataclass(frozen=True)
-class Rung:
+class TrackRung:
     """PID with the feed-forward of one model: the model, the run, and the 95 % band of the rms error in degrees that
     the uncertainty of its parameters leads to, None where that is not known."""
 
@@ -76,7 +76,7 @@ class Track:
     automatic: Tuned
     pid_by_hand: Tracking
     pid: Tracking
-    rungs: tuple[Rung, ...]
+    rungs: tuple[TrackRung, ...]
     ideal: Tracking
     budget: Budget
     motion: "tuple[Angles, ...]" = ()
@@ -146,7 +146,7 @@ class _Reduced:
         found = tuple(troubles(self.plant.pair, log, task, part))
         return Tracking(self.course.time[part], wanted, reached, log.pressure[part], log.force[part], found)
 
-    def rung(self, muscle: Muscle, gains: Gains, seed: int) -> Rung:
+    def rung(self, muscle: Muscle, gains: Gains, seed: int) -> TrackRung:
         """PID with the inverse of `muscle` ahead, and what its parameters' uncertainty does to the error."""
         sets = muscle.draws(SAMPLES, seed)
         certain = jax.tree.map(lambda value: np.full(1, value), muscle.values())
@@ -160,9 +160,9 @@ class _Reduced:
         known = {trouble.kind for trouble in first.troubles}
         first = replace(first, troubles=(*first.troubles, *(one for one in missed if one.kind not in known)))
         if sets is None:
-            return Rung(muscle, first)
+            return TrackRung(muscle, first)
         low, high = np.quantile(rms_deg(logs, task, self.course.judged)[1:], (0.025, 0.975))
-        return Rung(muscle, first, (float(low), float(high)))
+        return TrackRung(muscle, first, (float(low), float(high)))
 
     def first(self, logs: Log, task: Task, gains: Gains) -> Tracking:
         """The run of the parameters as they were fitted."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .control import SAMPLE_S
-from .feed_forward import Plan
+from .feed_forward import PressurePlan
 from .loop import Log, Task
 from .pair import Pair
 from .pneumatics import ATMOSPHERE
@@ -69,7 +69,7 @@ def troubles(pair: Pair, log: Log, task: Task, judged: slice) -> list[Trouble]:
     return found
 
 
-def plan_troubles(plan: Plan, judged: slice) -> list[Trouble]:
+def plan_troubles(plan: PressurePlan, judged: slice) -> list[Trouble]:
     """What a feed-forward's plan cannot reach whatever the controller: torque, flow, stroke of the muscle."""
     begin = judged.start
     missing, scale = np.abs(plan.missing[judged]), np.max(np.abs(plan.torque))

@@ -13,7 +13,7 @@ from .. import plot
 from ..plot import tracking
 from ..report import tables
 from ..report.svg import embed
-from ..report.tables import Table
+from ..report.tables import PageTable
 from ..report.words import number, stderr, unit
 from . import lines
 
@@ -35,7 +35,7 @@ def page(result: Any) -> str:
     return str(PAGES[type(result).__name__](result))
 
 
-def table(one: Table) -> Markup:
+def table(one: PageTable) -> Markup:
     """A table with its caption; numbers stand right."""
     head = Markup("").join(Markup("<th>{}</th>").format(cell) for cell in one.head)
     rows = Markup("\n").join(Markup("<tr>{}</tr>").format(_cells(row, one.numeric)) for row in one.rows)
@@ -60,7 +60,7 @@ def _said(sentence: str) -> Markup:
 
 
 def _facts(caption: str, facts: Sequence[tuple[str, str]]) -> Markup:
-    return table(Table(caption, ("what", "value"), tuple(facts)))
+    return table(PageTable(caption, ("what", "value"), tuple(facts)))
 
 
 def _specimen(one: "Specimen") -> Markup:
@@ -90,7 +90,7 @@ def _fit(one: "Fit") -> Markup:
     )
     head = ("parameter", "value", "standard error", "95 % interval", "unit", "meaning")
     figure = picture(plot.measured_against_model.draw(one, limit=POINTS), "Measured and modelled force, and the error")
-    return _said(lines.fit(one)) + equation + table(Table("Parameters", head, rows, (1, 2, 3))) + figure
+    return _said(lines.fit(one)) + equation + table(PageTable("Parameters", head, rows, (1, 2, 3))) + figure
 
 
 def _interval(low: float, high: float) -> str:
@@ -125,7 +125,7 @@ def _track(one: "Track") -> Markup:
     rows = tuple((name, f"{run.rms_deg:.3f}", f"{run.peak_deg:.3f}", band) for name, run, band in runs)
     head = ("controller", "rms (deg)", "peak (deg)", "95 % band of rms")
     figure = picture(tracking.draw(one), "Knee angle wanted and reached, and the error")
-    return _said(lines.track(one)) + table(Table("Knee tracking", head, rows, (1, 2, 3))) + figure
+    return _said(lines.track(one)) + table(PageTable("Knee tracking", head, rows, (1, 2, 3))) + figure
 
 
 def _band(band: tuple[float, float] | None) -> str:

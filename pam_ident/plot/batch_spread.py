@@ -12,7 +12,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Panel:
+class SpreadPanel:
     """One quantity: its values in ascending order, their standard errors (NaN where none is known) and the share of
     muscles up to each, all of shape (n,), with the outliers' mask and the median."""
 
@@ -25,17 +25,17 @@ class Panel:
     median: float
 
 
-def data(name: str, unit: str, value: Array, stderr: Array, outlier: Array, limit: int = 400) -> Panel:
+def data(name: str, unit: str, value: Array, stderr: Array, outlier: Array, limit: int = 400) -> SpreadPanel:
     """The panel of a quantity's values (n,); of more than `limit` muscles some are left out, never an outlier."""
     order = np.argsort(value, kind="stable")
     share = (np.arange(len(value)) + 0.5) / len(value)
     shown = np.union1d(thin(len(value), limit), np.flatnonzero(outlier[order]))
     pick = order[shown]
-    return Panel(name, unit, value[pick], stderr[pick], share[shown], outlier[pick], float(np.median(value)))
+    return SpreadPanel(name, unit, value[pick], stderr[pick], share[shown], outlier[pick], float(np.median(value)))
 
 
 @styled
-def draw(panels: Sequence[Panel]) -> Figure:
+def draw(panels: Sequence[SpreadPanel]) -> Figure:
     """Cumulative share over the value with bars of a standard error; the median as a line, outliers as triangles."""
     columns = min(len(panels), 4)
     rows = -(-len(panels) // columns)

@@ -12,7 +12,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Panel:
+class TrendPanel:
     """One quantity `name` over `over`, a point a muscle: x, y and the outliers' mask, shape (n,), and the ends of a
     robust straight line, shape (2,) each."""
 
@@ -35,15 +35,15 @@ def data(
     outlier: Array,
     line: tuple[float, float],
     limit: int = 400,
-) -> Panel:
+) -> TrendPanel:
     """The panel of points (n,) with the line (slope, intercept); beyond `limit` points some are left out."""
     shown = np.union1d(thin(len(x), limit), np.flatnonzero(outlier))
     ends = np.array([x.min(), x.max()])
-    return Panel(name, over, title, x[shown], y[shown], outlier[shown], ends, line[1] + line[0] * ends)
+    return TrendPanel(name, over, title, x[shown], y[shown], outlier[shown], ends, line[1] + line[0] * ends)
 
 
 @styled
-def draw(panels: Sequence[Panel]) -> Figure:
+def draw(panels: Sequence[TrendPanel]) -> Figure:
     """Points with a robust straight line; outliers as triangles."""
     columns = min(len(panels), 3)
     rows = -(-len(panels) // columns)

@@ -14,7 +14,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Isobar:
+class IsobarPoints:
     """One isobar and branch: points (n,) and their mean over cells of contraction (m,), forces in N."""
 
     pressure_MPa: float
@@ -25,7 +25,7 @@ class Isobar:
     line_force: Array
 
 
-def data(record: Record, limit: int = 1500) -> tuple[Isobar, ...]:
+def data(record: Record, limit: int = 1500) -> tuple[IsobarPoints, ...]:
     """Isobars by pressure and branch, at most `limit` points in all; the mean is over all samples."""
     groups = list(by_isobar(record))
     step = stride([len(rows) for _, _, rows in groups], limit)
@@ -33,7 +33,7 @@ def data(record: Record, limit: int = 1500) -> tuple[Isobar, ...]:
     for level, sign, rows in groups:
         contraction, force = record.inputs.contraction[rows], record.force[rows]
         line, line_force = mean_curve(contraction, force)
-        found.append(Isobar(level, BRANCH_NAME[sign], contraction[::step], force[::step], line, line_force))
+        found.append(IsobarPoints(level, BRANCH_NAME[sign], contraction[::step], force[::step], line, line_force))
     return tuple(found)
 
 

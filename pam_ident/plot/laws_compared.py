@@ -31,7 +31,7 @@ class LawCurve:
 
 
 @dataclass(frozen=True)
-class Panel:
+class LawsPanel:
     """One branch of the isobar: measured points (n,), force in N, and the laws fitted to it."""
 
     pressure_MPa: float
@@ -48,7 +48,7 @@ def label(fit: Fit) -> str:
     return " + ".join([law, *names]) if len(names) < 2 else f"{law} + {len(names)} effects"
 
 
-def data(fits: Sequence[Fit], pressure_MPa: float | None = None, limit: int = 600) -> tuple[Panel, ...]:
+def data(fits: Sequence[Fit], pressure_MPa: float | None = None, limit: int = 600) -> tuple[LawsPanel, ...]:
     """A panel for each branch that a fit covers, on the isobar nearest to `pressure_MPa`, by default the highest.
 
     All fits are of one record; those of single branches appear on theirs alone.
@@ -68,7 +68,7 @@ def data(fits: Sequence[Fit], pressure_MPa: float | None = None, limit: int = 60
         )
         shown = rows[::step]
         contraction = record.inputs.contraction[shown]
-        panels.append(Panel(pressure, BRANCH_NAME[sign], contraction, record.force[shown], laws))
+        panels.append(LawsPanel(pressure, BRANCH_NAME[sign], contraction, record.force[shown], laws))
     return tuple(panels)
 
 

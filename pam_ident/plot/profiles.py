@@ -21,7 +21,7 @@ AXES = {
 
 
 @dataclass(frozen=True)
-class Profile:
+class ErrorProfile:
     """Error along one coordinate: centres of the bins in the axis's unit, mean and rms in N, samples; each (bins,)."""
 
     key: str
@@ -32,7 +32,7 @@ class Profile:
     n: Array
 
 
-def data(comparison: Comparison) -> tuple[Profile, ...]:
+def data(comparison: Comparison) -> tuple[ErrorProfile, ...]:
     """A profile for each coordinate that the record varies: at least two bins."""
     found = []
     for key, axis in AXES.items():
@@ -41,7 +41,7 @@ def data(comparison: Comparison) -> tuple[Profile, ...]:
             continue
         middle = [_speed(b) if key == "speed_mm_s" else 0.5 * (b.low + b.high) for b in bins]
         found.append(
-            Profile(
+            ErrorProfile(
                 key,
                 axis,
                 np.array(middle),

@@ -16,7 +16,7 @@ COLOURS = (VERMILION, ORANGE, GREEN, BLUE)
 
 
 @dataclass(frozen=True)
-class Curve:
+class RunCurve:
     """A run by its name: flexion reached and error in degrees, (N,) each."""
 
     name: str
@@ -31,7 +31,7 @@ class TrackingData:
 
     time: Array
     target: Array
-    curves: tuple[Curve, ...]
+    curves: tuple[RunCurve, ...]
     rungs: tuple[str, ...]
     rms: Array
     band: Array
@@ -56,8 +56,8 @@ def data(track: Track) -> TrackingData:
     )
 
 
-def _curve(name: str, run: Tracking) -> Curve:
-    return Curve(name, run.flexion, run.error)
+def _curve(name: str, run: Tracking) -> RunCurve:
+    return RunCurve(name, run.flexion, run.error)
 
 
 def _name(track: Track, k: int) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core import DataError
 from .quantities import SHAPES, Source
-from .table import Block, Table, number_of
+from .table import Table, TableRows, number_of
 
 Array = np.ndarray
 MOST_MPA = 10.0
@@ -68,7 +68,7 @@ def _with_room(column: Array, n: int, needed: int) -> Array:
     return wider
 
 
-def _column(table: Table, block: Block, source: Source, key: str) -> Array:
+def _column(table: Table, block: TableRows, source: Source, key: str) -> Array:
     if source.position is None:
         return np.full(len(block), source.value)
     if key == "branch":
@@ -91,7 +91,7 @@ def _column(table: Table, block: Block, source: Source, key: str) -> Array:
     return numbers if (source.factor, source.offset) == (1.0, 0.0) else numbers * source.factor + source.offset
 
 
-def _directions(table: Table, block: Block, source: Source) -> Array:
+def _directions(table: Table, block: TableRows, source: Source) -> Array:
     assert source.position is not None
     signs = dict(source.words)
     words = [f"{c:g}" if isinstance(c, float) else str(c).strip().lower() for c in block.cells[source.position]]
@@ -104,11 +104,13 @@ def _directions(table: Table, block: Block, source: Source) -> Array:
     return numbers
 
 
-def _where(table: Table, block: Block, index: int, source: Source) -> str:
+def _where(table: Table, block: TableRows, index: int, source: Source) -> str:
     return f"{table.place}, row {block.rows[int(index)]}, column {source.header!r}"
 
 
-def _cuts(table: Table, block: Block, sources: dict[str, Source], values: Values, last: dict[str, float]) -> list[int]:
+def _cuts(
+    table: Table, block: TableRows, sources: dict[str, Source], values: Values, last: dict[str, float]
+) -> list[int]:
     """Rows of a block that begin a run. Raises DataError for time that runs backwards within one."""
     cuts = set(block.starts)
     if "time" in values and len(block):
@@ -136,7 +138,7 @@ def contraction_of(values: Values, length_mm: float) -> Array:
     return 1.0 - values["length"] / length_mm
 
 
-def _check_ranges(table: Table, block: Block, sources: dict[str, Source], values: Values, length_mm: float) -> None:
+def _check_ranges(table: Table, block: TableRows, sources: dict[str, Source], values: Values, length_mm: float) -> None:
     contraction = contraction_of(values, length_mm)
     wild = np.flatnonzero(np.abs(contraction) >= MOST_CONTRACTION)
     if len(wild):

@@ -25,7 +25,19 @@ def dataset_path(name: str) -> Path:
 
 
 def dataset_record(name: str) -> Path:
-    """The CSV record of the data set called `name`. Raises UsageError where it is unknown or holds no force record."""
+    """The CSV record of a data set that comes along.
+
+    Args:
+        name: of the data set, one of `dataset_names()`.
+
+    Raises:
+        UsageError: where it is unknown or holds no force record.
+
+    Example:
+        >>> from pam_ident.records.datasets import dataset_names, dataset_record
+        >>> print(dataset_names()[:3], dataset_record("dmsp20_300").name)
+        ['dmsp20_300', 'festo_dmsp20_catalogue', 'gait'] record.csv
+    """
     folder = dataset_path(name)
     for file in NAMES:
         if (folder / file).is_file():

@@ -16,8 +16,22 @@ if TYPE_CHECKING:
 def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "") -> Record:
     """A record from a table whose columns are found by name and unit, as those of a file are (`Pressure [bar]`).
 
-    Errors count rows from 0, as `frame.iloc` does. Raises DataError for columns that are missing or of unknown unit,
-    for cells that are no numbers, time that runs backwards and values beyond reason.
+    Args:
+        frame: a row a sample. Errors count rows from 0, as `frame.iloc` does.
+        specimen: the muscle.
+        name: of the record; by default the specimen's.
+
+    Raises:
+        DataError: for columns that are missing or of unknown unit, cells that are no numbers, time that runs backwards
+            and values beyond reason.
+
+    Example:
+        >>> import pandas as pd
+        >>> from pam_ident import Specimen, record_from_frame
+        >>> table = pd.DataFrame({"Pressure [bar]": [2.0, 2.0], "length_mm": [200, 180], "Force (kN)": [0.45, 0.21]})
+        >>> record = record_from_frame(table, Specimen("muscle 7", initial_length_mm=200.0))
+        >>> print(record.inputs.pressure, "MPa,", record.inputs.contraction, "of the length,", record.force, "N")
+        [0.2 0.2] MPa, [0.  0.1] of the length, [450. 210.] N
     """
     place = f"table {name!r}" if name else "the table"
     if frame.empty:

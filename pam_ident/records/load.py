@@ -17,13 +17,26 @@ from .table import Table
 def read_record(
     path: str | Path, specimen: str | Path | Specimen | None = None, columns: str | Path | None = None
 ) -> Record:
-    """Load a record and its specimen (given, or `specimen.toml` in the same folder).
+    """Load a record and its specimen.
 
-    `path` is a file (CSV and other text, .xlsx, .mat, .tdms, .lvm, .parquet, the text ones gzipped too), or several
-    that are runs of one test: a folder, or a pattern such as `runs/*.csv`. Columns are found by name and unit: pressure
-    and force, one of displacement, contraction or length; optional time, pressure_set, cycle, branch, temperature and
-    slack (rows with slack = 1 are left out); or as `columns` (a file, or `columns.toml` in the same folder) says.
-    Raises DataError naming file, row and column, UsageError where a format needs a package that is not installed.
+    Args:
+        path: a file (CSV and other text, .xlsx, .mat, .tdms, .lvm, .parquet; the text ones gzipped too), or several
+            that are runs of one test: a folder, or a pattern such as `runs/*.csv`. Columns are found by name and unit:
+            pressure and force, one of displacement, contraction or length; optional time, pressure_set, cycle, branch,
+            temperature and slack (rows with slack = 1 are left out).
+        specimen: the muscle, or its file; by default `specimen.toml` in the same folder.
+        columns: a file that says which column is what; by default `columns.toml` in the same folder, if there is one.
+
+    Raises:
+        DataError: naming file, row and column.
+        UsageError: where a format needs a package that is not installed.
+
+    Example:
+        >>> from pam_ident import read_record
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> record = read_record(dataset_record("dmsp20_300"))
+        >>> print(f"{record.name}: {len(record)} samples, up to {record.force.max():.0f} N")
+        DMSP-20-300: 60 samples, up to 1654 N
     """
     files = find_files(path)
     specimen = specimen_of(files, specimen)

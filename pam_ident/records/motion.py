@@ -63,6 +63,8 @@ def roughness(x: Array, time: Array | None = None) -> Array:
 
 def _distances(x: Array, time: Array | None) -> Array:
     n = max(len(x) - 4, 0)
+    # By the clock as it is: second differences of rows taken as even make a clock's jitter into noise of the sensor,
+    # by which strokes then were smoothed, and their ends came out as a rub or as friction.
     t = np.arange(len(x), dtype=float) if time is None else time
     near, shares = (0, 1, 3, 4), []
     for j in near:
@@ -148,6 +150,8 @@ def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: floa
             return 0.0
         return 2.0 * abs((x2 - x1) / (t2 - t1) - (x1 - x0) / (t1 - t0)) * (t2 - t0)
 
+    # Up to two samples at an end belong to what is before or behind it. With this stroke's branch and speed they were
+    # named a rub or hysteresis where the law is steep.
     for _ in range(2):
         near = last - 3
         if last - first > 6 and off(last, near) > 2.0 * tolerance + bend(near):
@@ -185,6 +189,8 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
         smooth = waves @ curve
         missed = np.std(x - smooth)
         slope = waves[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
+        # A curve that misses more than noise is off at the ends of every stroke alike, which comes out as friction or
+        # creep: then the position stays as measured, and only the slope is the curve's.
         if missed < NOISE_ONLY * noise:
             return smooth, slope
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
@@ -238,4 +244,5 @@ def _carry(direction: Array, moving: Array, stroke: Array, speed: Array) -> None
     previous = np.searchsorted(active, np.arange(len(moving)), side="right") - 1
     source = active[np.maximum(previous, 0)]
     direction[:], stroke[:], speed[:] = direction[source], stroke[source], speed[source]
+    # The record begins at rest at the start of a stroke, to which the muscle came from the other side.
     direction[: active[0]] *= -1.0

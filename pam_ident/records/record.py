@@ -19,14 +19,28 @@ CROWD = 3
 
 @dataclass(frozen=True)
 class Record:
-    """Measured force (N, shape (n,)) with the inputs of a force law at the same samples.
+    """A measured record: force with the inputs of a force law at n samples, cut into isobars, strokes and blocks.
 
-    `level` is the nominal pressure of a sample's isobar in MPa, `stroke` the number of its stroke (0 in a
-    table), `block` the unit that is held out whole: a cycle of a record in time, a length or an isobar of
-    a table. `steady` are the inputs with the white noise of the pressure and displacement sensors taken out,
-    where a constant pressure and a smooth motion describe them to the noise; the diagnosis uses them, because
-    noise that goes through a force law is taken for physics. `source` and `sha256` say where the record came
-    from, `columns` what was read as what.
+    Args:
+        name: what it is called.
+        inputs: pressure, contraction, direction, and time, speed, cycle and temperature where they were logged.
+        force: measured force, N, shape (n,), positive in pull.
+        level: nominal pressure of a sample's isobar, MPa, shape (n,).
+        stroke: number of a sample's stroke, shape (n,), 0 in a table.
+        block: what is held out whole, shape (n,): a cycle of a record in time, a length or an isobar of a table.
+        steady: the inputs without the white noise of the pressure and displacement sensors, where a constant pressure
+            and a smooth motion describe them to the noise. The diagnosis uses them: noise that goes through a force law
+            is taken for physics.
+        source, sha256, columns: where the record came from, its hash, and what was read as what.
+        block_kind: `cycle`, `length` or `isobar`.
+        masked: how many slack rows were left out.
+
+    Example:
+        >>> from pam_ident import read_record
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> record = read_record(dataset_record("hidden_effect"))
+        >>> print(len(record), "samples at", record.levels, "MPa; a block is a", record.block_kind)
+        4680 samples at [0.1 0.2 0.3 0.4 0.5] MPa; a block is a cycle
     """
 
     name: str
@@ -158,6 +172,7 @@ def _calm_pressure(pressure: Array, segment: Array) -> Array:
     for rows in _runs(segment):
         off = pressure[rows] - pressure[rows].mean()
         square = float(np.mean(off**2))
+        # Only white deviations are the sensor's. What a regulator does slowly is the muscle's own pressure.
         if len(off) > 20 and square > 0 and np.mean(off[1:] * off[:-1]) < 4.0 / np.sqrt(len(off)) * square:
             calm[rows] = pressure[rows].mean()
     return calm

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Block:
+class TableRows:
     """Some rows of a table. `cells` maps a column's position to its cells, `rows` numbers the rows as the file does,
     `starts` are the rows (from 0 in this block) at which the file begins anew, with its header repeated.
     """
@@ -39,7 +39,7 @@ class Table:
     head: str
     names: tuple[str, ...]
     headers: tuple[str, ...]
-    read: Callable[[Sequence[int]], Iterable[Block]]
+    read: Callable[[Sequence[int]], Iterable[TableRows]]
     decimal: str = "."
 
 
@@ -58,8 +58,8 @@ def table_in_memory(
         columns.append(column)
         headers.append(header)
 
-    def read(wanted: Sequence[int]) -> Iterator[Block]:
-        yield Block({k: columns[k] for k in wanted}, range(first_row, first_row + len(frame)))
+    def read(wanted: Sequence[int]) -> Iterator[TableRows]:
+        yield TableRows({k: columns[k] for k in wanted}, range(first_row, first_row + len(frame)))
 
     return Table(place, head, tuple(names) or tuple(map(str, frame.columns)), tuple(headers), read, decimal)
 

@@ -12,6 +12,7 @@ from .mapping import Mapping
 from .quantities import quantity_of
 from .table import count_numbers
 
+# The earlier one wins a tie: where cells are parted by semicolons or tabs, commas are decimal marks.
 DELIMITERS = ("\t", ";", ",", "|", " ")
 """In the order in which they are tried; a space stands for any run of blanks."""
 HEAD_BYTES = 1 << 16
@@ -98,6 +99,7 @@ def _encoding(place: str, head: bytes, told: str | None) -> tuple[str, int]:
             return codecs.lookup(told).name, 0
         except LookupError:
             raise DataError(f"{place}: unknown encoding {told!r} in columns.toml; try utf-8 or cp1252") from None
+    # UTF-16 without its mark: every second byte of plain text is zero.
     even, odd = head[0:2000:2].count(0), head[1:2000:2].count(0)
     if max(even, odd) > 0.4 * min(len(head), 2000) / 2 and min(even, odd) == 0:
         return ("utf-16-le" if odd else "utf-16-be"), 0
@@ -159,6 +161,7 @@ def _decimal(place: str, rows: Sequence[Sequence[str]], delimiter: str, names: S
         return "."
     cells = [(name, cell) for row in rows for name, cell in zip(names, row, strict=False) if "," in cell]
     numbers = [(name, cell) for name, cell in cells if count_numbers([cell], ",")]
+    # 1,234 in every cell reads either way, and a wrong guess is a factor of a thousand.
     if all(_THOUSANDS.fullmatch(cell) for _, cell in numbers):
         name, cell = numbers[0]
         raise DataError(

@@ -14,7 +14,7 @@ import numpy as np
 from ..core import DataError
 from ..core.progress import tell
 from .mapping import Mapping
-from .table import Block, Table
+from .table import Table, TableRows
 from .text_layout import HEAD_BYTES, Layout, cells_of, find_layout
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def read_text(path: Path, mapping: Mapping | None = None) -> list[Table]:
     """The table of a text file, plain or gzipped. Raises DataError where it is none."""
     layout = read_layout(path, mapping)
 
-    def read(wanted: Sequence[int]) -> Iterator[Block]:
+    def read(wanted: Sequence[int]) -> Iterator[TableRows]:
         with _open(path) as file:
             yield from _blocks(str(path), file, layout, wanted)
 
@@ -57,7 +57,7 @@ def _take(place: str, file: BinaryIO, size: int) -> bytes:
         raise DataError(f"{place}: not a readable file ({error}); copy it again from the rig") from None
 
 
-def _blocks(place: str, file: BinaryIO, layout: Layout, wanted: Sequence[int]) -> Iterator[Block]:
+def _blocks(place: str, file: BinaryIO, layout: Layout, wanted: Sequence[int]) -> Iterator[TableRows]:
     """The rows after the header, numbered as lines."""
     line = 1
     for text in _pieces(place, file, layout):
@@ -89,6 +89,7 @@ def _pieces(place: str, file: BinaryIO, layout: Layout) -> Iterator[bytes]:
         cut = chunk.rfind(b"\n") + 1
         if not cut:
             chunk, rest = rest + chunk, b""
+            # Not the last byte: its \n may come with the next chunk.
             cut = chunk.rfind(b"\r", 0, len(chunk) - 1) + 1
         if cut:
             yield _valid(b"".join((rest, memoryview(chunk)[:cut])))
@@ -107,7 +108,7 @@ def _with_newlines(text: bytes) -> bytes:
     return text.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in text else text
 
 
-def _plain(text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Block | None:
+def _plain(text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> TableRows | None:
     """The rows of lines of which each is a row as the header promises; None where any may need a closer look.
 
     One pass over the marks between cells tells of all lines that they have as many cells as the header, without
@@ -123,25 +124,25 @@ def _plain(text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Bl
         return None
     rows = range(first, first + n)
     if len(text) <= SMALL_BYTES and (numbers := _numbers(text, layout, wanted)) is not None and len(numbers) == n:
-        return Block(dict(zip(wanted, numbers.T, strict=True)), rows)
+        return TableRows(dict(zip(wanted, numbers.T, strict=True)), rows)
     frame = _frame(text, layout, wanted)
     if len(frame) != n or frame.iloc[:, 0].isna().any():
         return None
-    return Block(_cells(frame, wanted), rows)
+    return TableRows(_cells(frame, wanted), rows)
 
 
-def _mended(place: str, text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Block:
+def _mended(place: str, text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> TableRows:
     """The rows among lines that are looked at one by one. Raises DataError for a row of other width."""
     if b"\0" in text:
         row = first + text[: text.index(b"\0")].count(b"\n")
         raise DataError(f"{place}, row {row}: holds a byte that is no text; expected a table. Copy the file again")
     text, rows, starts = _checked(place, text, first, layout)
     if not rows:
-        return Block({k: np.empty(0) for k in wanted}, rows, starts)
+        return TableRows({k: np.empty(0) for k in wanted}, rows, starts)
     frame = _frame(text, layout, wanted)
     if len(frame) != len(rows):
         raise DataError(f"{place}: not a readable CSV file (quotation marks around line ends?); write it without them")
-    return Block(_cells(frame, wanted), rows, starts)
+    return TableRows(_cells(frame, wanted), rows, starts)
 
 
 def _numbers(text: bytes, layout: Layout, wanted: Sequence[int]) -> np.ndarray | None:
@@ -188,6 +189,7 @@ def _checked(place: str, text: bytes, first: int, layout: Layout) -> tuple[bytes
     lines, rows, starts = [], [], []
     for row, line in enumerate(text.split(b"\n")[:-1], first):
         stripped = line.strip()
+        # Loggers of DOS times end their files with ^Z.
         if not line.strip(delimiter + b' \t"\x1a'):
             continue
         if stripped in again:

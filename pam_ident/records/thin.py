@@ -61,6 +61,7 @@ def _stretches(record: Record, rows: Array, most: int) -> tuple[Array, Array]:
         each = max(1, round(STRETCH / np.mean(np.diff(begins)[mine])))
         parts = max(1, round(share * len(mine) / each))
         for part in np.array_split(mine, parts):
+            # The record's first rows always: drift, warming and softening count from them.
             first = int(random.integers(max(len(part) - each, 0) + 1)) if part[0] else 0
             taken[part[first : first + each]] = True
     chosen = np.flatnonzero(taken[cycle])

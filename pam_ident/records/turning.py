@@ -68,6 +68,8 @@ def pivots(x: Array, threshold: float) -> list[int]:
 def thinned_holds(time: Array, x: Array, turns: list[int], noise: float, span: float) -> Array:
     """Mask of the samples at rest, shape of x, on means of so many samples that each moves beyond the noise."""
     travel = float(np.sum(np.abs(np.diff(x[turns])))) / len(x)
+    # Where rows are logged densely a slow stroke moves by less than the noise from one to the next, and all of it
+    # would be a hold.
     m = int(np.clip(4.0 * noise / max(travel, 1e-12), 1, max(1, len(x) // (60 * len(turns)))))
     starts = np.arange(0, len(x) - m + 1, m)
     counts = np.diff(np.r_[starts, len(x)])
@@ -98,6 +100,7 @@ def _holds(time: Array, x: Array, turns: list[int], band: float) -> Array:
             start += 1
             continue
         way = (time[stop - 1] - time[start]) * max(pace[start:stop].min(), 1e-12)  # what the stroke would have gone
+        # To stay in the band is not enough: a slow stroke does for a while. Its two halves must have one mean, too.
         rests = way > 3.0 * band and abs(x[middle:stop].mean() - x[start:middle].mean()) < band / 3.0
         if rests if stop - start >= 4 else stop - start == FEW and way > FAR * band:
             held[start:stop] = True

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from . import tables
 from .easel import Easel, Part, Picture
 from .render import environment
-from .tables import Table
+from .tables import PageTable
 from .words import newtons, number
 
-__all__ = ["Easel", "Part", "Picture", "Table", "newtons", "number", "render_batch"]
+__all__ = ["Easel", "PageTable", "Part", "Picture", "newtons", "number", "render_batch"]
 
 
 def render_batch(title: str, sections: Sequence[tuple[str, tuple[Part, ...]]], provenance: Mapping[str, object]) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from matplotlib.figure import Figure
 
-from .tables import Table
+from .tables import PageTable
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Part:
     heading: str
     text: tuple[str, ...] = ()
     pictures: tuple[Picture, ...] = ()
-    tables: tuple[Table, ...] = ()
+    tables: tuple[PageTable, ...] = ()
     notes: tuple[str, ...] = ()
     badge: tuple[str, str] | None = None
     facts: tuple[tuple[str, str], ...] = ()

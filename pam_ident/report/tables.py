@@ -13,7 +13,7 @@ from .words import STATUS, named, newtons, number, standing, stderr, titles, uni
 
 
 @dataclass(frozen=True)
-class Table:
+class PageTable:
     """A caption, column heads, and rows of cells, the first of each row its head. `numeric` columns stand right.
 
     A `folded` table is opened by a reader who wants it; paper shows it.
@@ -26,7 +26,7 @@ class Table:
     folded: bool = False
 
 
-def suspects(diagnosis: Diagnosis) -> Table:
+def suspects(diagnosis: Diagnosis) -> PageTable:
     """Every effect on trial, in the order of the ranking."""
     known = titles(diagnosis.best.model)
     rows = tuple(
@@ -41,10 +41,10 @@ def suspects(diagnosis: Diagnosis) -> Table:
         for s in diagnosis.ranking
     )
     head = ("effect", "standing", "probability", "error after (N rms)", "held-out error after (N rms)", "why")
-    return Table("Suspects, and the error that is left with each", head, rows, (2, 3, 4))
+    return PageTable("Suspects, and the error that is left with each", head, rows, (2, 3, 4))
 
 
-def ladder(steps: Ladder) -> Table:
+def ladder(steps: Ladder) -> PageTable:
     """The falling errors, rung by rung."""
     names = added([(step.fit.model.law.name, step.effects) for step in steps.rungs])
     rows = tuple(
@@ -60,10 +60,10 @@ def ladder(steps: Ladder) -> Table:
         for i, (name, rung) in enumerate(zip(names, steps.rungs, strict=True))
     )
     head = ("rung", "model", "free parameters", "rms error (N)", "held-out rms error (N)", "largest error (N)", "why")
-    return Table(f"The ladder down to the noise floor of {newtons(steps.noise_floor)}", head, rows, (2, 3, 4, 5))
+    return PageTable(f"The ladder down to the noise floor of {newtons(steps.noise_floor)}", head, rows, (2, 3, 4, 5))
 
 
-def cells(found: Sequence[Cell]) -> Table:
+def cells(found: Sequence[Cell]) -> PageTable:
     """The numbers of a failure map, a row a cell."""
     rows = tuple(
         (
@@ -86,21 +86,21 @@ def cells(found: Sequence[Cell]) -> Table:
         "rms error (N)",
         "share of the squared error",
     )
-    return Table(f"The {len(rows)} cells of the map in numbers", head, rows, (3, 4, 5, 6), folded=True)
+    return PageTable(f"The {len(rows)} cells of the map in numbers", head, rows, (3, 4, 5, 6), folded=True)
 
 
-def fitted(fit: Fit, which: str) -> tuple[Table, ...]:
+def fitted(fit: Fit, which: str) -> tuple[PageTable, ...]:
     """The parameters of a fit; no table where nothing was free."""
     return (parameters(fit, which),) if fit.estimates else ()
 
 
-def parameters(fit: Fit, which: str) -> Table:
+def parameters(fit: Fit, which: str) -> PageTable:
     """Every fitted parameter with unit, standard error and, in words, whether the record determines it."""
     rows = tuple(
         (e.name, number(e.value, 5), stderr(e), unit(e.unit), standing(e), e.doc) for e in _in_order(fit.estimates)
     )
     head = ("parameter", "value", "standard error", "unit", "standing", "meaning")
-    return Table(f"Parameters of {which}: {fit.model.law.name}{_plus(fit)}", head, rows, (1, 2))
+    return PageTable(f"Parameters of {which}: {fit.model.law.name}{_plus(fit)}", head, rows, (1, 2))
 
 
 def _in_order(estimates: tuple[Estimate, ...]) -> list[Estimate]:
@@ -112,7 +112,7 @@ def _plus(fit: Fit) -> str:
     return "".join(f" + {label}" for label in fit.model.labels)
 
 
-def isobars(table: IsobarTable) -> list[Table]:
+def isobars(table: IsobarTable) -> list[PageTable]:
     """A table a branch of parameters over pressure, then correlation with pressure, then the two-stage law."""
     found = []
     for branch in dict.fromkeys(row.branch for row in table.rows):
@@ -129,7 +129,9 @@ def isobars(table: IsobarTable) -> list[Table]:
         head = ("pressure (MPa)", *heads.values(), "rms error (N)")
         word = "both branches together" if branch == "together" else branch
         found.append(
-            Table(f"Each isobar fitted alone, {word}: value ± standard error", head, rows, tuple(range(1, len(head))))
+            PageTable(
+                f"Each isobar fitted alone, {word}: value ± standard error", head, rows, tuple(range(1, len(head)))
+            )
         )
     if table.correlation:
         found.append(_by_branch("Correlation of each coefficient with pressure", "coefficient", table.correlation, 5))
@@ -147,14 +149,14 @@ def _cell(estimate: Estimate | None) -> str:
     return f"{number(estimate.value)} ± {stderr(estimate)}" + (" (at its bound)" if estimate.at_bound else "")
 
 
-def _by_branch(caption: str, what: str, values: Mapping[str, Mapping[str, float]], digits: int) -> Table:
+def _by_branch(caption: str, what: str, values: Mapping[str, Mapping[str, float]], digits: int) -> PageTable:
     branches = tuple(values)
     names = dict.fromkeys(name for branch in branches for name in values[branch])
     rows = tuple((name, *(number(values[b].get(name), digits) for b in branches)) for name in names)
-    return Table(caption, (what, *branches), rows, tuple(range(1, len(branches) + 1)))
+    return PageTable(caption, (what, *branches), rows, tuple(range(1, len(branches) + 1)))
 
 
-def loops(section: Section) -> Table:
+def loops(section: Section) -> PageTable:
     """Energy of each isobar's loop, measured and modelled, and whether the model could be a passive muscle."""
     pressures = sorted(set(section.loop_measured) | set(section.loop_model))
     rows = tuple(
@@ -167,7 +169,7 @@ def loops(section: Section) -> Table:
         for p in pressures
     )
     head = ("pressure (MPa)", "measured (J)", "model (J)", "the model's loop")
-    return Table("Energy taken up in one loop; positive dissipates", head, rows, (1, 2))
+    return PageTable("Energy taken up in one loop; positive dissipates", head, rows, (1, 2))
 
 
 def _passive(energy: float | None) -> str:
@@ -178,7 +180,7 @@ def _passive(energy: float | None) -> str:
     return "dissipates" if energy > 0 else "gives energy back: no passive muscle can"
 
 
-def provenance(items: Mapping[str, object]) -> Table:
+def provenance(items: Mapping[str, object]) -> PageTable:
     """Where the report came from; mappings inside are written out, the command is left to its own place."""
     rows: list[tuple[str, ...]] = []
     for key, value in items.items():
@@ -186,10 +188,10 @@ def provenance(items: Mapping[str, object]) -> Table:
             continue
         text = ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, Mapping) else str(value)
         rows.append((str(key), text))
-    return Table("Where this report came from", ("what", "value"), tuple(rows))
+    return PageTable("Where this report came from", ("what", "value"), tuple(rows))
 
 
-def source(section: Section) -> Table:
+def source(section: Section) -> PageTable:
     """What was read of one record."""
     record = section.record
     rows = [
@@ -200,4 +202,4 @@ def source(section: Section) -> Table:
         ("isobars (MPa)", ", ".join(f"{p:g}" for p in record.levels)),
         *((f"column for {key}", str(value)) for key, value in record.columns.items()),
     ]
-    return Table(f"What was read: {record.name}", ("what", "value"), tuple(rows))
+    return PageTable(f"What was read: {record.name}", ("what", "value"), tuple(rows))

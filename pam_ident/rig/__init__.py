@@ -6,13 +6,13 @@ on a finer time grid and in more forms.
 
 from .challenge import make_challenge
 from .protocol import PROTOCOLS, Protocol
-from .record import Plan, Record, Secret, demo_plans, make_record, write_case
+from .record import Plan, RigRecord, Secret, demo_plans, make_record, write_case
 
 __all__ = [
     "PROTOCOLS",
     "Plan",
     "Protocol",
-    "Record",
+    "RigRecord",
     "Secret",
     "demo_plans",
     "make_challenge",

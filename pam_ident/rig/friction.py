@@ -12,12 +12,12 @@ from collections.abc import Callable
 import numpy as np
 
 from .integrate import travel_path
-from .muscle import Array, Muscle
-from .protocol import Course
+from .muscle import Array, RigMuscle
+from .protocol import RigRun
 
 Settings = dict[str, float]
 Force = Callable[[float], Array]
-Form = Callable[[Course, Muscle, np.random.Generator], tuple[Settings, Force]]
+Form = Callable[[RigRun, RigMuscle, np.random.Generator], tuple[Settings, Force]]
 
 
 def scaled(shape: Array) -> Force:
@@ -25,35 +25,35 @@ def scaled(shape: Array) -> Force:
     return lambda size: size * shape
 
 
-def direction(c: Course, hold_share: float) -> Array:
+def direction(c: RigRun, hold_share: float) -> Array:
     """sgn(eps'), shape (m,), while moving; in a hold the share of the friction that stays locked in."""
     return np.where(c.moving != 0, c.moving, hold_share * c.heading)
 
 
-def speed_mm_s(c: Course) -> Array:
+def speed_mm_s(c: RigRun) -> Array:
     """|v| (mm/s), shape (m,)."""
     return np.abs(c.rate) * c.length_mm
 
 
-def coulomb_sign(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def coulomb_sign(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-F_c sgn(eps'), half of it left in the holds."""
     return {"hold_share": 0.5}, scaled(-direction(c, 0.5))
 
 
-def coulomb_tanh(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def coulomb_tanh(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-F_c tanh(v/v0): smooth through zero, nothing left in a hold."""
     v0 = rng.uniform(0.2, 0.8)
     return {"v0_mm_s": v0}, scaled(-np.tanh(c.rate * c.length_mm / v0))
 
 
-def coulomb_two_levels(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def coulomb_two_levels(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Different level in the two directions."""
     skew, share = rng.uniform(0.1, 0.3), rng.uniform(0.3, 1.0)
     s = direction(c, share)
     return {"skew": skew, "hold_share": share}, scaled(-s * (1 + skew * np.sign(s)))
 
 
-def coulomb_relaxing(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def coulomb_relaxing(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Locked in a hold, and partly let go with time."""
     tau, loss = rng.uniform(0.5, 3.0), rng.uniform(0.2, 0.5)
     left = 1 - loss * -np.expm1(-c.since_stop() / tau)
@@ -61,7 +61,7 @@ def coulomb_relaxing(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Se
 
 
 def _stribeck(
-    c: Course, rng: np.random.Generator, fall: Callable[[Array], Array], share: float
+    c: RigRun, rng: np.random.Generator, fall: Callable[[Array], Array], share: float
 ) -> tuple[Settings, Force]:
     peak, vs = rng.uniform(1.7, 2.6), float(np.exp(rng.uniform(np.log(3.0), np.log(15.0))))
     level = 1 + (peak - 1) * fall(speed_mm_s(c) / vs)
@@ -69,63 +69,63 @@ def _stribeck(
     return {"peak": peak, "vs_mm_s": vs, "hold_share": share}, scaled(-level * direction(c, share))
 
 
-def stribeck_gauss(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def stribeck_gauss(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-[F_c + (F_s - F_c) exp(-(v/v_s)^2)] sgn."""
     return _stribeck(c, rng, lambda u: np.exp(-(u**2)), 0.5)
 
 
-def stribeck_exponential(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def stribeck_exponential(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """exp(-v/v_s) in place of the bell (Bo and Pavelescu 1982)."""
     return _stribeck(c, rng, lambda u: np.exp(-u), rng.uniform(0.3, 1.0))
 
 
-def stribeck_lorentz(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def stribeck_lorentz(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """1/(1 + (v/v_s)^2) in place of the bell (Hess and Soom 1990)."""
     return _stribeck(c, rng, lambda u: 1 / (1 + u**2), rng.uniform(0.3, 1.0))
 
 
-def pressure_plain(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def pressure_plain(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-mu_f p S sgn, S constant; size in N at 0.5 MPa."""
     return {"hold_share": 0.5}, scaled(-c.pressure / 0.5 * direction(c, 0.5))
 
 
-def pressure_contact_area(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def pressure_contact_area(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """S = lateral surface of the braid, growing with contraction."""
     share = rng.uniform(0.3, 1.0)
     return {"hold_share": share}, scaled(-c.pressure / 0.5 * m.specimen.lateral_area(c.eps) * direction(c, share))
 
 
-def pressure_radius(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def pressure_radius(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Thread tension sets the pressing at the crossings: it goes with p r."""
     share = rng.uniform(0.3, 1.0)
     grow = m.specimen.radius(c.eps) / m.specimen.initial_radius_mm
     return {"hold_share": share}, scaled(-c.pressure / 0.5 * grow * direction(c, share))
 
 
-def pressure_offset(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def pressure_offset(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The threads press a little before there is any pressure: p + p0."""
     p0, share = rng.uniform(0.02, 0.06), rng.uniform(0.3, 1.0)
     return {"p0_MPa": p0, "hold_share": share}, scaled(-(c.pressure + p0) / 0.5 * direction(c, share))
 
 
-def viscous_linear(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def viscous_linear(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-B eps'; size in N at 10 mm/s."""
     return {}, scaled(-c.rate * c.length_mm / 10.0)
 
 
-def viscous_power(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def viscous_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-B |eps'|^n sgn, n below 1."""
     n = rng.uniform(0.5, 0.8)
     return {"n": n}, scaled(-np.sign(c.rate) * (speed_mm_s(c) / 10.0) ** n)
 
 
-def viscous_pressure(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def viscous_pressure(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """B grows with the pressure that presses the threads together."""
     gain = rng.uniform(0.3, 1.2)
     return {"gain": gain}, scaled(-c.rate * c.length_mm / 10.0 * (1 + gain * c.pressure / 0.5))
 
 
-def viscous_thinning(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def viscous_thinning(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Shear thinning: B v/(1 + v/v1)."""
     v1 = rng.uniform(20.0, 80.0)
     return {"v1_mm_s": v1}, scaled(-c.rate * c.length_mm / 10.0 / (1 + speed_mm_s(c) / v1))
@@ -145,7 +145,7 @@ def maxwell_slip(x: Array, reach: Array, weight: Array) -> Array:
 
 
 def _slip(count: int) -> Form:
-    def form(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    def form(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
         longest = rng.uniform(0.012, 0.035)
         reach = longest * (np.arange(count) + 1) / count
         weight = rng.uniform(0.5, 1.5, count)
@@ -159,7 +159,7 @@ def _slip(count: int) -> Form:
 maxwell_one, maxwell_three, maxwell_eight = _slip(1), _slip(3), _slip(8)
 
 
-def bouc_wen(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def bouc_wen(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """dz/dx = (1 - |z|^n [gamma + beta sgn(z dx)])/reach, gamma + beta = 1."""
     reach, n, gamma = rng.uniform(0.006, 0.02), rng.uniform(1.0, 2.0), rng.uniform(0.5, 0.8)
 
@@ -170,14 +170,14 @@ def bouc_wen(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, 
     return {"reach": reach, "n": n, "beta": gamma}, scaled(-travel_path(c.eps, 0.0, slope))
 
 
-def dahl(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def dahl(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Dahl 1968: dz/dx = |1 - z sgn(dx)|^i / reach."""
     reach, power = rng.uniform(0.006, 0.015), rng.uniform(1.0, 1.6)
     shape = travel_path(c.eps, 0.0, lambda way, z: max(1 - z * way, 0.0) ** power / reach)
     return {"reach": reach, "power": power}, scaled(-shape)
 
 
-def lugre(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def lugre(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Canudas de Wit 1995: z' = v - |v| z/(reach g(v)), force z/reach, g falling a little with speed."""
     reach, peak, vs = rng.uniform(0.006, 0.015), rng.uniform(1.1, 1.3), rng.uniform(3.0, 12.0)
     level = 1 + (peak - 1) * np.exp(-((speed_mm_s(c) / vs) ** 2))

@@ -8,8 +8,8 @@ import numpy as np
 
 from . import friction, memory, statics, unknowns
 from .friction import Force, Form, Settings
-from .muscle import Array, Muscle
-from .protocol import Course
+from .muscle import Array, RigMuscle
+from .protocol import RigRun
 from .refit import law_residual, rms
 
 EFFECTS: dict[str, dict[str, Form]] = {**friction.FORMS, **memory.FORMS, **statics.FORMS}
@@ -54,7 +54,7 @@ class Hidden:
 
 
 def draw_hidden(
-    name: str, form: str, course: Course, muscle: Muscle, rng: np.random.Generator, left_N: float
+    name: str, form: str, course: RigRun, muscle: RigMuscle, rng: np.random.Generator, left_N: float
 ) -> Hidden:
     """Draws the form's constants and sets its size so that it leaves `left_N` after the law is refitted."""
     known = {**EFFECTS, **UNKNOWNS}
@@ -69,21 +69,21 @@ def draw_hidden(
     return Hidden(name, form, settings, size, force(size), left)
 
 
-def carry_over(hidden: Hidden, course: Course, muscle: Muscle, rng: np.random.Generator) -> Hidden:
+def carry_over(hidden: Hidden, course: RigRun, muscle: RigMuscle, rng: np.random.Generator) -> Hidden:
     """The same effect of the same size on another course; `rng` as it was when the effect was drawn."""
     _, force = {**EFFECTS, **UNKNOWNS}[hidden.name][hidden.form](course, muscle, rng)
     added = force(hidden.size)
     return replace(hidden, force=added, left_N=left_after_refit(added, course, muscle))
 
 
-def left_after_refit(force: Array, course: Course, muscle: Muscle) -> float:
+def left_after_refit(force: Array, course: RigRun, muscle: RigMuscle) -> float:
     """rms (N) at the rows of what the refitted law cannot take up of an added force (m,)."""
     p, eps = course.pressure[course.rows], course.eps[course.rows]
     return rms(law_residual(muscle, p, eps, muscle.force(p, eps) + force[course.rows]))
 
 
 def _fit_size(
-    force: Force, course: Course, muscle: Muscle, target: float, largest: float | None
+    force: Force, course: RigRun, muscle: RigMuscle, target: float, largest: float | None
 ) -> tuple[float, float]:
     """Finds the size by a secant on logarithms: what is left grows about as a power of the size."""
     size, last, power = (1e-3 if largest is None else largest / 100), None, 1.0

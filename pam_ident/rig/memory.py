@@ -9,31 +9,31 @@ import numpy as np
 
 from .friction import Force, Form, Settings, scaled
 from .integrate import follow, stiff_path
-from .muscle import AMBIENT_MPA, Array, Muscle
-from .protocol import Course
+from .muscle import AMBIENT_MPA, Array, RigMuscle
+from .protocol import RigRun
 
 KAPPA = 1.4  # adiabatic exponent of air
 
 
-def _by_gas(c: Course, m: Muscle, gas: Array) -> Array:
+def _by_gas(c: RigRun, m: RigMuscle, gas: Array) -> Array:
     """Change of force (N) when the muscle holds `gas` (gauge MPa) and the valve sensor reads c.pressure."""
     return m.force(gas, c.eps) - m.force(c.pressure, c.eps)
 
 
-def _growth(c: Course, m: Muscle) -> list[float]:
+def _growth(c: RigRun, m: RigMuscle) -> list[float]:
     """V'/V (1/s) over the step that ends at each grid point, from the volumes themselves."""
     steps = np.diff(np.log(m.specimen.volume(c.eps))) / np.diff(c.time)
     return [0.0, *steps.tolist()]
 
 
-def lag_quasi_steady(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def lag_quasi_steady(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p_m = p - T p_abs (V'/V) eps'; size T in s."""
     fall = (c.pressure + AMBIENT_MPA) * m.specimen.log_volume_slope(c.eps) * c.rate
     fall = np.where(c.moving != 0, fall, 0.0)
     return {}, lambda size: _by_gas(c, m, c.pressure - size * fall)
 
 
-def _through_valve(c: Course, m: Muscle, n: float, venting: float = 1.0) -> Force:
+def _through_valve(c: RigRun, m: RigMuscle, n: float, venting: float = 1.0) -> Force:
     """Gas balance (9) with a linear valve: p' = (V0/V)(p_v - p)/T - n p_abs V'/V, times `venting` where p > p_v."""
     volume = m.specimen.volume(c.eps)
     opening = (volume[0] / volume).tolist()
@@ -50,19 +50,19 @@ def _through_valve(c: Course, m: Muscle, n: float, venting: float = 1.0) -> Forc
     return force
 
 
-def lag_first_order(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def lag_first_order(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A linear valve; size T in s, n 1..1.4."""
     n = rng.uniform(1.0, KAPPA)
     return {"polytropic": n}, _through_valve(c, m, n)
 
 
-def lag_two_ways(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def lag_two_ways(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A valve that vents more slowly than it fills."""
     n, slower = rng.uniform(1.0, KAPPA), rng.uniform(0.4, 0.8)
     return {"polytropic": n, "venting": slower}, _through_valve(c, m, n, slower)
 
 
-def lag_orifice(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def lag_orifice(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Gas balance (9) with the orifice (10), (11), b' = 0.3..0.5, and a laminar part near equal pressures.
 
     Size in s: volume at the start over sonic conductance, so that a choked orifice fills at p_up/size.
@@ -94,30 +94,30 @@ def lag_orifice(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Setting
     return {"critical_ratio": critical}, force
 
 
-def _elapsed(c: Course) -> Array:
+def _elapsed(c: RigRun) -> Array:
     return c.time - c.time[c.rows[0]]
 
 
-def drift_linear(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def drift_linear(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Straight in time; size in N over the whole record, either sign."""
     sign = float(rng.choice([-1.0, 1.0]))
     t = _elapsed(c)
     return {"sign": sign}, scaled(sign * t / t[-1])
 
 
-def drift_settling(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def drift_settling(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """1 - exp(-t/tau): an amplifier warming up."""
     sign, tau = float(rng.choice([-1.0, 1.0])), rng.uniform(80.0, 400.0)
     return {"sign": sign, "tau_s": tau}, scaled(-sign * np.expm1(-_elapsed(c) / tau))
 
 
-def drift_log(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def drift_log(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """log(1 + t/t0): creep of the load cell's glue."""
     sign, t0 = float(rng.choice([-1.0, 1.0])), rng.uniform(10.0, 60.0)
     return {"sign": sign, "t0_s": t0}, scaled(sign * np.log1p(np.maximum(_elapsed(c), 0.0) / t0))
 
 
-def maxwell_arms(c: Course, drive: Array, taus: Array, weights: Array) -> Array:
+def maxwell_arms(c: RigRun, drive: Array, taus: Array, weights: Array) -> Array:
     """Sum of w (u - q), q' = (u - q)/tau: what relaxing arms, rested at first, still carry of u (m,)."""
     out = np.zeros_like(drive)
     for tau, weight in zip(taus, weights, strict=True):
@@ -125,35 +125,35 @@ def maxwell_arms(c: Course, drive: Array, taus: Array, weights: Array) -> Array:
     return out
 
 
-def creep_solid(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def creep_solid(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Standard linear solid on the contraction: -G (eps - q), q' = (eps - q)/tau; size G in N."""
     tau = float(np.exp(rng.uniform(np.log(2.0), np.log(12.0))))
     return {"tau_s": tau}, scaled(-maxwell_arms(c, c.eps, np.array([tau]), np.ones(1)))
 
 
-def _prony(taus: Array, rng: np.random.Generator, c: Course) -> tuple[Settings, Force]:
+def _prony(taus: Array, rng: np.random.Generator, c: RigRun) -> tuple[Settings, Force]:
     weight = rng.uniform(0.5, 1.5, len(taus))
     settings = {f"tau{i}_s": float(t) for i, t in enumerate(taus)}
     return settings, scaled(-maxwell_arms(c, c.eps, taus, weight / weight.sum()))
 
 
-def creep_prony2(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def creep_prony2(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Two Prony terms."""
     return _prony(np.array([rng.uniform(0.8, 2.5), rng.uniform(8.0, 30.0)]), rng, c)
 
 
-def creep_prony3(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def creep_prony3(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Three Prony terms over two decades."""
     return _prony(np.array([rng.uniform(0.5, 1.0), rng.uniform(4.0, 8.0), rng.uniform(30.0, 60.0)]), rng, c)
 
 
-def creep_log_time(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def creep_log_time(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Relaxation straight in log time from 0.3 to 300 s: a flat spectrum of arms."""
     taus = np.geomspace(0.3, 300.0, 10)
     return {"fastest_s": 0.3, "slowest_s": 300.0}, scaled(-maxwell_arms(c, c.eps, taus, np.full(10, 0.1)))
 
 
-def creep_power(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def creep_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Power-law kernel t^-beta (springpot), its spectrum tau^-beta cut at 0.3 and 300 s."""
     beta = rng.uniform(0.15, 0.5)
     taus = np.geomspace(0.3, 300.0, 12)
@@ -161,50 +161,50 @@ def creep_power(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Setting
     return {"beta": beta}, scaled(-maxwell_arms(c, c.eps, taus, weight / weight.sum()))
 
 
-def creep_by_force(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def creep_by_force(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Driven by the load in place of the contraction: g (F - q), q following F; size a share of the force."""
     tau = float(np.exp(rng.uniform(np.log(2.0), np.log(12.0))))
     drive = m.force(c.pressure, c.eps)
     return {"tau_s": tau}, scaled(maxwell_arms(c, drive, np.array([tau]), np.ones(1)))
 
 
-def mullins_exponential(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def mullins_exponential(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A exp(-(n - 1)/n0), n the cycle within the isobar; size A in N."""
     n0 = rng.uniform(0.8, 2.5)
     return {"n0": n0}, scaled(np.exp(-(c.cycle - 1) / n0))
 
 
-def mullins_power(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def mullins_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A n^-k."""
     k = rng.uniform(0.7, 1.5)
     return {"k": k}, scaled(c.cycle**-k)
 
 
-def mullins_force(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def mullins_force(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """First cycles stiffer by a share of the force; size that share."""
     n0 = rng.uniform(0.8, 2.5)
     return {"n0": n0}, scaled(m.force(c.pressure, c.eps) * np.exp(-(c.cycle - 1) / n0))
 
 
-def mullins_rested(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def mullins_rested(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Between isobars the rubber recovers only a share of what the first one took."""
     n0, share = rng.uniform(0.8, 2.5), rng.uniform(0.3, 0.8)
     left = np.where(c.isobar == c.isobar[c.rows[0]], 1.0, share)
     return {"n0": n0, "recovered": share}, scaled(left * np.exp(-(c.cycle - 1) / n0))
 
 
-def _bladder(c: Course, m: Muscle) -> Array:
+def _bladder(c: RigRun, m: RigMuscle) -> Array:
     """Elastic shape of the bladder (hoop energy), dimensionless."""
     return (1 - c.eps) * (1 - m.specimen.initial_radius_mm / m.specimen.radius(c.eps))
 
 
-def mullins_elastic(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def mullins_elastic(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A virgin bladder resists more: -A exp(-(n - 1)/n0) times the hoop stress, zero at rest."""
     n0 = rng.uniform(0.8, 2.5)
     return {"n0": n0}, scaled(-_bladder(c, m) * np.exp(-(c.cycle - 1) / n0))
 
 
-def mullins_travel(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def mullins_travel(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Damage by the way travelled within the isobar, no step between cycles."""
     n0 = rng.uniform(0.8, 2.0)
     way = np.cumsum(np.abs(np.diff(c.eps, prepend=c.eps[0])) * (c.moving != 0))
@@ -216,34 +216,34 @@ def mullins_travel(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Sett
     return {"n0": n0}, scaled(out)
 
 
-def mullins_whole_test(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def mullins_whole_test(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The damage stays from one isobar to the next: n counted from the start of the test."""
     n0 = rng.uniform(2.0, 6.0)
     return {"n0": n0}, scaled(np.exp(-(np.maximum(c.count, 1) - 1) / n0))
 
 
-def _warming(c: Course) -> Array:
+def _warming(c: RigRun) -> Array:
     return c.temperature - c.temperature[c.rows[0]]
 
 
-def thermal_force(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def thermal_force(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """F (1 - alpha dT); size alpha in 1/K."""
     return {}, scaled(-m.force(c.pressure, c.eps) * _warming(c))
 
 
-def thermal_elastic(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def thermal_elastic(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Only the bladder softens: it takes less off the pull; size in N/K at full shape."""
     return {}, scaled(_bladder(c, m) * _warming(c))
 
 
-def thermal_core(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def thermal_core(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The rubber runs behind the logged skin temperature by a first-order lag."""
     tau = rng.uniform(20.0, 60.0)
     core = follow(c.time, _warming(c), tau)
     return {"tau_s": tau}, scaled(-m.force(c.pressure, c.eps) * core)
 
 
-def thermal_saturating(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def thermal_saturating(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Softening that levels off: dT/(1 + dT/T1), T1 20..60 K."""
     t1 = rng.uniform(20.0, 60.0)
     warm = _warming(c)

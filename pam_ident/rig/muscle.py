@@ -18,7 +18,7 @@ AMBIENT_MPA = 0.1013
 
 
 @dataclass(frozen=True)
-class Specimen:
+class RigSpecimen:
     """Braid geometry at rest; constant thread length, cylinder all along. Contractions `eps` may have any shape."""
 
     initial_length_mm: float = 200.0
@@ -55,7 +55,7 @@ class Specimen:
         return (self.radius(eps) / self.initial_radius_mm) * (1 - eps)
 
 
-class Law(Interface):
+class RigLaw(Interface):
     """A static law: force(p, eps) in N of p (MPa) and eps of one shape, and its record name."""
 
     @property
@@ -91,7 +91,7 @@ class Exponential:
 class ChouHannaford:
     """F = k0 pi r0^2 p [a (1 - k1 eps)^2 - b] + k2, one k0, k1, k2 (N) for all pressures; p, eps of one shape."""
 
-    specimen: Specimen
+    specimen: RigSpecimen
     k0: float = 0.87
     k1: float = 1.15
     k2: float = 0.0
@@ -105,11 +105,11 @@ class ChouHannaford:
 
 
 @dataclass(frozen=True)
-class Muscle:
+class RigMuscle:
     """A specimen with the static law that holds for it; p (MPa) and eps are of one shape."""
 
-    specimen: Specimen
-    law: Law
+    specimen: RigSpecimen
+    law: RigLaw
 
     def force(self, p: Array, eps: Array) -> Array:
         """Static force (N)."""
@@ -131,11 +131,11 @@ class Muscle:
         return limit * self.specimen.initial_length_mm
 
 
-def draw_specimen(rng: np.random.Generator, vary: bool = True) -> Specimen:
+def draw_specimen(rng: np.random.Generator, vary: bool = True) -> RigSpecimen:
     """The practice specimen, or one of its relatives (10 to 20 % other dimensions)."""
     if not vary:
-        return Specimen()
-    return Specimen(
+        return RigSpecimen()
+    return RigSpecimen(
         float(rng.choice([150.0, 180.0, 220.0, 250.0, 300.0])),
         round(rng.uniform(8.5, 12.0), 2),
         round(rng.uniform(23.5, 27.5), 1),
@@ -143,10 +143,10 @@ def draw_specimen(rng: np.random.Generator, vary: bool = True) -> Specimen:
     )
 
 
-def draw_muscle(rng: np.random.Generator, law: str, specimen: Specimen) -> Muscle:
+def draw_muscle(rng: np.random.Generator, law: str, specimen: RigSpecimen) -> RigMuscle:
     """A plausible muscle: coefficients scattered about law (4), or about k0 0.87, k1 1.15, k2 0."""
     if law == "modified_chou_hannaford":
-        return Muscle(
+        return RigMuscle(
             specimen,
             ChouHannaford(specimen, rng.uniform(0.75, 1.0), rng.uniform(1.05, 1.25), rng.uniform(-20.0, 20.0)),
         )
@@ -159,5 +159,5 @@ def draw_muscle(rng: np.random.Generator, law: str, specimen: Specimen) -> Muscl
         values = {k: base[k] * (1 + rng.uniform(-s, s)) * (1.0 if k == "mu" else area) for k, s in spread.items()}
         law_drawn = Exponential(**values)
         if law_drawn.force(np.array([0.1]), np.array([0.012]))[0] > 0:
-            return Muscle(specimen, law_drawn)
+            return RigMuscle(specimen, law_drawn)
     raise RuntimeError("no muscle with a stroke at 0.1 MPa was drawn")

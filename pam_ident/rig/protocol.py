@@ -14,14 +14,14 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .muscle import Array, Muscle
+from .muscle import Array, RigMuscle
 
 T = TypeVar("T", int, float)
 LEAD_S, TRAIL_S = 0.15, 0.05  # unlogged beginning and end of a hold
 
 
 @dataclass(frozen=True)
-class Course:
+class RigRun:
     """One run on the fine grid, all arrays of shape (m,); `rows` (n,) are the logged instants.
 
     time (s), contraction eps, rate d(eps)/dt (1/s), pressure at the valve (gauge MPa), temperature (deg C),
@@ -102,7 +102,7 @@ class Protocol:
         minor = 2 * sets * (1 + self.cycles_per_speed * len(self.minor_loops_mm)) if self.minor_loops_mm else 0
         return (halves + minor) * self.move_rows + sum(rows for _, rows in islice(cycle(self.holds), halves))
 
-    def run(self, muscle: Muscle, rng: np.random.Generator) -> Course:
+    def run(self, muscle: RigMuscle, rng: np.random.Generator) -> RigRun:
         """The course of a run with the pressures in random order (temperature still flat)."""
         log = _Log(self, muscle.specimen.initial_length_mm)
         order = [float(p) for p in rng.permutation(self.pressures_MPa)]
@@ -125,7 +125,7 @@ class Protocol:
         """Warming (K) at instants (m,) by the heater: up to the middle of the run and down again."""
         return self.warming_K * np.sin(np.pi * (time - time[0]) / (time[-1] - time[0])) ** 2
 
-    def _stroke(self, muscle: Muscle, pressure: float) -> tuple[float, float]:
+    def _stroke(self, muscle: RigMuscle, pressure: float) -> tuple[float, float]:
         """Ends of the stroke (mm) at a pressure."""
         if self.stroke_mm is None:
             return 0.0, muscle.stroke_mm(pressure, self.stroke_share)
@@ -244,11 +244,11 @@ class _Log:
     def _still(self, x: float, after: Array, logged: Array) -> None:
         self._put(after, x + 0 * after, 0 * after, 0.0, logged)
 
-    def course(self) -> Course:
+    def course(self) -> RigRun:
         t, x, v, p, moving, cycle, count, isobar, logged = np.concatenate(self.pieces, axis=1)
         index = np.maximum.accumulate(np.where(moving != 0, np.arange(len(t)), 0))
         heading = np.where(moving[index] == 0, 1.0, moving[index])  # it was contracted before the first row
-        return Course(
+        return RigRun(
             t,
             x / self.length_mm,
             v / self.length_mm,

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from .hidden import Hidden, TooSmall, carry_over, draw_hidden
-from .muscle import Array, Muscle, draw_muscle, draw_specimen
-from .protocol import PROTOCOLS, Course, Protocol
+from .muscle import Array, RigMuscle, draw_muscle, draw_specimen
+from .protocol import PROTOCOLS, Protocol, RigRun
 from .refit import law_residual, rms
-from .sensors import Sensors, temperature_course
+from .sensors import RigSensors, temperature_course
 
 COLUMNS = (
     "time_s",
@@ -65,7 +65,7 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class Record:
+class RigRecord:
     """A finished record: table (n, 7) in the order of COLUMNS, muscle, what was hidden, key figures (N).
 
     noise_rms is what the true model leaves at the measured pressure and length, rmse_base what the law
@@ -74,11 +74,11 @@ class Record:
 
     plan: Plan
     table: Array
-    muscle: Muscle
+    muscle: RigMuscle
     hidden: tuple[Hidden, ...]
     noise_rms: float
     rmse_base: float
-    course: Course
+    course: RigRun
     added: Array
 
     def column(self, name: str) -> Array:
@@ -91,7 +91,7 @@ def _stream(seed: int, *path: int) -> np.random.Generator:
     return np.random.default_rng([seed, *path])
 
 
-def _hide(secret: Secret, place: int, plan: Plan, sized_on: Course, course: Course, muscle: Muscle) -> Hidden:
+def _hide(secret: Secret, place: int, plan: Plan, sized_on: RigRun, course: RigRun, muscle: RigMuscle) -> Hidden:
     for attempt in range(ATTEMPTS):
         path = (3, place, attempt)
         try:
@@ -106,13 +106,13 @@ def _hide(secret: Secret, place: int, plan: Plan, sized_on: Course, course: Cour
     raise TooSmall(f"{secret.name} ({secret.form}) cannot leave {secret.ratio:.2g} times the noise in this record")
 
 
-def _run(plan: Plan, protocol: Protocol, muscle: Muscle, warming: bool) -> Course:
+def _run(plan: Plan, protocol: Protocol, muscle: RigMuscle, warming: bool) -> RigRun:
     course = protocol.run(muscle, _stream(plan.seed, 2))
     room = temperature_course(course.time, _stream(plan.seed, 4), warming)
     return replace(course, temperature=room + protocol.heating(course.time))
 
 
-def make_record(plan: Plan) -> Record:
+def make_record(plan: Plan) -> RigRecord:
     """Runs the rig; effects that act together are added up (their interplay is of second order)."""
     muscle = draw_muscle(_stream(plan.seed, 0), plan.law, draw_specimen(_stream(plan.seed, 1), plan.other_specimen))
     if isinstance(plan.protocol, str):
@@ -127,7 +127,7 @@ def make_record(plan: Plan) -> Record:
         added += h.force[course.rows]
     table = _log(plan, course, muscle, added, _stream(plan.seed, 5))
     p_seen, eps_seen, force_seen = table[:, 3], table[:, 4] / course.length_mm, table[:, 5]
-    return Record(
+    return RigRecord(
         plan,
         table,
         muscle,
@@ -139,10 +139,10 @@ def make_record(plan: Plan) -> Record:
     )
 
 
-def _log(plan: Plan, course: Course, muscle: Muscle, added: Array, rng: np.random.Generator) -> Array:
+def _log(plan: Plan, course: RigRun, muscle: RigMuscle, added: Array, rng: np.random.Generator) -> Array:
     """What the sensors make of a run in which `added` (n,) is hidden, N: the table."""
     time, p, eps = course.time[course.rows], course.pressure[course.rows], course.eps[course.rows]
-    sensors = Sensors(plan.sigma_N, plan.noise)
+    sensors = RigSensors(plan.sigma_N, plan.noise)
     force = muscle.force(p, eps) + added + sensors.force_noise(time, rng)
     columns = (
         time,
@@ -156,7 +156,7 @@ def _log(plan: Plan, course: Course, muscle: Muscle, added: Array, rng: np.rando
     return np.column_stack([np.round(c, d) for c, d in zip(columns, DECIMALS, strict=True)])
 
 
-def repeats(record: Record, times: int) -> Iterator[Array]:
+def repeats(record: RigRecord, times: int) -> Iterator[Array]:
     """The tables (n, columns) of the same run `times` over, the record's own first: the muscle rested, the noise fresh.
 
     The clock goes on, with the protocol's gap between two runs.
@@ -171,7 +171,7 @@ def repeats(record: Record, times: int) -> Iterator[Array]:
         yield table
 
 
-def write_case(folder: str | Path, record: Record, times: int = 1) -> dict[str, object]:
+def write_case(folder: str | Path, record: RigRecord, times: int = 1) -> dict[str, object]:
     """Writes FOLDER/record.csv and FOLDER/specimen.toml; returns the line for truth.json.
 
     The run is written `times` over, one at a time, so that a record may be larger than memory.

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from .muscle import Array, Muscle
+from .muscle import Array, RigMuscle
 
 
-def _columns(muscle: Muscle, p: Array, eps: Array, bend: float) -> Array:
+def _columns(muscle: RigMuscle, p: Array, eps: Array, bend: float) -> Array:
     """Columns (n, k) of the law's linear part, `bend` its one nonlinear parameter (mu, or k1)."""
     if muscle.law.name == "exponential_law":
         decay = np.exp(-bend * eps)
@@ -24,7 +24,7 @@ def _residual(columns: Array, force: Array) -> Array:
     return force - columns / scale @ answer
 
 
-def law_residual(muscle: Muscle, p: Array, eps: Array, force: Array) -> Array:
+def law_residual(muscle: RigMuscle, p: Array, eps: Array, force: Array) -> Array:
     """Residual (N, (n,)) of the muscle's kind of law, all parameters refitted by separable least squares."""
     low, high = (5.0, 200.0) if muscle.law.name == "exponential_law" else (0.3, 3.0)
 

@@ -13,7 +13,7 @@ COLOURS = ("white", "ar1", "ou", "slow")
 
 
 @dataclass(frozen=True)
-class Sensors:
+class RigSensors:
     """rms of the force noise (N) and its colour; pressure noise (MPa), displacement noise (mm)."""
 
     sigma_N: float = 2.0

@@ -10,11 +10,11 @@ from collections.abc import Callable
 import numpy as np
 
 from .friction import Force, Form, Settings, scaled
-from .muscle import Array, Muscle, Specimen
-from .protocol import Course
+from .muscle import Array, RigMuscle, RigSpecimen
+from .protocol import RigRun
 
 
-def elastic_force(specimen: Specimen, energy: Callable[[Array, Array], Array], eps: Array) -> Array:
+def elastic_force(specimen: RigSpecimen, energy: Callable[[Array, Array], Array], eps: Array) -> Array:
     """Virtual work: F_t = (1/L0) dU/d(eps), (m,) in N, taken off the pull, of an energy density W in MPa.
 
     W is a function of hoop and axial stretch, and U is W times the rubber's volume 2 pi r0 L0 t; the
@@ -35,7 +35,7 @@ def hoop_energy(hoop: Array, axial: Array) -> Array:
     return 0.5 * (hoop - 1) ** 2
 
 
-def bladder_hoop(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def bladder_hoop(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Hoop energy in closed form, F_t = (2a/3) pi r0 t E (1 - eps)(1 - r0/r); size E in MPa."""
     s = m.specimen
     a = 3 / np.tan(np.radians(s.braid_angle_deg)) ** 2
@@ -43,7 +43,7 @@ def bladder_hoop(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settin
     return {}, scaled(-front * (1 - c.eps) * (1 - s.initial_radius_mm / s.radius(c.eps)))
 
 
-def bladder_mooney(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def bladder_mooney(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Incompressible Mooney-Rivlin tube, thinned as it widens; size 6 (C1 + C2) = E in MPa."""
     share = rng.uniform(0.0, 0.35)
 
@@ -56,7 +56,7 @@ def bladder_mooney(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Sett
     return {"C2_share": share}, scaled(-elastic_force(m.specimen, energy, c.eps))
 
 
-def bladder_gent(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def bladder_gent(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Gent 1996: -(mu/2) Jm log(1 - (I1 - 3)/Jm), chains run out of stretch; size 3 mu = E in MPa."""
     jm = rng.uniform(4.0, 12.0)
 
@@ -67,7 +67,7 @@ def bladder_gent(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settin
     return {"Jm": jm}, scaled(-elastic_force(m.specimen, energy, c.eps))
 
 
-def wall_thick(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def wall_thick(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Chou and Hannaford's thick wall: pi p [D90 t (2 sin - 1/sin) - t^2]; size t in mm."""
     sine0 = np.sin(np.radians(m.specimen.braid_angle_deg))
     sine = np.sqrt(1 - m.specimen.cosine(c.eps) ** 2)
@@ -75,22 +75,22 @@ def wall_thick(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings
     return {}, lambda t: np.pi * c.pressure * (d90 * t * (2 * sine - 1 / sine) - t**2)
 
 
-def _at_pressure(c: Course, m: Muscle, p: Array) -> Array:
+def _at_pressure(c: RigRun, m: RigMuscle, p: Array) -> Array:
     return m.force(p, c.eps) - m.force(c.pressure, c.eps)
 
 
-def threshold_hard(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def threshold_hard(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> max(p - p_th, 0); size p_th in MPa."""
     return {}, lambda size: _at_pressure(c, m, np.maximum(c.pressure - size, 0.0))
 
 
-def threshold_soft(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def threshold_soft(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> w log(1 + exp((p - p_th)/w)): the bladder meets the braid bit by bit."""
     w = rng.uniform(0.01, 0.03)
     return {"width_MPa": w}, lambda size: _at_pressure(c, m, w * np.logaddexp(0.0, (c.pressure - size) / w))
 
 
-def threshold_stretching(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def threshold_stretching(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The wider the braid, the more the bladder must be stretched to touch it: p_th grows along the stroke."""
     growth = rng.uniform(0.2, 0.6) / float(c.eps.max())
     return {"growth": growth}, lambda size: _at_pressure(
@@ -98,12 +98,12 @@ def threshold_stretching(c: Course, m: Muscle, rng: np.random.Generator) -> tupl
     )
 
 
-def threshold_rational(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def threshold_rational(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> p^2/(p + p_th)."""
     return {}, lambda size: _at_pressure(c, m, c.pressure**2 / (c.pressure + size))
 
 
-def _given_way(c: Course, m: Muscle, give: Callable[[Array], Array]) -> Array:
+def _given_way(c: RigRun, m: RigMuscle, give: Callable[[Array], Array]) -> Array:
     """Solves eps_m = eps + give(F(p, eps_m)) and returns the change of force."""
     eps = c.eps.copy()
     for _ in range(60):
@@ -111,17 +111,17 @@ def _given_way(c: Course, m: Muscle, give: Callable[[Array], Array]) -> Array:
     return m.force(c.pressure, eps) - m.force(c.pressure, c.eps)
 
 
-def compliance_linear(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def compliance_linear(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Fixture of stiffness K in series: eps_m = eps + F/(K L0); size 1/K in mm/kN."""
     return {}, lambda size: _given_way(c, m, lambda f: size * 1e-3 * f / c.length_mm)
 
 
-def compliance_contact(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def compliance_contact(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Hertzian seat: the give goes with F^(2/3)."""
     return {}, lambda size: _given_way(c, m, lambda f: size * (np.maximum(f, 0.0) / 1e3) ** (2 / 3) / c.length_mm)
 
 
-def compliance_stiffening(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def compliance_stiffening(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Clevis play and threads that bed in: F/(1 + F/F1), F1 0.8..2 kN."""
     f1 = rng.uniform(800.0, 2000.0)
 
@@ -131,34 +131,34 @@ def compliance_stiffening(c: Course, m: Muscle, rng: np.random.Generator) -> tup
     return {"F1_N": f1}, lambda size: _given_way(c, m, give(size))
 
 
-def _at_contraction(c: Course, m: Muscle, eps: Array) -> Array:
+def _at_contraction(c: RigRun, m: RigMuscle, eps: Array) -> Array:
     return m.force(c.pressure, eps) - m.force(c.pressure, c.eps)
 
 
-def taper_scale(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def taper_scale(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """eps -> (1 + size) eps: the ends do not contract."""
     return {}, lambda size: _at_contraction(c, m, (1 + size) * c.eps)
 
 
-def taper_saturating(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def taper_saturating(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The scale fades with contraction: eps (1 + size exp(-eps/eps1))."""
     fade = rng.uniform(0.05, 0.15)
     return {"eps1": fade}, lambda size: _at_contraction(c, m, c.eps * (1 + size * np.exp(-c.eps / fade)))
 
 
-def offset_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def offset_length(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """eps -> eps - size."""
     return {}, lambda size: _at_contraction(c, m, c.eps - size)
 
 
-def braid_stretch(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def braid_stretch(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-4 pi^2 r0^4 p^2 cos/(sin^4 EA), the sine at rest; size 1e6/EA in 1/N."""
     cos = m.specimen.cosine(c.eps)
     shape = cos / (1 - m.specimen.cosine(np.zeros(1)) ** 2) ** 2
     return {}, scaled(-4e-6 * np.pi**2 * m.specimen.initial_radius_mm**4 * c.pressure**2 * shape)
 
 
-def bias_constant(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def bias_constant(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Load cell off zero; size in N."""
     return {}, scaled(np.ones_like(c.eps))
 

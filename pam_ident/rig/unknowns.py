@@ -10,28 +10,28 @@ from __future__ import annotations
 import numpy as np
 
 from .friction import Force, Form, Settings, direction, scaled
-from .muscle import Array, Muscle
-from .protocol import Course
+from .muscle import Array, RigMuscle
+from .protocol import RigRun
 
 
 def _phase(rng: np.random.Generator) -> float:
     return rng.uniform(0.0, 2 * np.pi)
 
 
-def ripple_sine(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def ripple_sine(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Once a turn of the spindle, pitch 2..10 mm."""
     pitch, at = rng.uniform(2.0, 10.0), _phase(rng)
     return {"pitch_mm": pitch}, scaled(np.sin(2 * np.pi * c.eps * c.length_mm / pitch + at))
 
 
-def ripple_loaded(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def ripple_loaded(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The same, growing with the load."""
     pitch, at = rng.uniform(2.0, 10.0), _phase(rng)
     load = m.force(c.pressure, c.eps)
     return {"pitch_mm": pitch}, scaled(np.sin(2 * np.pi * c.eps * c.length_mm / pitch + at) * load / np.max(load))
 
 
-def ripple_harmonics(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def ripple_harmonics(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A worn thread: the pitch and its second harmonic."""
     pitch, at, more = rng.uniform(4.0, 10.0), _phase(rng), rng.uniform(0.3, 0.7)
     turn = 2 * np.pi * c.eps * c.length_mm / pitch + at
@@ -39,7 +39,7 @@ def ripple_harmonics(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Se
 
 
 def _beat(shortest_s: float, longest_s: float, words: str) -> Form:
-    def form(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    def form(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
         period, at = rng.uniform(shortest_s, longest_s), _phase(rng)
         return {"period_s": period}, scaled(np.sin(2 * np.pi * c.time / period + at))
 
@@ -47,19 +47,19 @@ def _beat(shortest_s: float, longest_s: float, words: str) -> Form:
     return form
 
 
-def pump_ripple(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def pump_ripple(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The compressor starts and stops: a pressure wave in the muscle that the damped gauge hides."""
     period, at = rng.uniform(10.0, 60.0), _phase(rng)
     return {"period_s": period}, scaled(_pull_of_pressure(c, m) * np.sin(2 * np.pi * c.time / period + at))
 
 
-def _place(c: Course, rng: np.random.Generator) -> tuple[float, float]:
+def _place(c: RigRun, rng: np.random.Generator) -> tuple[float, float]:
     """Centre and half width (contraction) of a bump inside the middle strokes."""
     top = float(np.median([c.eps[c.isobar == i].max() for i in np.unique(c.isobar)]))
     return top * rng.uniform(0.3, 0.7), top * rng.uniform(0.05, 0.12)
 
 
-def _bump(c: Course, centre: float, width: float, shape: str) -> Array:
+def _bump(c: RigRun, centre: float, width: float, shape: str) -> Array:
     u = (c.eps - centre) / width
     if shape == "gaussian":
         return np.exp(-0.5 * u**2)
@@ -68,7 +68,7 @@ def _bump(c: Course, centre: float, width: float, shape: str) -> Array:
 
 
 def _rub(shape: str, odd: bool) -> Form:
-    def form(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    def form(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
         centre, width = _place(c, rng)
         way = -direction(c, 0.5) if odd else -1.0
         return {"centre": centre, "width": width}, scaled(way * _bump(c, centre, width, shape))
@@ -77,7 +77,7 @@ def _rub(shape: str, odd: bool) -> Form:
     return form
 
 
-def two_rubs(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def two_rubs(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A second place, weaker."""
     first, width = _place(c, rng)
     second, weight = 0.4 * first, rng.uniform(0.4, 0.8)
@@ -85,29 +85,29 @@ def two_rubs(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, 
     return {"centre": first, "second": second, "width": width}, scaled(-shape)
 
 
-def end_stop(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def end_stop(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A soft stop met late in the longest strokes: a kink, then a slope."""
     at = float(c.eps.max()) * rng.uniform(0.7, 0.85)
     return {"from": at}, scaled(-np.maximum(c.eps - at, 0.0) / 0.01)
 
 
-def fold_snaps(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def fold_snaps(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A fold of the bladder opens at one contraction and closes there again: the force jumps, within a thousandth."""
     at = rng.uniform(0.3, 0.6) * float(c.eps.max())
     return {"at": at}, scaled(0.5 * (1 + np.tanh((c.eps - at) / 1e-3)))
 
 
-def leaned_on(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def leaned_on(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Somebody leans on the bench for a while: one place in time."""
     when, long = _moment(c, rng), rng.uniform(0.01, 0.03) * float(c.time[-1])
     return {"time_s": when, "long_s": long}, scaled(np.exp(-0.5 * ((c.time - when) / long) ** 2))
 
 
-def _moment(c: Course, rng: np.random.Generator) -> float:
+def _moment(c: RigRun, rng: np.random.Generator) -> float:
     return float(c.time[c.rows[int(rng.uniform(0.25, 0.75) * len(c.rows))]])
 
 
-def slip_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def slip_length(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The mount slips: from then on the true contraction differs from the measured; size in mm."""
     when = _moment(c, rng)
     after = c.time >= when
@@ -116,62 +116,62 @@ def slip_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Setting
     }, lambda size: after * (m.force(c.pressure, c.eps - size / c.length_mm) - m.force(c.pressure, c.eps))
 
 
-def slip_load(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def slip_load(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The load cell's zero jumps."""
     when = _moment(c, rng)
     return {"time_s": when}, scaled((c.time >= when) * float(rng.choice([-1.0, 1.0])))
 
 
-def gauge_jump(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def gauge_jump(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The pressure gauge's zero jumps, so that the muscle holds another pressure from then on; size in N."""
     when = _moment(c, rng)
     return {"time_s": when}, scaled((c.time >= when) * _pull_of_pressure(c, m))
 
 
-def cell_jump(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def cell_jump(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The load cell's sensitivity jumps; size its relative change."""
     when = _moment(c, rng)
     return {"time_s": when}, scaled((c.time >= when) * float(rng.choice([-1.0, 1.0])) * m.force(c.pressure, c.eps))
 
 
-def _pull_of_pressure(c: Course, m: Muscle) -> Array:
+def _pull_of_pressure(c: RigRun, m: RigMuscle) -> Array:
     slope = m.pressure_slope(c.pressure, c.eps)
     return slope / float(np.max(np.abs(slope)))
 
 
-def _wandering(c: Course, rng: np.random.Generator) -> Array:
+def _wandering(c: RigRun, rng: np.random.Generator) -> Array:
     """From 0 at the first sample to 1 or −1 at the last, shape (m,)."""
     return float(rng.choice([-1.0, 1.0])) * c.time / c.time[-1]
 
 
-def wandering_zero(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def wandering_zero(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The pressure gauge's zero wanders, and the true pressure with it."""
     return {}, scaled(_wandering(c, rng) * _pull_of_pressure(c, m))
 
 
-def wandering_gain(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def wandering_gain(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The same of the pressure gauge's sensitivity."""
     pull = c.pressure / float(np.max(c.pressure)) * _pull_of_pressure(c, m)
     return {}, scaled(_wandering(c, rng) * pull)
 
 
-def wandering_length(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def wandering_length(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The clamp creeps: the true contraction moves away from the measured; size in mm by the end."""
     away = _wandering(c, rng) / c.length_mm
     return {}, lambda size: m.force(c.pressure, c.eps - size * away) - m.force(c.pressure, c.eps)
 
 
-def wandering_cell(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def wandering_cell(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The load cell's sensitivity wanders; size its relative change by the end."""
     return {}, scaled(_wandering(c, rng) * m.force(c.pressure, c.eps))
 
 
-def tiring(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def tiring(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Something beside the muscle softens all the while: a stiffness that grows or falls with time."""
     return {}, scaled(_wandering(c, rng) * c.eps / float(c.eps.max()))
 
 
-def slip_and_back(c: Course, m: Muscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+def slip_and_back(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The zero jumps and jumps back after a tenth to a quarter of the record."""
     when = _moment(c, rng)
     until = when + rng.uniform(0.1, 0.25) * float(c.time[-1])

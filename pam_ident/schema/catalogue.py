@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ..effects import Effect
     from ..laws import Law
     from ..records.inspection import Inspection
-    from ..validation.check_effects import Problem
+    from ..validation.check_effects import BrokenPromise
 
 Json = dict[str, Any]
 
@@ -37,7 +37,7 @@ def laws_json(laws: Sequence["Law"]) -> Json:
     }
 
 
-def effects_json(effects: Sequence["Effect"], problems: Sequence["Problem"] | None = None) -> Json:
+def effects_json(effects: Sequence["Effect"], problems: Sequence["BrokenPromise"] | None = None) -> Json:
     """Schema pam-ident/effects/1; with `problems` also what effects do not keep of what an effect promises."""
     found: Json = {"schema": schema("effects"), "effects": [_effect(one) for one in effects]}
     if problems is not None:

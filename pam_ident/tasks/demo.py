@@ -24,7 +24,7 @@ STAGES = (
 
 
 @dataclass(frozen=True)
-class Stage:
+class DemoPart:
     """One data set of the demonstration: what it is, and all that was found."""
 
     data_set: str
@@ -42,25 +42,25 @@ class Stage:
 class Demo:
     """The stages, and the report that was written."""
 
-    stages: tuple[Stage, ...]
+    stages: tuple[DemoPart, ...]
     path: Path
 
 
-def demo(out: str = "pam-ident-demo", done: Callable[[Stage], None] | None = None) -> Demo:
+def demo(out: str = "pam-ident-demo", done: Callable[[DemoPart], None] | None = None) -> Demo:
     """Run the stages and write one HTML report into the folder `out`, which is made; `done` is told each stage.
 
     Raises UsageError where the data sets were not installed.
     """
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
-    stages: list[Stage] = []
+    stages: list[DemoPart] = []
     records: dict[str, Record] = {}
     for name, setup, about in STAGES:
         path = dataset_record(name)
         record = setup.read(path)
         records[f"{name}/{path.name}"] = record
         with part(name):
-            stage = Stage(name, about, build_section(setup.model, record))
+            stage = DemoPart(name, about, build_section(setup.model, record))
         stages.append(stage)
         if done is not None:
             done(stage)

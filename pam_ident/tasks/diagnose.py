@@ -17,7 +17,23 @@ Answer = Diagnosis | PamError
 
 
 def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
-    """Which effect `setup.model` lacks on a record. Raises FitError or DataError."""
+    """Which effect `setup.model` lacks on a record.
+
+    Args:
+        record: what the model is held against.
+        setup: the law, and effects that are known already.
+
+    Raises:
+        FitError, DataError: where the record cannot be fitted at all.
+
+    Example:
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> from pam_ident.tasks.diagnose import diagnose_record
+        >>> from pam_ident.tasks.setup import Setup
+        >>> setup = Setup("exponential_law")
+        >>> print(diagnose_record(setup.read(dataset_record("nothing_hidden")), setup).sentence)
+        exponential_law leaves 2.08 N rms; the noise is about 2.01 N. Nothing is missing that this record could show.
+    """
     return diagnose(setup.model, record, setup.extra, setup.without, setup.only)
 
 

@@ -129,8 +129,24 @@ class FitAnswer:
 def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> FitAnswer:
     """Fit `setup.model` to the branches asked for, all pressures at once, or isobar by isobar and then over pressure.
 
-    Raises UsageError for a parameter to hold that the model lacks, FitError when the record cannot identify the law
-    at all, DataError when it lacks the branch.
+    Args:
+        record: what is fitted.
+        setup: the law and its effects.
+        wishes: branches, method, weights and intervals; by default both branches together, at once, alike, linear.
+
+    Raises:
+        UsageError: for a parameter to hold that the model lacks.
+        FitError: when the record cannot identify the law at all.
+        DataError: when it lacks the branch, or what an effect needs.
+
+    Example:
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> from pam_ident.tasks.fit import fit_record
+        >>> from pam_ident.tasks.setup import Setup
+        >>> setup = Setup("martens_boblan")
+        >>> answer = fit_record(setup.read(dataset_record("dmsp20_300")), setup)
+        >>> print(f"{answer.fits['together'].rmse:.2f} N rms; problems: {answer.problems}")
+        3.21 N rms; problems: []
     """
     wishes = wishes or Wishes()
     branches = branch_names(wishes.branch)

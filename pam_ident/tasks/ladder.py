@@ -11,7 +11,24 @@ from .setup import Setup
 
 
 def climb_ladder(record: Record, setup: Setup) -> Ladder:
-    """The ladder from `setup.model` up. Raises FitError or DataError where the record cannot be fitted at all."""
+    """The ladder from `setup.model` up: diagnose, add, diagnose again.
+
+    Args:
+        record: what the model is held against.
+        setup: the law, and effects that are known already.
+
+    Raises:
+        FitError, DataError: where the record cannot be fitted at all.
+
+    Example:
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> from pam_ident.tasks.ladder import climb_ladder
+        >>> from pam_ident.tasks.setup import Setup
+        >>> setup = Setup("exponential_law")
+        >>> found = climb_ladder(setup.read(dataset_record("nothing_hidden")), setup)
+        >>> print(len(found.rungs), "rung,", found.last.verdict, f"at {found.noise_floor:.1f} N")
+        1 rung, adequate at 2.0 N
+    """
     return climb(setup.model, record, setup.extra, setup.without, setup.only)
 
 

@@ -16,11 +16,24 @@ FORMATS = ("html", "md", "pdf")
 
 
 def report_record(path: str, setup: Setup, out: str = "report.html", kind: str | None = None) -> Story:
-    """Write the report of one record to `out` and return its story.
+    """Write the report of one record to a file and return its story.
 
-    `kind` is html, md or pdf, by default what the name ends in, and html where it has no ending. Figures of an md lie
-    beside it in a folder, NAME_figures. Raises DataError, FitError or UsageError, the latter before any work is done
-    where `out` cannot be written or a PDF not be printed.
+    Args:
+        path: of the record.
+        setup: the law, and effects that are known already.
+        out: the file to write. Figures of an md lie beside it in a folder, NAME_figures.
+        kind: html, md or pdf; by default what `out` ends in, and html where it has no ending.
+
+    Raises:
+        DataError, FitError: where the record cannot be read or fitted.
+        UsageError: where `out` cannot be written or a PDF not be printed; before any work is done.
+
+    Example:
+        >>> from pam_ident.records.datasets import dataset_record
+        >>> from pam_ident.tasks.report import report_record
+        >>> from pam_ident.tasks.setup import Setup
+        >>> print(report_record(str(dataset_record("nothing_hidden")), Setup("exponential_law"), "report.html").title)
+        nothing_hidden: exponential_law against the measurement
     """
     target = check_target(out, tuple(SUFFIXES) if kind is None and Path(out).suffix else ())
     chosen = kind or SUFFIXES.get(target.suffix.lower(), "html")

@@ -23,10 +23,21 @@ def load(record: str | Path, specimen: str | Path | Specimen | None = None) -> R
 
 @dataclass(frozen=True)
 class Setup:
-    """A law by name with effects (`name` or `name:form`), the user's own effect files, and the specimen's file.
+    """What a task is asked: a law by name with effects, the user's own effect files, and the specimen's file.
 
-    Without `specimen` each record takes the `specimen.toml` beside it. `free_geometry` lets radius and braid angle
-    be fitted. A diagnosis does not try the effects `without`, and no others than `only` where these are given.
+    Args:
+        law: name of a law of the catalogue.
+        effects: `name` or `name:form` each.
+        effect_files: Python files that define effects of the user's own.
+        free_geometry: whether radius and braid angle are fitted, too.
+        specimen: file of the muscle; without it each record takes the `specimen.toml` beside it.
+        without, only: names of effects that a diagnosis does not try, or the only ones that it tries.
+
+    Example:
+        >>> from pam_ident.tasks.setup import Setup
+        >>> setup = Setup("chou_hannaford", ("creep",), free_geometry=True)
+        >>> print(setup.command("fit", "run.csv"))
+        pam-ident fit run.csv --law chou_hannaford --effect creep --free-geometry
     """
 
     law: str

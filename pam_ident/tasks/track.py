@@ -23,7 +23,7 @@ PAPER = Window(0.6, 0.2)
 
 
 @dataclass(frozen=True)
-class Wishes:
+class TrackOptions:
     """What `track` is asked; files by path, cadence in Hz, gains in MPa and rad, supply in MPa gauge, load in kg.
 
     Without `plant` and `controller` both are those of the data set `leg_muscle`; with one of them, both are that one.
@@ -51,7 +51,7 @@ class Wishes:
             raise UsageError(f"--load {self.load_kg}: expected a mass of 0 kg or more")
 
 
-def track_leg(wishes: Wishes) -> Track:
+def track_leg(wishes: TrackOptions) -> Track:
     """The tracking error of plain PID and of every rung. Raises DataError, UsageError for files that will not do."""
     plant, controllers = _muscles(wishes)
     leg = replace(LEG, load_mass_kg=wishes.load_kg)
@@ -62,7 +62,7 @@ def track_leg(wishes: Wishes) -> Track:
     return track(loop, controllers, course, gains, prototype=wishes.prototype)
 
 
-def _muscles(wishes: Wishes) -> tuple[Muscle, list[Muscle]]:
+def _muscles(wishes: TrackOptions) -> tuple[Muscle, list[Muscle]]:
     extra = load_effect_files(wishes.effect_files)
     specimen = read_specimen(wishes.specimen) if wishes.specimen is not None else None
     plant, controller = wishes.plant or wishes.controller, wishes.controller or wishes.plant
@@ -72,7 +72,7 @@ def _muscles(wishes: Wishes) -> tuple[Muscle, list[Muscle]]:
     return Muscle.read(plant, specimen, extra)[-1], Muscle.read(controller, specimen, extra)
 
 
-def _gait(wishes: Wishes) -> Gait:
+def _gait(wishes: TrackOptions) -> Gait:
     path = dataset_path("gait") / GAITS[wishes.gait] if wishes.gait in GAITS else Path(wishes.gait)
     if not path.is_file():
         raise UsageError(f"--gait {wishes.gait}: expected {', '.join(GAITS)} or a CSV file with a column knee_deg")

@@ -21,7 +21,7 @@ FURTHEST = 4.0
 
 
 @dataclass(frozen=True)
-class Score:
+class Digits:
     """Digits reached on one certified problem from one of its starts."""
 
     name: str
@@ -59,7 +59,7 @@ class Recovery:
 class SelfTest:
     """What was tried and whether all of it came out."""
 
-    problems: tuple[Score, ...]
+    problems: tuple[Digits, ...]
     recovery: Recovery
 
     @property
@@ -74,12 +74,12 @@ def selftest() -> SelfTest:
     return SelfTest(tuple(_score(*one) for one in steps(asked, "certified problems")), _recover())
 
 
-def _score(one: Certified, start: int) -> Score:
+def _score(one: Certified, start: int) -> Digits:
     problem = one.problem(start)
     values = VariableProjection().solve(problem).values
     variance = np.diag(covariance(problem.jacobian(values), problem.residual(values)).matrix)
     errors = dict(zip([p.name for p in problem.params], np.sqrt(variance), strict=True))
-    return Score(one.name, start, one.digits(values), one.digits_stderr(errors))
+    return Digits(one.name, start, one.digits(values), one.digits_stderr(errors))
 
 
 def _recover() -> Recovery:

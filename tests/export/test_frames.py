@@ -13,7 +13,7 @@ from pam_ident.core import DataError, UsageError
 from pam_ident.diagnosis import compare
 from pam_ident.export.frames import residuals, to_frame
 from pam_ident.leg.muscle import Muscle
-from pam_ident.leg.track import Rung, Track, Tracking
+from pam_ident.leg.track import Track, Tracking, TrackRung
 from pam_ident.records import read_record, record_from_frame
 from pam_ident.records.datasets import dataset_path
 
@@ -112,7 +112,9 @@ def test_a_track_is_a_table_of_controllers():
         return Tracking(time, np.zeros(200), size * np.sin(2.0 * np.pi * time), both, both)
 
     muscle = Muscle.read(dataset_path("leg_muscle") / "ladder.json")[0]
-    found = Track(None, None, None, None, run(4.0), run(2.0), (Rung(muscle, run(1.0), (0.3, 0.5)),), run(0.5), None)
+    found = Track(
+        None, None, None, None, run(4.0), run(2.0), (TrackRung(muscle, run(1.0), (0.3, 0.5)),), run(0.5), None
+    )
     frame = to_frame(found)
     assert list(frame["rms_deg"]) == pytest.approx(np.array([4.0, 2.0, 1.0, 0.5]) / np.sqrt(2.0))
     assert list(frame["controller"])[2] == "PID + chou_hannaford" and frame["rms_high_deg"][2] == 0.5

@@ -13,7 +13,7 @@ from pam_ident.core import Specimen
 from pam_ident.diagnosis import compare
 from pam_ident.fitting import fit
 from pam_ident.leg.muscle import Muscle
-from pam_ident.leg.track import Rung, Track, Tracking
+from pam_ident.leg.track import Track, Tracking, TrackRung
 from pam_ident.model import Model
 from pam_ident.records.datasets import dataset_path
 
@@ -36,7 +36,7 @@ def track():
         return Tracking(time, np.zeros(200), size * np.sin(2.0 * np.pi * time), both, both)
 
     muscle = Muscle.read(dataset_path("leg_muscle") / "ladder.json")[0]
-    return Track(None, None, None, None, run(4.0), run(2.0), (Rung(muscle, run(1.0), (0.3, 0.5)),), run(0.5), None)
+    return Track(None, None, None, None, run(4.0), run(2.0), (TrackRung(muscle, run(1.0), (0.3, 0.5)),), run(0.5), None)
 
 
 @pytest.fixture

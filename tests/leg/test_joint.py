@@ -9,14 +9,14 @@ from scipy.integrate import solve_ivp
 from pam_ident.leg import gait as gaits
 from pam_ident.leg.anatomy import LEG
 from pam_ident.leg.arrays import jax, jnp
-from pam_ident.leg.gait import Motion, Swing
+from pam_ident.leg.gait import LegAngles, Swing
 from pam_ident.leg.joint import acceleration, inverse, passive_torque
 
 GAIT = gaits.winter()
 LOADED = replace(LEG, load_mass_kg=1.5, load_torque_N_m=2.0)
 OILED = replace(LEG, damping_N_m_s=4.0)
 """Enough damping that a torque given in advance keeps the knee between its stops."""
-REST = Motion(*[Swing(0.0, 0.0, 0.0)] * 3)
+REST = LegAngles(*[Swing(0.0, 0.0, 0.0)] * 3)
 
 
 def turned(angle, point):

@@ -11,7 +11,7 @@ from pam_ident.leg.control import Gains
 from pam_ident.leg.course import Course
 from pam_ident.leg.gait import Window, winter
 from pam_ident.leg.loop import Loop
-from pam_ident.leg.spread import Spread
+from pam_ident.leg.spread import ParameterSpread
 from pam_ident.leg.track import SAMPLES, Tracking, _Reduced
 
 GAINS = Gains(2.0, 1.0, 0.1)
@@ -20,13 +20,13 @@ GAINS = Gains(2.0, 1.0, 0.1)
 def test_three_parameters_of_which_one_is_known():
     """Σ11 − Σ12 Σ22⁻¹ Σ21 written out: a 2 × 2 left of a 3 × 3, a number left of a 2 × 2."""
     matrix = np.array([[4.0, 1.0, 2.0], [1.0, 9.0, 3.0], [2.0, 3.0, 16.0]])
-    left = Spread(("a", "b", "c"), matrix).given(("c",))
+    left = ParameterSpread(("a", "b", "c"), matrix).given(("c",))
     assert left.names == ("a", "b")
     expected = [[4.0 - 2.0 * 2.0 / 16.0, 1.0 - 2.0 * 3.0 / 16.0], [1.0 - 2.0 * 3.0 / 16.0, 9.0 - 3.0 * 3.0 / 16.0]]
     assert left.matrix == pytest.approx(np.array(expected))
-    small = Spread(("a", "b"), np.array([[4.0, 3.0], [3.0, 9.0]])).given(("b",))
+    small = ParameterSpread(("a", "b"), np.array([[4.0, 3.0], [3.0, 9.0]])).given(("b",))
     assert small.matrix == pytest.approx(np.array([[4.0 - 9.0 / 9.0]]))
-    assert Spread(("a", "b"), np.eye(2)).given(()).matrix == pytest.approx(np.eye(2))
+    assert ParameterSpread(("a", "b"), np.eye(2)).given(()).matrix == pytest.approx(np.eye(2))
 
 
 def test_draws_have_the_covariance_and_keep_the_bounds():
@@ -37,7 +37,7 @@ def test_draws_have_the_covariance_and_keep_the_bounds():
         Param("c", "N", "three"),
     ]
     normal = np.random.default_rng(2).standard_normal((40_000, 2))
-    found = Spread(("a", "b"), matrix).draws({"a": 1.0, "b": 3.0, "c": 7.0}, params, normal)
+    found = ParameterSpread(("a", "b"), matrix).draws({"a": 1.0, "b": 3.0, "c": 7.0}, params, normal)
     assert np.var(found["a"]) == pytest.approx(4.0, rel=0.03) and np.mean(found["a"]) == pytest.approx(1.0, abs=0.04)
     assert found["b"].min() == 2.5  # 0.5 below the value, which 31 % of normal draws pass
     assert np.mean(found["b"] == 2.5) == pytest.approx(0.3085, abs=0.01)
@@ -57,7 +57,7 @@ def bench():
 
 def with_spread(muscle, share):
     size = (share * muscle.contraction["a1"]) ** 2
-    spread = Spread(("a1", "b0"), np.diag([size, (share * muscle.contraction["b0"]) ** 2]))
+    spread = ParameterSpread(("a1", "b0"), np.diag([size, (share * muscle.contraction["b0"]) ** 2]))
     return replace(muscle, spreads=(spread, spread))
 
 

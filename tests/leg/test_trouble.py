@@ -8,7 +8,7 @@ import pytest
 from pam_ident.leg.anatomy import LEG
 from pam_ident.leg.control import Gains
 from pam_ident.leg.course import Course
-from pam_ident.leg.feed_forward import FeedForward, Plan
+from pam_ident.leg.feed_forward import FeedForward, PressurePlan
 from pam_ident.leg.gait import winter
 from pam_ident.leg.loop import Log, Loop, Scale, Task
 from pam_ident.leg.pair import SUPPLY
@@ -27,7 +27,9 @@ def log_of(**given):
 
 def plan_made(**given):
     pairs = np.ones((N, 2))
-    return Plan(0.1 * pairs, 0.3 * pairs, 0.3 * pairs, np.full(N, 10.0), np.zeros(N), 0.1 * pairs)._replace(**given)
+    return PressurePlan(0.1 * pairs, 0.3 * pairs, 0.3 * pairs, np.full(N, 10.0), np.zeros(N), 0.1 * pairs)._replace(
+        **given
+    )
 
 
 def from_sample(calm, first, bad, last=N, muscle=None):
@@ -100,7 +102,7 @@ def kinds_of_plan(pair, cadence=1.0):
     course = Course(winter(cadence))
     sets = {branch: {k: np.full(1, v) for k, v in one.items()} for branch, one in pair.muscle.values().items()}
     plan = course.plans(FeedForward(pair), sets)
-    return {t.kind: t for t in plan_troubles(Plan(*(a[0] for a in plan)), course.judged)}, course
+    return {t.kind: t for t in plan_troubles(PressurePlan(*(a[0] for a in plan)), course.judged)}, course
 
 
 def test_a_heavy_load_asks_torque_that_is_missing(pair):

@@ -17,7 +17,7 @@ from pam_ident.diagnosis.nouns import Pattern
 from pam_ident.fitting import fit, fit_isobars
 from pam_ident.leg.anatomy import KNEE
 from pam_ident.leg.muscle import Muscle
-from pam_ident.leg.track import Rung, Tracking
+from pam_ident.leg.track import Tracking, TrackRung
 from pam_ident.model import Model
 from pam_ident.plot import batch_spread, batch_trend, failure_map, loop_diagram, style, tracking
 from pam_ident.records.datasets import dataset_path
@@ -49,7 +49,7 @@ def run(error):
 
 def track():
     muscles = Muscle.read(dataset_path("leg_muscle") / "ladder.json")
-    rungs = tuple(Rung(m, run(3.0 * 0.5**k), (2.0 * 0.5**k, 2.5 * 0.5**k)) for k, m in enumerate(muscles))
+    rungs = tuple(TrackRung(m, run(3.0 * 0.5**k), (2.0 * 0.5**k, 2.5 * 0.5**k)) for k, m in enumerate(muscles))
     return SimpleNamespace(pid_by_hand=run(4.0), pid=run(2.0), rungs=rungs)
 
 

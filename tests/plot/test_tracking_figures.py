@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pam_ident.leg.muscle import Muscle
-from pam_ident.leg.track import Rung, Tracking
+from pam_ident.leg.track import Tracking, TrackRung
 from pam_ident.plot import loop_diagram, to_svg, tracking
 from pam_ident.records.datasets import dataset_path
 
@@ -24,7 +24,7 @@ def track():
     """Runs made up, with sines of 4°, 2°, 1°, … as errors; the models are the embedded ladder's."""
     muscles = Muscle.read(dataset_path("leg_muscle") / "ladder.json")[:3]
     bands = (None, (0.3, 0.5), (0.1, 0.2))
-    rungs = tuple(Rung(m, run_with(0.5**k), band) for k, (m, band) in enumerate(zip(muscles, bands, strict=True)))
+    rungs = tuple(TrackRung(m, run_with(0.5**k), band) for k, (m, band) in enumerate(zip(muscles, bands, strict=True)))
     return SimpleNamespace(pid_by_hand=run_with(4.0), pid=run_with(2.0), rungs=rungs)
 
 

@@ -8,12 +8,12 @@ import pytest
 
 from pam_ident.core import UsageError
 from pam_ident.rig import PROTOCOLS, Plan, Protocol, Secret, make_record
-from pam_ident.rig.muscle import ChouHannaford, Muscle, Specimen
+from pam_ident.rig.muscle import ChouHannaford, RigMuscle, RigSpecimen
 from pam_ident.rig.protocol_file import KEYS, read_protocol
 from pam_ident.tasks.rig import run_protocol
 
-SPECIMEN = Specimen()
-CHOU = Muscle(SPECIMEN, ChouHannaford(SPECIMEN))
+SPECIMEN = RigSpecimen()
+CHOU = RigMuscle(SPECIMEN, ChouHannaford(SPECIMEN))
 LEAST = "[protocol]\npressures_MPa = [0.2, 0.4]\nspeeds_mm_s = [5]\n"
 
 

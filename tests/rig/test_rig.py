@@ -22,14 +22,14 @@ from pam_ident.rig.friction import maxwell_slip
 from pam_ident.rig.hidden import EFFECTS, UNKNOWNS
 from pam_ident.rig.integrate import follow
 from pam_ident.rig.memory import FORMS as MEMORY
-from pam_ident.rig.muscle import ChouHannaford, Exponential, Muscle, Specimen
+from pam_ident.rig.muscle import ChouHannaford, Exponential, RigMuscle, RigSpecimen
 from pam_ident.rig.record import COLUMNS
-from pam_ident.rig.sensors import Sensors, ornstein_uhlenbeck
+from pam_ident.rig.sensors import RigSensors, ornstein_uhlenbeck
 from pam_ident.rig.statics import bladder_hoop, elastic_force, hoop_energy
 
-SPECIMEN = Specimen()
-EXPONENTIAL = Muscle(SPECIMEN, Exponential())
-CHOU = Muscle(SPECIMEN, ChouHannaford(SPECIMEN))
+SPECIMEN = RigSpecimen()
+EXPONENTIAL = RigMuscle(SPECIMEN, Exponential())
+CHOU = RigMuscle(SPECIMEN, ChouHannaford(SPECIMEN))
 KEYS = ["case", "law", "truth", "unknown", "tier", "blunt", "sigma", "noise_rms", "rmse_base", "n"]
 SMALL = Protocol(pressures_MPa=(0.2, 0.4), cycles_per_speed=1)
 
@@ -222,7 +222,7 @@ def _rows(record):
 @pytest.mark.parametrize("colour", ["white", "ar1", "ou", "slow"])
 def test_noise_has_its_rms(colour):
     time = np.arange(20000) * 0.1
-    noise = Sensors(3.0, colour).force_noise(time, rng(2))
+    noise = RigSensors(3.0, colour).force_noise(time, rng(2))
     assert np.std(noise) == pytest.approx(3.0, rel=0.12)
     neighbour = np.corrcoef(noise[1:], noise[:-1])[0, 1]
     assert (abs(neighbour) < 0.03) == (colour == "white")
@@ -268,7 +268,7 @@ def test_specimen_file_is_read_back(tmp_path):
     write_case(tmp_path / "x", record)
     table = tomllib.loads((tmp_path / "x" / "specimen.toml").read_text())["specimen"]
     assert table.pop("name") == "x"
-    assert Specimen(**table) == record.muscle.specimen != SPECIMEN
+    assert RigSpecimen(**table) == record.muscle.specimen != SPECIMEN
 
 
 def test_quotas_add_up():
@@ -281,14 +281,14 @@ def test_quotas_add_up():
 @pytest.mark.parametrize(
     "nonsense",
     [
-        lambda: Specimen(initial_radius_mm=0.0),
-        lambda: Specimen(braid_angle_deg=60.0),
+        lambda: RigSpecimen(initial_radius_mm=0.0),
+        lambda: RigSpecimen(braid_angle_deg=60.0),
         lambda: Protocol(pressures_MPa=()),
         lambda: Protocol(speeds_mm_s=(0.0,)),
         lambda: Protocol(hold_s=0.0),
         lambda: Plan(1, protocol="none"),
         lambda: Plan(1, sigma_N=0.0),
-        lambda: Sensors(colour="pink"),
+        lambda: RigSensors(colour="pink"),
         lambda: make_record(Plan(1, law="cubic")),
         lambda: make_record(Plan(1, secrets=(Secret("gravity"),))),
         lambda: make_record(Plan(1, secrets=(Secret("creep", "none"),))),

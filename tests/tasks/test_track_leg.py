@@ -14,7 +14,7 @@ from pam_ident.records import read_record
 from pam_ident.records.datasets import dataset_path, dataset_record
 from pam_ident.rig import Plan, make_record, write_case
 from pam_ident.tasks import track as track_leg
-from pam_ident.tasks.track import PAPER, Wishes
+from pam_ident.tasks.track import PAPER, TrackOptions
 
 FOLDER = dataset_path("leg_muscle")
 
@@ -82,7 +82,7 @@ def asked(monkeypatch):
 
 
 def test_without_files_the_embedded_ladder_runs_on_the_embedded_plant(asked):
-    track_leg.track_leg(Wishes())
+    track_leg.track_leg(TrackOptions())
     assert asked["loop"].pair.muscle.model.law.name == "exponential_law" and len(asked["controllers"]) == 8
     assert asked["course"].gait.cadence_Hz == 1.0 and asked["course"].window is None and asked["gains"] is None
     assert len(asked["course"].time) == 400 and asked["course"].judged == slice(200, 400)
@@ -90,7 +90,7 @@ def test_without_files_the_embedded_ladder_runs_on_the_embedded_plant(asked):
 
 def test_wishes_are_heard(asked):
     ladder = str(FOLDER / "ladder.json")
-    wishes = Wishes(
+    wishes = TrackOptions(
         controller=ladder, gait="children", cadence_Hz=0.8, paper=True, gains=(1.0, 2.0, 0.3), supply_MPa=0.5, load_kg=2
     )
     track_leg.track_leg(wishes)
@@ -106,4 +106,4 @@ def test_wishes_are_heard(asked):
 @pytest.mark.parametrize("wrong", [{"gains": (1.0, None, None)}, {"supply_MPa": 0.0}, {"load_kg": -1.0}])
 def test_what_cannot_be_is_refused(wrong):
     with pytest.raises(UsageError):
-        Wishes(**wrong)
+        TrackOptions(**wrong)
