@@ -17,6 +17,8 @@ from pam_ident.batch.cluster import work_on_cluster
 from pam_ident.batch.question import Item
 from pam_ident.batch.work import Done
 
+pytestmark = pytest.mark.long
+
 distributed = pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 COUNT = 40

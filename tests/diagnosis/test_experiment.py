@@ -162,7 +162,9 @@ def test_numbers_are_said_as_on_the_rig():
 def test_noise_that_is_coloured_throughout_can_be_expected_of_any_run(rubbing, clock):
     _, record, trial, verdict = rubbing
     slow = replace(trial.noise, share=1.0, memory=5.0, clock=clock, decay=np.full(len(record), 0.9))
-    for candidate in candidates(record, Model.build(CHOU), verdict.values):
+    found = candidates(record, Model.build(CHOU), verdict.values)
+    assert found
+    for candidate in found:
         inputs = candidate.strokes.inputs(record.specimen)
         expected = _expected(slow, inputs)
         assert np.all(expected.spread > 0.0) and np.all(np.isfinite(expected.whiten(np.ones(len(inputs)))))

@@ -108,6 +108,7 @@ def test_a_heavy_load_asks_torque_that_is_missing(pair):
     assert "torque" in told and course.time[course.judged][0] <= told["torque"].time_s < 2.0
 
 
+@pytest.mark.long
 def test_a_fast_gait_asks_air_that_the_valve_does_not_let_through(pair):
     assert "flow" in kinds_of_plan(pair, cadence=1.5)[0]
     assert not kinds_of_plan(pair, cadence=0.5)[0]

@@ -81,6 +81,7 @@ def test_its_gains_beat_a_crude_grid(loop, task, automatic):
     assert automatic.worst_deg <= errors(loop, task, JUDGED, grid).max(axis=1).min()
 
 
+@pytest.mark.long
 def test_the_same_seed_finds_the_same_gains(loop, task, monkeypatch):
     monkeypatch.setattr(tuning, "GENERATIONS", 1)
     one, again, other = (tune(loop, task, JUDGED, FIRST, seed).gains for seed in (1, 1, 2))

@@ -71,6 +71,7 @@ def intervals(record, effect, how, by):
     return {e.name: (e.low, e.high) for e in one.estimates if e.name != "mu"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", ["bootstrap", "profile"])
 def test_intervals_are_the_same_by_any_crew(record, effect, address, how):
     alone = intervals(record, effect, how, Crew())
@@ -89,6 +90,7 @@ def test_without_dask_processes_do_the_same(monkeypatch):
         crew.do_all(math.sqrt, [4.0], "roots", scheduler="tcp://127.0.0.1:1")
 
 
+@pytest.mark.long
 def test_what_a_task_raises_is_raised(address):
     with pytest.raises(ValueError, match=r"math domain error|nonnegative"):
         crew.do_all(math.sqrt, [4.0, -1.0], "roots", scheduler=address)
@@ -107,6 +109,7 @@ def test_a_crew_that_cannot_be_is_refused(who, word):
         Wishes(crew=who)
 
 
+@pytest.mark.long
 def test_a_scheduler_that_does_not_answer_is_told(monkeypatch):
     with pytest.raises(UsageError, match="no Dask scheduler answers"):
         crew.do_all(math.sqrt, [4.0], "roots", scheduler="tcp://127.0.0.1:9")

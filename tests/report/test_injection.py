@@ -141,6 +141,7 @@ def test_the_markdown_of_a_stranger_has_the_elements_of_a_friend_s(told):
 
 
 def test_the_figures_of_a_stranger_hold_no_element_of_his(told):
+    assert told["kind", "figures"]
     for kind, hostile in zip(told["kind", "figures"], told["hostile", "figures"], strict=True):
         one, other = (Elements(path.read_text(encoding="utf-8")) for path in (kind, hostile))
         assert other.drawn <= one.drawn

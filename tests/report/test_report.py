@@ -111,8 +111,8 @@ def test_loads_nothing(parsed, text):
 
 
 def test_svg_references_stay_inside_the_page(parsed, text):
-    for name in re.findall(r"url\(#([^)]+)\)", text):
-        assert name in parsed.ids
+    found = set(re.findall(r"url\(#([^)]+)\)", text))
+    assert found and found <= set(parsed.ids)
 
 
 def test_opens_with_the_verdict_in_words(parsed, diagnosis):
@@ -139,6 +139,7 @@ def test_opens_with_the_verdict_in_words(parsed, diagnosis):
     assert places == sorted(places)
 
 
+@pytest.mark.long
 def test_the_trace_of_several_effects_is_shown_apart_from_the_rungs(section):
     apart = replace(section, ladder=None)
     assert "The trace of the added effects" in render(Story("x", (apart,)))
@@ -204,6 +205,7 @@ def test_isobar_tables_have_the_shape_of_the_paper(record):
     assert "a0" in [row[0] for row in shown[3].rows]
 
 
+@pytest.mark.long
 def test_a_loop_that_gives_energy_back_is_named(section):
     wrong = replace(section, loop_model={0.3: -0.2, 0.5: 0.1})
     assert "gives energy back" in tables.loops(wrong).rows[0][3]
@@ -243,6 +245,7 @@ def test_hostile_names_stay_text(section, diagnosis):
     assert Page(text).open == []
 
 
+@pytest.mark.long
 def test_size_and_several_records(section, text):
     assert len(text.encode()) < 1_500_000
     many = render(Story("many", (section,) * 3, PROVENANCE))

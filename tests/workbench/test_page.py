@@ -37,6 +37,7 @@ def click(page, beginning):
     page.wait()
 
 
+@pytest.mark.long
 def test_the_story_from_verdict_to_adequate_and_back(folder):
     page = Workbench(folder / "record.csv")
     page.wait()
