@@ -348,6 +348,7 @@ def test_the_ladder_on_the_measured_map_falls_below_15_N_with_named_effects():
     assert ladder.rungs[-1].effects[0].startswith("bladder_elasticity")
 
 
+@LONG
 def test_the_same_record_gives_the_same_answer_twice(tmp_path):
     record = rig_record(tmp_path, seed=41, law=EXPONENTIAL, secrets=(Secret("creep", "prony_2", 2.0),))
     first, second = (diagnose(Model.build(EXPONENTIAL), record) for _ in range(2))

@@ -22,6 +22,7 @@ EXPONENTIAL, CHOU = "exponential_law", "modified_chou_hannaford"
 ONE_SPEED = Protocol(speeds_mm_s=(10.0,), hold_s=0.0, hold_rows=0)
 ONE_ISOBAR = Protocol((0.3,))
 FRICTIONS = {"coulomb_friction", "viscous_damping"}
+OVER_PRESSURE = {"coulomb_friction", "pressure_friction"}
 
 
 def rig_record(folder, plan: Plan) -> Record:
@@ -50,9 +51,9 @@ def rubbing(tmp_path_factory):
     ("law", "poor", "effect", "rivals", "lever"),
     [
         (EXPONENTIAL, ONE_SPEED, "coulomb_friction", FRICTIONS, "speed"),
-        (EXPONENTIAL, ONE_SPEED, "viscous_damping", FRICTIONS, "speed"),
-        (CHOU, ONE_ISOBAR, "pressure_friction", {"coulomb_friction", "pressure_friction"}, "pressure"),
-        (CHOU, ONE_ISOBAR, "coulomb_friction", {"coulomb_friction", "pressure_friction"}, "pressure"),
+        (CHOU, ONE_ISOBAR, "pressure_friction", OVER_PRESSURE, "pressure"),
+        pytest.param(EXPONENTIAL, ONE_SPEED, "viscous_damping", FRICTIONS, "speed", marks=pytest.mark.long),
+        pytest.param(CHOU, ONE_ISOBAR, "coulomb_friction", OVER_PRESSURE, "pressure", marks=pytest.mark.long),
     ],
 )
 def test_the_run_it_asks_for_names_the_right_one_alone(tmp_path, law, poor, effect, rivals, lever):

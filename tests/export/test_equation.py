@@ -17,7 +17,20 @@ from pam_ident.records import Specimen, build_record
 
 MODELS = [Model.build(name) for name in laws()]
 MODELS += [Model.build("sarosi", (f"{e.name}:{f.name}",)) for e in effects().values() for f in e.forms]
-EACH_MODEL = pytest.mark.parametrize("model", MODELS, ids=[m.labels[0] if m.terms else m.law.name for m in MODELS])
+FIRST = [f"{e.name}:{e.forms[0].name}" for e in effects().values()]
+EACH_MODEL = pytest.mark.parametrize(
+    "model",
+    [
+        pytest.param(
+            m,
+            id=m.labels[0] if m.terms else m.law.name,
+            marks=()
+            if not m.terms or f"{m.terms[0].effect.name}:{m.terms[0].form.name}" in FIRST
+            else pytest.mark.long,
+        )
+        for m in MODELS
+    ],
+)
 
 
 def parses(line: str) -> None:

@@ -144,7 +144,7 @@ def test_the_derivatives_that_jax_takes_are_those_of_finite_differences(law):
         return law.force(p + x[0], e + x[1], MUSCLE, dict(zip(names, x[2:], strict=True)))
 
     with jax.enable_x64(True):
-        slopes = jax.jacfwd(lambda x: force(x, jax.numpy.asarray(p), jax.numpy.asarray(e)))(jax.numpy.asarray(point))
+        slopes = jax.jit(jax.jacfwd(lambda x: force(x, *map(jax.numpy.asarray, (p, e)))))(jax.numpy.asarray(point))
         slopes = np.asarray(slopes)
     for k in range(len(point)):
         step = np.eye(len(point))[k] * (1e-4 * abs(point[k]) if k > 1 else 1e-4)

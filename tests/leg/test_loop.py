@@ -97,6 +97,7 @@ def test_one_command_is_a_batch_too(example, loop, task):
     assert log.flexion.shape == (1, len(task.target)) and np.array_equal(log.flexion[0], np.asarray(alone.flexion))
 
 
+@pytest.mark.long
 def test_a_loop_of_another_sensor_sees_its_steps(example, task):
     pair, _ = example
     coarse = Loop(pair, Sensor(bits=8))

@@ -125,7 +125,10 @@ def test_a_large_sprocket_asks_stroke_that_the_muscle_does_not_have(pair):
 
 @pytest.mark.parametrize(
     ("kind", "changes"),
-    [("slack", {"mean_MPa": 0.2}), ("supply", {"supply": replace(SUPPLY, pressure_Pa=0.25e6 + ATMOSPHERE)})],
+    [
+        ("slack", {"mean_MPa": 0.2}),
+        pytest.param("supply", {"supply": replace(SUPPLY, pressure_Pa=0.25e6 + ATMOSPHERE)}, marks=pytest.mark.long),
+    ],
 )
 def test_a_run_of_a_leg_that_is_asked_too_much(pair, task, kind, changes):
     """The moment is the first of three samples in a row of its own log."""

@@ -115,6 +115,7 @@ def test_a_scheduler_that_does_not_answer_is_told(monkeypatch):
         crew.do_all(math.sqrt, [4.0], "roots", scheduler="tcp://127.0.0.1:9")
 
 
+@pytest.mark.long
 def test_a_worker_of_this_machine_has_one_thread_and_keeps_its_memory():
     """Dask gives freed memory back at each array unless told otherwise, which costs a third of a fit's time."""
     pytest.importorskip("distributed")

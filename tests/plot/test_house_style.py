@@ -3,6 +3,7 @@
 import importlib
 import pkgutil
 import re
+import xml.etree.ElementTree as ET
 from types import SimpleNamespace
 
 import matplotlib
@@ -151,7 +152,9 @@ def test_every_axis_says_its_unit(drawn, name):
 
 @pytest.mark.parametrize("name", MODULES)
 def test_it_is_vectors_with_text_as_text_in_house_colours(drawn, name):
+    before = dict(matplotlib.rcParams)
     svg = plot.to_svg(drawn[name][0])
+    assert dict(matplotlib.rcParams) == before and ET.fromstring(svg).tag.endswith("svg")
     assert "<image" not in svg and "<text" in svg
     allowed = {to_hex(to_rgb(colour)) for colour in PALETTE}
     if name == "failure_map":
