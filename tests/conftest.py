@@ -12,6 +12,14 @@ import pytest  # noqa: E402
 ROOT = Path(__file__).parents[1]
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """What needs measurements or problems from outside the checkout belongs to the long tier."""
+    for item in items:
+        if {"realdata", "nist"} & set(item.fixturenames):
+            item.add_marker("long")
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The checkout."""

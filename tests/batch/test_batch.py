@@ -92,11 +92,13 @@ def test_bad_files_are_told_by_their_place_in_the_tree_and_passed_over(undisturb
     assert bad["muscle03/notes.csv"].startswith("muscle03/notes.csv: a header but no rows of numbers")
 
 
+@pytest.mark.long
 def test_two_workers_give_the_bytes_of_one(tree, undisturbed, tmp_path):
     run_batch(tree, SETUP, tmp_path / "two", branch="separate", executor=Executor(2))
     assert same(tmp_path / "two", undisturbed)
 
 
+@pytest.mark.long
 def test_killed_in_mid_run_it_goes_on_and_does_nothing_twice(tree, undisturbed, tmp_path):
     out = tmp_path / "killed"
     for least in (2, 6):  # killed twice, each time with more behind it
@@ -115,6 +117,7 @@ def test_killed_in_mid_run_it_goes_on_and_does_nothing_twice(tree, undisturbed, 
     assert same(out, undisturbed)
 
 
+@pytest.mark.long
 def test_an_answer_that_was_cut_short_is_found_anew(tree, undisturbed, tmp_path):
     out = tmp_path / "results"
     run_batch(tree, SETUP, out, branch="separate", executor=Executor(2))
@@ -166,6 +169,7 @@ def test_ctrl_c_ends_the_command_and_its_workers(tree, tmp_path):
             time.sleep(0.01)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")  # other tests have loaded JAX; the child only limits files
 def test_a_full_disk_is_told_and_takes_nothing_away(tree, undisturbed, tmp_path):
     out = tmp_path / "results"
@@ -184,6 +188,7 @@ def test_a_full_disk_is_told_and_takes_nothing_away(tree, undisturbed, tmp_path)
     assert found.kept == COUNT + 1 and answers(out) == before and same(out, undisturbed)
 
 
+@pytest.mark.long
 def test_a_disk_that_fills_up_in_mid_run(tree, undisturbed, tmp_path):
     small = tmp_path / "small"
     small.mkdir()
@@ -239,6 +244,7 @@ def test_specimens_lie_beside_or_above_and_results_inside_the_tree_are_no_record
     assert item.specimen == str((tree / "muscle00" / "specimen.toml").resolve())
 
 
+@pytest.mark.long
 def test_a_diagnosis_says_what_each_record_lacks(root, tmp_path):
     for name in ("hidden_effect", "nothing_hidden"):
         shutil.copytree(root / "datasets" / name, tmp_path / "tree" / name)
@@ -290,6 +296,7 @@ print(found.records, found.errors)
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("executor", ["None", "Executor(2)"])
 def test_a_script_needs_no_guard_around_the_call(executor, tmp_path):
     """A worker that ran the script again would begin a batch of its own, which multiprocessing refuses."""

@@ -12,6 +12,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "parallel"))
 from batch_tree import answers, finish, frame, start, write_tree
 from dask_cluster import Cluster
 
+pytestmark = pytest.mark.long
+
 pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 COUNT = 40

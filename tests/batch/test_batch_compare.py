@@ -69,6 +69,7 @@ def test_what_all_muscles_share_and_what_is_unknown_makes_no_trend():
     assert trends(table, spreads(table, UNITS)) == ()
 
 
+@pytest.mark.long
 def test_a_planted_trend_and_an_odd_muscle_are_named_on_the_page(tmp_path):
     tree = write_tree(tmp_path / "tree", 15)
     path = tree / "muscle07" / "run.csv"

@@ -58,6 +58,7 @@ def test_all_shared_is_the_fit_of_all_samples_in_one_record():
     assert found.scatter == {} and found.own == ({}, {}, {})
 
 
+@pytest.mark.long
 def test_linear_and_curved_parameters_of_each_muscle_are_found_again():
     rng = np.random.default_rng(5)
     true = [TRUTH | {"a1": rng.normal(2400.0, 60.0), "mu": rng.normal(45.0, 3.0)} for _ in range(8)]

@@ -20,6 +20,7 @@ def guess(monkeypatch):
     monkeypatch.setattr(Executor, "of_cores", lambda *asked: Executor())
 
 
+@pytest.mark.long
 def test_the_program_sits_its_own_examination(answer, tmp_path):
     out = tmp_path / "set"
     result, found = answer("challenge", "--n", 2, "--only", "null", "--seed", 3, "--out", out, "--workers", 2)

@@ -53,6 +53,7 @@ def test_a_record_too_large_for_memory_is_read_in_chunks_by_fit_alone(ask, clean
     assert refused.exit_code == 2 and "only `fit` reads a record in chunks" in refused.stderr
 
 
+@pytest.mark.long
 def test_figures_are_drawn_from_the_sample(ask, clean, tmp_path):
     result = ask("fit", clean, "--law", "exponential_law", "--chunked", "--figures", tmp_path / "figures")
     assert result.exit_code == 0 and list((tmp_path / "figures").glob("*.svg"))

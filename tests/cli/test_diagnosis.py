@@ -65,6 +65,7 @@ def test_diagnose_with_the_effect_in_the_model_is_adequate(answer, rubbing):
     assert found["verdict"] == "adequate" and found["selected"] == []
 
 
+@pytest.mark.long
 def test_several_records_get_a_line_each_and_a_bad_one_stops_none(ask, rubbing, clean, write_record, tmp_path):
     bad = write_record("time_s,force_N\n0,1\n")
     out = tmp_path / "answers.jsonl"
@@ -75,6 +76,7 @@ def test_several_records_get_a_line_each_and_a_bad_one_stops_none(ask, rubbing, 
     assert [one["verdict"] for one in found] == ["missing_effect", "adequate"]
 
 
+@pytest.mark.long
 def test_each_record_takes_its_own_specimen(ask, clean, write_record, tmp_path):
     text = (clean.parent / "specimen.toml").read_text().replace("200.0", "400.0")
     other = write_record(clean.read_text(), specimen=text)
@@ -90,6 +92,7 @@ def test_an_unknown_law_stops_all_records(ask, rubbing, clean):
     assert result.exit_code == 2 and result.stdout == ""
 
 
+@pytest.mark.long
 def test_the_hidden_effect_of_the_data_sets_is_found_first(answer, hidden, nothing):
     _, found = answer("diagnose", hidden, *LAW)
     assert found["verdict"] == "missing_effect" and found["selected"][0] == "pressure_friction"

@@ -28,6 +28,7 @@ def test_the_page_tells_all_and_loads_nothing(reported, rubbing):
     assert list(out.parent.iterdir()) == [out]
 
 
+@pytest.mark.long
 def test_the_command_in_the_page_makes_it_again(ask, reported, tmp_path):
     _, out, page = reported
     command = html.unescape(re.search(r"pam-ident report [^<]+", page)[0])
@@ -47,6 +48,7 @@ def test_a_report_that_fails_leaves_the_old_page(ask, write_record, tmp_path):
     assert out.read_text() == "old" and list(tmp_path.iterdir()) == [out]
 
 
+@pytest.mark.long
 def test_the_demo_climbs_all_three_ladders(ask, tmp_path):
     result = ask("demo", "--out", tmp_path / "new" / "demo")
     assert result.exit_code == 0, result.output

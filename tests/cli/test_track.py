@@ -20,6 +20,7 @@ def ran(ask, tmp_path_factory):
     return result, json.loads(path.read_text(encoding="utf-8")), folder / "figures"
 
 
+@pytest.mark.long
 def test_the_answer_holds_what_the_contract_says(ran):
     _, found, _ = ran
     assert found["schema"] == "pam-ident/track/1"
@@ -34,6 +35,7 @@ def test_the_answer_holds_what_the_contract_says(ran):
     assert found["duration_s"] == pytest.approx(0.2, abs=0.006)
 
 
+@pytest.mark.long
 def test_the_controller_that_knows_its_plant_beats_the_pid(ran):
     """And, being the plant, does as the plant's own model."""
     _, found, _ = ran
@@ -44,6 +46,7 @@ def test_the_controller_that_knows_its_plant_beats_the_pid(ran):
     assert 0.0 < low <= high
 
 
+@pytest.mark.long
 def test_the_budget_adds_up(ran):
     _, found, _ = ran
     budget, tuning = found["budget"], found["tuning"]
@@ -51,6 +54,7 @@ def test_the_budget_adds_up(ran):
     assert budget["tuning"] == pytest.approx(tuning["by_hand"]["rms_deg"] - tuning["automatic"]["rms_deg"])
 
 
+@pytest.mark.long
 def test_it_says_the_same_in_words(ran):
     result, found, _ = ran
     for words in ("0.2 s of a stride", "in the reduced leg", "Kp 2.70 MPa/rad", "PID + the plant's own model"):
@@ -59,6 +63,7 @@ def test_it_says_the_same_in_words(ran):
     assert f"{found['budget']['muscle']:+.3f}" in result.stdout
 
 
+@pytest.mark.long
 def test_figures_are_written_and_named(ran):
     result, _, folder = ran
     assert sorted(path.name for path in folder.iterdir()) == ["four_bar.svg", "loop.svg", "tracking.svg"]

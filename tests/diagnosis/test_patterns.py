@@ -33,16 +33,15 @@ def record():
 
 def test_columns_of_many_shapes_are_those_of_each(record):
     inputs, force = record.inputs, record.force
-    for effect in patterns(inputs):
-        for form in effect.forms:
-            if not form.shapes:
-                continue
-            grid = [np.array(p.grid[:12]) if k == 0 else np.full(12, p.grid[0]) for k, p in enumerate(form.shapes)]
-            many = form.columns(inputs, dict(zip([p.name for p in form.shapes], grid, strict=True)), force)
-            many = many.reshape(len(record), len(form.sizes), -1)
-            for i in range(many.shape[2]):
-                shape = {p.name: float(values[i]) for p, values in zip(form.shapes, grid, strict=True)}
-                np.testing.assert_allclose(many[:, :, i], form.columns(inputs, shape, force), atol=1e-11)
+    shaped = [(e.name, form) for e in patterns(inputs) for form in e.forms if form.shapes]
+    assert {"local", "periodic", "step"} <= {name for name, _ in shaped}
+    for _, form in shaped:
+        grid = [np.array(p.grid[:12]) if k == 0 else np.full(12, p.grid[0]) for k, p in enumerate(form.shapes)]
+        many = form.columns(inputs, dict(zip([p.name for p in form.shapes], grid, strict=True)), force)
+        many = many.reshape(len(record), len(form.sizes), -1)
+        for i in range(many.shape[2]):
+            shape = {p.name: float(values[i]) for p, values in zip(form.shapes, grid, strict=True)}
+            np.testing.assert_allclose(many[:, :, i], form.columns(inputs, shape, force), atol=1e-11)
 
 
 def test_the_gain_of_a_ripple_is_the_fall_of_a_least_squares_fit(record):

@@ -16,6 +16,8 @@ from pam_ident.model import Model
 from pam_ident.records import read_record
 from pam_ident.records.datasets import dataset_record
 
+pytestmark = pytest.mark.long
+
 WALL = 2.0
 """Wall of the map's specimen in mm, as assumed with it."""
 

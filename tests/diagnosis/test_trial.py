@@ -53,7 +53,9 @@ def test_what_may_still_win_is_never_given_up(trial):
 
 
 def test_of_one_kin_a_set_holds_one(trial):
-    for choice in beam_search(trial.data, trial.price, 3):
+    found = beam_search(trial.data, trial.price, 3)
+    assert found
+    for choice in found:
         names = {trial.data.atoms[a].effect for a in choice.atoms}
         assert not {"coulomb_friction", "stribeck_friction"} <= names
 

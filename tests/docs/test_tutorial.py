@@ -31,6 +31,7 @@ def agree(shown, now):
     return True
 
 
+@pytest.mark.long
 def test_every_shown_output_is_what_the_program_prints(pages):
     text, now, _ = pages
     shown, fresh = text.splitlines(), now.splitlines()
@@ -39,6 +40,7 @@ def test_every_shown_output_is_what_the_program_prints(pages):
     assert not wrong, "run `python docs/make_tutorial.py`, and mend the words around what changed"
 
 
+@pytest.mark.long
 def test_forces_told_in_the_words_stand_in_an_output(pages):
     text, now, block = pages
     outputs = [float(x) for found in block.finditer(now) for x in re.findall(r"\d+\.\d+|\d+", found["output"])]
@@ -49,6 +51,7 @@ def test_forces_told_in_the_words_stand_in_an_output(pages):
         assert any(round(x, digits) == float(number) for x in outputs), f"{number} N"
 
 
+@pytest.mark.long
 def test_the_tutorial_ends_with_the_hidden_effect(pages):
     _, now, block = pages
     outputs = {found["command"]: found["output"] for found in block.finditer(now)}

@@ -14,6 +14,11 @@ from pam_ident.validation.effect_contract import LAW_VALUES, model_of, plausible
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 FORMS = [(effect, form) for effect in catalogue().values() for form in effect.forms]
 EACH_FORM = pytest.mark.parametrize(("effect", "form"), FORMS, ids=[f"{e.name}:{f.name}" for e, f in FORMS])
+EACH_FORM_SLOWLY = pytest.mark.parametrize(
+    ("effect", "form"),
+    [pytest.param(e, f, id=f"{e.name}:{f.name}", marks=() if f is e.forms[0] else pytest.mark.long) for e, f in FORMS],
+)
+"""The first form of each effect, and all of them in the long tier."""
 REMEMBER = {
     *(
         f"creep:{form}"
@@ -104,7 +109,7 @@ def test_a_model_asked_live_has_the_force_along_the_record(effect, form):
     np.testing.assert_allclose(np.array(found), batch, rtol=1e-9, atol=1e-8)
 
 
-@EACH_FORM
+@EACH_FORM_SLOWLY
 def test_jax_steps_a_model_as_numpy_does(effect, form):
     """Compiled, with the parameters traced; the second and third instant, so that the memory is traced too."""
     model = model_of(effect, form, "exponential_law")

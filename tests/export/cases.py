@@ -128,7 +128,27 @@ def cases() -> list[Case]:
 
 CASES = cases()
 BY_NAME = {case.name: case for case in CASES}
-EACH_CASE = pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+SHORT = {f"{effect.name}_{effect.forms[0].name}" for effect in effects().values()} | {"rich", "geometry"}
+EACH_CASE = pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(c, id=c.name, marks=() if c.name in SHORT or c.name.startswith("law_") else pytest.mark.long)
+        for c in CASES
+    ],
+)
+"""The laws, the first form of each effect and a rich model; all forms in the long tier."""
+
+
+class Expected(dict[str, np.ndarray]):
+    """Forces of the cases along all tracks by name, computed where they are asked for."""
+
+    def __init__(self, inputs: Inputs) -> None:
+        super().__init__()
+        self.inputs = inputs
+
+    def __missing__(self, name: str) -> np.ndarray:
+        self[name] = expected(BY_NAME[name], self.inputs)
+        return self[name]
 
 
 def assert_agrees(found: np.ndarray, numpy_force: np.ndarray) -> None:

@@ -8,7 +8,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import numpy as np
 import pytest
-from cases import CASES, expected, samples
+from cases import Expected, samples
 
 from pam_ident.core import Inputs
 
@@ -21,7 +21,7 @@ def inputs() -> Inputs:
 @pytest.fixture(scope="session")
 def numpy_forces(inputs) -> dict[str, np.ndarray]:
     """Force of every case along all tracks, by its name."""
-    return {case.name: expected(case, inputs) for case in CASES}
+    return Expected(inputs)
 
 
 _made = runpy.run_path(str(Path(__file__).parents[1] / "plot" / "conftest.py"))

@@ -15,18 +15,19 @@ FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O2", "-ffp-c
 
 
 @pytest.fixture(scope="module")
-def c_forces(tmp_path_factory, inputs) -> dict[str, np.ndarray]:
-    """Forces of all cases along all tracks, from one program in C that includes all headers."""
+def c_forces(request, tmp_path_factory, inputs) -> dict[str, np.ndarray]:
+    """Forces of all cases that are asked for along all tracks, from one program in C that includes their headers."""
+    asked = [one.callspec.params["case"] for one in request.session.items if "c_forces" in one.fixturenames]
     compiler = shutil.which("gcc") or shutil.which("cc")
     if compiler is None:
         pytest.skip("no C compiler on this machine")
     folder = tmp_path_factory.mktemp("c")
     lines = ["#include <stdio.h>", "#include <stdlib.h>"]
-    lines += [f'#include "{case.name}.h"' for case in CASES]
+    lines += [f'#include "{case.name}.h"' for case in asked]
     lines += ["int main(void) {", f"  const int n = {len(inputs)};"]
     lines += ["  double (*x)[7] = malloc(sizeof(double[7]) * (size_t)n), *out = malloc(sizeof(double) * (size_t)n);"]
     lines += ["  if (fread(x, sizeof *x, (size_t)n, stdin) != (size_t)n) return 1;"]
-    for case in CASES:
+    for case in asked:
         (folder / f"{case.name}.h").write_text(c_header(case.fitted, case.name), encoding="utf-8")
         made = program(case.fitted)
         given = ", ".join(f"x[k][{list(ARGUMENTS).index(name)}]" for name in made.arguments)
@@ -45,8 +46,8 @@ def c_forces(tmp_path_factory, inputs) -> dict[str, np.ndarray]:
     done = subprocess.run(build, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:3000]
     ran = subprocess.run([folder / "main"], input=columns(inputs).tobytes(), capture_output=True, check=True)
-    found = np.frombuffer(ran.stdout).reshape(len(CASES), len(inputs))
-    return dict(zip([case.name for case in CASES], found, strict=True))
+    found = np.frombuffer(ran.stdout).reshape(len(asked), len(inputs))
+    return dict(zip([case.name for case in asked], found, strict=True))
 
 
 @EACH_CASE

@@ -17,7 +17,18 @@ from pam_ident.records import Specimen, build_record
 
 MODELS = [Model.build(name) for name in laws()]
 MODELS += [Model.build("sarosi", (f"{e.name}:{f.name}",)) for e in effects().values() for f in e.forms]
-EACH_MODEL = pytest.mark.parametrize("model", MODELS, ids=[m.labels[0] if m.terms else m.law.name for m in MODELS])
+FIRST = [e.forms[0] for e in effects().values()]
+EACH_MODEL = pytest.mark.parametrize(
+    "model",
+    [
+        pytest.param(
+            m,
+            id=m.labels[0] if m.terms else m.law.name,
+            marks=() if not m.terms or m.terms[0].form in FIRST else pytest.mark.long,
+        )
+        for m in MODELS
+    ],
+)
 
 
 def parses(line: str) -> None:

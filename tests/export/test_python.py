@@ -36,6 +36,7 @@ def test_the_python_file_agrees_with_the_model_at_ten_thousand_samples(case, num
     assert_agrees(found, numpy_forces[case.name])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["rich", "creep_force_driven"])
 def test_a_force_that_depends_on_itself_agrees_with_the_step_that_jax_runs(name, inputs):
     """JAX does all rounds of the iteration, as the exported file does."""

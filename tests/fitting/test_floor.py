@@ -31,6 +31,7 @@ def test_a_table_has_no_repeats():
     assert noise_floor(one) is None and lack_of_fit(one) is None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rho", [0.0, 0.7])
 def test_the_right_law_passes_as_often_as_the_level_says(rho, record):
     p = np.array([lack_of_fit(fit(LAW, record(seed=100 + s, rho=rho), detail=True)).p_value for s in range(60)])

@@ -95,7 +95,7 @@ def test_what_is_read_in_chunks_is_the_same_as_read_whole(label, small):
     np.testing.assert_allclose(found.gram / np.outer(sizes, sizes), whole.T @ whole / np.outer(sizes, sizes), atol=1e-4)
 
 
-@pytest.mark.parametrize("label", PAST)
+@pytest.mark.parametrize("label", [*PAST[:2], *(pytest.param(label, marks=pytest.mark.long) for label in PAST[2:])])
 def test_a_large_record_with_a_past_is_fitted_as_by_the_solver(label, record, truth, small):
     many = record(n=10_000)
     warmed = replace(many.inputs, temperature=22.0 + 3.0 * np.sin(many.inputs.time / 300.0))

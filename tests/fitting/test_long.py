@@ -87,6 +87,7 @@ def many(tmp_path_factory):
     return folder / "record.csv"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", sorted(set(catalogue()) - {"martens_boblan"}))
 def test_of_very_many_rows_both_ways_end_at_one_minimum(many, law, monkeypatch):
     """As they come, neither led on to the minimum.

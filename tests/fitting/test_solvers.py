@@ -67,7 +67,12 @@ def test_every_solver_finds_what_curve_fit_finds(solver):
 
 @pytest.mark.parametrize("solver", SOLVERS, ids=repr)
 @pytest.mark.parametrize(
-    ("rate", "size"), [((1.5, 9.0), (-9.0, 9.0)), ((0.1, 1.1), (0.0, np.inf)), ((0.1, 9.0), (-np.inf, 2.0))]
+    ("rate", "size"),
+    [
+        ((1.5, 9.0), (-9.0, 9.0)),
+        pytest.param((0.1, 1.1), (0.0, np.inf), marks=pytest.mark.long),
+        pytest.param((0.1, 9.0), (-np.inf, 2.0), marks=pytest.mark.long),
+    ],
 )
 def test_every_solver_keeps_bounds_and_is_best_within_them(solver, rate, size):
     problem = decay(rate, size)

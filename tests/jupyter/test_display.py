@@ -135,6 +135,7 @@ def test_results_import_neither_matplotlib_nor_jinja_nor_ipython():
     assert run_in_python(code) == "[]"
 
 
+@pytest.mark.long
 def test_where_ipython_runs_a_result_shows_itself_and_matplotlib_waits_for_it():
     pytest.importorskip("IPython")
     code = (
@@ -149,6 +150,7 @@ def test_where_ipython_runs_a_result_shows_itself_and_matplotlib_waits_for_it():
     assert run_in_python(code).splitlines()[-2:] == ["False True", "True True"]
 
 
+@pytest.mark.long
 def test_an_import_before_ipython_is_made_good_by_the_extension():
     pytest.importorskip("IPython")
     code = (

@@ -64,6 +64,7 @@ def test_a_hinge_turns_the_sprocket_by_the_mean_of_the_four_bar():
     assert posture.centre == pytest.approx([0.0, 0.0]) and posture.ratio == pytest.approx(2 * [turned / 1.1])
 
 
+@pytest.mark.long
 def test_causes_that_are_absent_have_no_share(example, task, monkeypatch):
     """A linear muscle on a hinge: both other legs are the leg itself, so tuning ends at the same gains."""
     monkeypatch.setattr(tuning, "GENERATIONS", 2)
@@ -79,6 +80,7 @@ def test_causes_that_are_absent_have_no_share(example, task, monkeypatch):
     assert found.muscle == pytest.approx(0.0, abs=0.02 * automatic.rms_deg)
 
 
+@pytest.mark.long
 def test_a_muscle_that_bends_and_sticks_has_a_share(example, task, monkeypatch):
     monkeypatch.setattr(tuning, "GENERATIONS", 2)
     pair, _ = example

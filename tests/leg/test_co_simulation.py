@@ -14,6 +14,8 @@ from pam_ident.leg.pair import Pair
 from pam_ident.leg.track import _Prototype, _Reduced
 from pam_ident.records.datasets import dataset_path
 
+pytestmark = pytest.mark.long
+
 if find_spec("mujoco") is None:  # looked for only: to draw without a screen it must be imported by the prototype
     pytest.skip("MuJoCo is not installed; pip install 'pam-ident[prototype]'", allow_module_level=True)
 

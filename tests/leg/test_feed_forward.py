@@ -84,6 +84,7 @@ def test_with_the_plants_own_model_ahead_the_knee_follows_to_a_twentieth_of_a_de
     assert rms_deg(log, task, course.judged) <= 0.05
 
 
+@pytest.mark.long
 def test_many_sets_are_planned_as_each_alone(example, plan):
     pair, _ = example
     course = Course(winter(1.0))

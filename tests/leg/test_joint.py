@@ -135,6 +135,7 @@ def other_slope():
     return lagrange(GAIT, torque_of)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("mass", "load"), [(0.0, 0.0), (1.5, 2.0)], ids=["bare", "loaded"])
 def test_a_second_of_gait_agrees_with_lagrange_by_autodiff(other_slope, mass, load):
     leg, start = replace(OILED, load_mass_kg=mass, load_torque_N_m=load), np.array([0.2, 0.0])

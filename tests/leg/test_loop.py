@@ -70,6 +70,7 @@ def test_the_slopes_agree_with_the_plain_plant_at_any_state(example, loop, cours
         plain.force_scale = plain.inertia_scale = plain.flow_scale = 1.0
 
 
+@pytest.mark.long
 def test_a_batch_beyond_a_chunk_is_its_runs_one_by_one(example, loop, task):
     pair, _ = example
     rng = np.random.default_rng(4)
@@ -96,6 +97,7 @@ def test_one_command_is_a_batch_too(example, loop, task):
     assert log.flexion.shape == (1, len(task.target)) and np.array_equal(log.flexion[0], np.asarray(alone.flexion))
 
 
+@pytest.mark.long
 def test_a_loop_of_another_sensor_sees_its_steps(example, task):
     pair, _ = example
     coarse = Loop(pair, Sensor(bits=8))

@@ -174,6 +174,7 @@ def swing(muscle, values, memory, steps=200, h=0.0005):
     return jax.lax.scan(step, memory, h * jnp.arange(steps))[1]
 
 
+@pytest.mark.long
 def test_it_is_compiled_and_mapped_over_a_thousand_parameter_sets(rich):
     p, e = state((0.3, 0.25), (0.1, 0.1))
     rng = np.random.default_rng(4)
@@ -189,6 +190,7 @@ def test_it_is_compiled_and_mapped_over_a_thousand_parameter_sets(rich):
         np.testing.assert_allclose(together[k], alone(jax.tree.map(lambda x, k=k: x[k], many)), rtol=1e-9)
 
 
+@pytest.mark.long
 def test_derivatives_by_the_parameters_are_those_of_finite_differences(rich):
     p, e = state((0.3, 0.25), (0.1, 0.1))
     memory = rich.start(p, e)
@@ -368,7 +370,6 @@ EFFECT = Effect("mine", "Mine", "our own rig", (AddsForce("textbook", "+W", (SIZ
 @pytest.mark.parametrize(
     ("columns", "told"),
     [
-        ("xp.sin(10.0 * inputs.contraction)[:, None]", ""),
         ("np.sin(10.0 * inputs.contraction)[:, None]", r"effect mine cannot .*__array_namespace__"),
         ("xp.cumsum(inputs.contraction)[:, None]", "effect mine cannot .*rows are muscles"),
         ("(inputs.time - inputs.time[0])[:, None]", "effect mine cannot .*rows are muscles"),
@@ -376,16 +377,21 @@ EFFECT = Effect("mine", "Mine", "our own rig", (AddsForce("textbook", "+W", (SIZ
         ("inputs.pressures[:, None]", "effect mine cannot .*AttributeError"),
     ],
 )
-def test_an_effect_of_ones_own_is_stepped_or_told_why_not(tmp_path, columns, told):
-    path = tmp_path / "mine.py"
-    path.write_text(OWN.replace("COLUMNS", columns), encoding="utf-8")
-    model = Model.build("chou_hannaford", ("mine",), load_effect_file(path))
-    values = {"mine.W": 7.0}
-    if told:
-        with pytest.raises(UsageError, match=told):
-            Muscle(model, MUSCLE, values, values)
-        return
+def test_an_effect_that_cannot_be_stepped_is_told_why(tmp_path, columns, told):
+    with pytest.raises(UsageError, match=told):
+        own_muscle(tmp_path, columns)
+
+
+def own_muscle(folder, columns):
+    """A muscle whose model holds an effect of one's own."""
+    (folder / "mine.py").write_text(OWN.replace("COLUMNS", columns), encoding="utf-8")
+    model = Model.build("chou_hannaford", ("mine",), load_effect_file(folder / "mine.py"))
+    return Muscle(model, MUSCLE, {"mine.W": 7.0}, {"mine.W": 7.0})
+
+
+def test_an_effect_of_ones_own_is_stepped(tmp_path):
     p, e = state()
-    muscle, law = (Muscle(m, MUSCLE, values, values) for m in (model, Model.build("chou_hannaford")))
+    muscle = own_muscle(tmp_path, "xp.sin(10.0 * inputs.contraction)[:, None]")
+    law = replace(muscle, model=Model.build("chou_hannaford"))
     heavy, light = (m.force(m.values(), m.start(p, e), 0.0, p, e, jnp.zeros(2))[0] for m in (muscle, law))
     np.testing.assert_allclose(heavy - light, 7.0 * np.sin(10.0 * np.asarray(e)), rtol=1e-9)

@@ -154,6 +154,7 @@ def posture(time):
     return Angles(float(motion.knee.angle), 0.0, 0.0, 0.0, float(motion.hip.angle), float(motion.ankle.angle))
 
 
+@pytest.mark.long
 def test_pictures_show_the_leg_s_colours_and_move(drawing, tmp_path):
     state = drawing.data.qpos.copy()
     one, other = pictures(drawing, [posture(0.0), posture(0.7)], tmp_path / "new")

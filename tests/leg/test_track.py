@@ -61,6 +61,7 @@ def with_spread(muscle, share):
     return replace(muscle, spreads=(spread, spread))
 
 
+@pytest.mark.long
 def test_a_band_holds_the_fit_that_is_nearly_right_and_widens_with_its_uncertainty(bench):
     reduced, muscle = bench
     narrow, wide = (reduced.rung(with_spread(muscle, share), GAINS, seed=3) for share in (0.002, 0.02))

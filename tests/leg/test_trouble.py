@@ -110,6 +110,7 @@ def test_a_heavy_load_asks_torque_that_is_missing(pair):
     assert "torque" in told and course.time[course.judged][0] <= told["torque"].time_s < 2.0
 
 
+@pytest.mark.long
 def test_a_fast_gait_asks_air_that_the_valve_does_not_let_through(pair):
     assert "flow" in kinds_of_plan(pair, cadence=1.5)[0]
     assert not kinds_of_plan(pair, cadence=0.5)[0]
@@ -126,7 +127,10 @@ def test_a_large_sprocket_asks_stroke_that_the_muscle_does_not_have(pair):
 
 @pytest.mark.parametrize(
     ("kind", "changes"),
-    [("slack", {"mean_MPa": 0.2}), ("supply", {"supply": replace(SUPPLY, pressure_Pa=0.25e6 + ATMOSPHERE)})],
+    [
+        ("slack", {"mean_MPa": 0.2}),
+        pytest.param("supply", {"supply": replace(SUPPLY, pressure_Pa=0.25e6 + ATMOSPHERE)}, marks=pytest.mark.long),
+    ],
 )
 def test_a_run_of_a_leg_that_is_asked_too_much(pair, task, kind, changes):
     """The moment is the first of three samples in a row of its own log."""

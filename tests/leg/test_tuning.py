@@ -29,7 +29,7 @@ def test_errors_are_those_of_the_plain_plant_a_fifth_off(example, loop, course, 
     found = errors(loop, task, JUDGED, gains)
     assert found.shape == (2, 7)
     target = np.asarray(task.target)[JUDGED]
-    for row, column in ((0, 0), (0, 1), (0, 4), (0, 6), (1, 3)):
+    for row, column in ((0, 1), (0, 6), (1, 3)):
         plain.force_scale, plain.inertia_scale, plain.flow_scale = PLANTS[column]
         path = closed_loop(plain, PlainGait(course.gait), PlainPid(*gains[row]), len(task.target), runge_kutta)
         plain.force_scale = plain.inertia_scale = plain.flow_scale = 1.0
@@ -81,12 +81,14 @@ def test_its_gains_beat_a_crude_grid(loop, task, automatic):
     assert automatic.worst_deg <= errors(loop, task, JUDGED, grid).max(axis=1).min()
 
 
+@pytest.mark.long
 def test_the_same_seed_finds_the_same_gains(loop, task, monkeypatch):
     monkeypatch.setattr(tuning, "GENERATIONS", 1)
     one, again, other = (tune(loop, task, JUDGED, FIRST, seed).gains for seed in (1, 1, 2))
     assert one == again != other
 
 
+@pytest.mark.long
 def test_a_run_without_end_counts_as_lost(loop, task):
     flexion = np.full((2, 110), np.nan)
     flexion[0] = np.asarray(task.target) + np.radians(2.0)

@@ -99,8 +99,11 @@ def test_one_isobar_has_no_line(record):
     ("law", "effects", "branch", "names"),
     [
         ("exponential_law", (), "separate", {"measured_against_model_contraction", "measured_against_model_extension"}),
-        ("modified_chou_hannaford", ("coulomb_friction",), "together", {"measured_against_model"}),
-        ("sarosi", (), "extension", {"measured_against_model"}),
+        pytest.param(
+            *("modified_chou_hannaford", ("coulomb_friction",), "together", {"measured_against_model"}),
+            marks=pytest.mark.long,
+        ),
+        pytest.param("sarosi", (), "extension", {"measured_against_model"}, marks=pytest.mark.long),
     ],
 )
 def test_all_figures_of_a_fit_say_their_units_and_do_not_overlap(record, law, effects, branch, names):

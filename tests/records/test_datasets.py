@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import UsageError
-from pam_ident.fitting import fit, fit_branches, loop_energies
+from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import read_record
 from pam_ident.records.datasets import dataset_names, dataset_path, dataset_record
@@ -40,27 +40,6 @@ def test_the_measured_map_masks_its_slack_and_keeps_sixty_points():
     assert record.force.min() > 0.0 and record.force.max() == 1653.5
     assert record.inputs.contraction.min() == pytest.approx(4.0 / 300.0)
     assert len(np.unique(record.block)) == 5
-
-
-@pytest.mark.parametrize(
-    ("branch", "printed"),
-    [
-        ("contraction", {"a0": -197.8, "a1": 2442, "b0": 1735, "b1": 5464, "c0": -9.3, "c1": 688.3, "mu": 45}),
-        ("extension", {"a0": -344.5, "a1": 2554, "b0": -43.2, "b1": 8430, "c0": 43.24, "c1": 899.2, "mu": 45}),
-    ],
-)
-def test_the_reconstructed_laws_give_the_printed_parameters_back_to_six_digits(branch, printed):
-    record = read_record(dataset_record("paper_laws"))
-    values = fit_branches(Model.build("exponential_law"), record, branch)[branch].values
-    for name, value in printed.items():
-        assert values[name] == pytest.approx(value, rel=1e-7), name
-
-
-def test_the_reconstructed_pair_gives_energy_back_at_every_pressure():
-    record = read_record(dataset_record("paper_laws"))
-    energies = loop_energies(record, record.force)
-    assert sorted(energies) == [0.1, 0.2, 0.3, 0.4, 0.5]
-    assert all(joule < 0.0 for joule in energies.values())
 
 
 def test_the_virtual_rig_twins_differ_in_force_alone():

@@ -35,12 +35,13 @@ def quick(story, monkeypatch):
 
 def test_markdown_holds_the_same_parts_in_the_same_order(story):
     text, figures = render_markdown(story, "here")
-    heads = re.findall(r"<h([1-4]) id[^>]*>(.*?)</h\1>", render(story))
+    page = render(story)
+    heads = re.findall(r"<h([1-4]) id[^>]*>(.*?)</h\1>", page)
     assert [(len(m), h) for m, h in re.findall(r"^(#+) (.*)$", text.replace("\\", ""), re.M)][1:] == [
         (int(level), head) for level, head in heads
     ]
     assert re.findall(r"\]\((.*?)\)", text) == [f"here/{name}" for name in figures]
-    assert len(figures) == render(story).count("<figure>") and all("<svg" in one for one in figures.values())
+    assert len(figures) == page.count("<figure>") and all("<svg" in one for one in figures.values())
     assert story.sections[0].diagnosis.sentence.replace("_", "\\_") in text
     assert f"    {PROVENANCE['command']}" in text and "| date (UTC) | 2026-01-02 |" in text
 
@@ -48,10 +49,10 @@ def test_markdown_holds_the_same_parts_in_the_same_order(story):
 @pytest.mark.parametrize(
     ("name", "kind", "start"),
     [
-        ("a.html", None, "<!DOCTYPE"),
         ("a", None, "<!DOCTYPE"),
-        ("a.MD", None, "# made up"),
         ("a.txt", "md", "# made up"),
+        pytest.param("a.html", None, "<!DOCTYPE", marks=pytest.mark.long),
+        pytest.param("a.MD", None, "# made up", marks=pytest.mark.long),
     ],
 )
 def test_the_name_or_the_wish_gives_the_format(quick, tmp_path, name, kind, start):
@@ -65,6 +66,7 @@ def test_the_name_or_the_wish_gives_the_format(quick, tmp_path, name, kind, star
     assert {path.name for path in tmp_path.iterdir()} <= {name, "a_figures"}
 
 
+@pytest.mark.long
 def test_figures_are_replaced_as_a_whole_or_not_at_all(quick, tmp_path, monkeypatch):
     out, figures = tmp_path / "a.md", tmp_path / "a_figures"
     figures.mkdir()

@@ -115,6 +115,7 @@ class Elements(HTMLParser):
         self.depth -= tag == "svg"
 
 
+@pytest.mark.long
 def test_the_page_of_a_stranger_has_the_elements_of_a_friend_s(told):
     kind, hostile = (Elements(told[which, "html"]) for which in ("kind", "hostile"))
     assert len(kind.page) > 300
@@ -127,6 +128,7 @@ def test_the_page_of_a_stranger_has_the_elements_of_a_friend_s(told):
     assert not re.search("[\u202a-\u202e\u2066-\u2069\x07\x1b]", told["hostile", "html"])
 
 
+@pytest.mark.long
 def test_the_markdown_of_a_stranger_has_the_elements_of_a_friend_s(told):
     from markdown_it import MarkdownIt
 
@@ -140,7 +142,9 @@ def test_the_markdown_of_a_stranger_has_the_elements_of_a_friend_s(told):
     )
 
 
+@pytest.mark.long
 def test_the_figures_of_a_stranger_hold_no_element_of_his(told):
+    assert told["kind", "figures"]
     for kind, hostile in zip(told["kind", "figures"], told["hostile", "figures"], strict=True):
         one, other = (Elements(path.read_text(encoding="utf-8")) for path in (kind, hostile))
         assert other.drawn <= one.drawn

@@ -32,6 +32,7 @@ def long(record, diagnosis):
     )
 
 
+@pytest.mark.long
 def test_three_records_of_six_rungs_stay_below_three_megabytes(long):
     page = render(Story("three", (long,) * 3))
     assert page.count("<h4 ") == 18 and page.count("<figure>") == 3 * 11
@@ -51,6 +52,7 @@ def test_the_page_forbids_itself_all_but_its_own_style(long):
     assert page.index("Content-Security-Policy") < page.index("<style")
 
 
+@pytest.mark.long
 def test_markdown_holds_all_six_rungs(long):
     text, figures = render_markdown(Story("x", (long,)), "here")
     assert text.count("\n#### Rung ") == 6 and len(figures) == 11

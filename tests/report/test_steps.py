@@ -59,6 +59,7 @@ def test_a_rung_shows_what_it_adds_through_what_the_rung_below_leaves(tall, diag
     assert low.get_title(loc="left").startswith("After adding viscous_damping: ")
 
 
+@pytest.mark.long
 def test_a_page_holds_a_choice_and_a_panel_a_rung(tall, record, diagnosis):
     page = render(Story("x", (Section(record, compare(diagnosis.base), diagnosis, ladder=tall),)))
     choices = re.findall(r'<input type="radio" name="([^"]+)" id="([^"]+)"( checked)?><label for="([^"]+)"', page)

@@ -51,7 +51,7 @@ def test_the_plant_is_the_fit_of_the_record(made, record):
     assert again.rmse == pytest.approx(2.0, rel=0.1)  # the load cell's noise
 
 
-@pytest.mark.parametrize("k", [0, 1, 3, 7])
+@pytest.mark.parametrize("k", [0, 3, *(pytest.param(k, marks=pytest.mark.long) for k in (1, 7))])
 def test_a_rung_of_the_ladder_is_the_fit_of_its_effects(record, k):
     ladder = json.loads((FOLDER / "ladder.json").read_text(encoding="utf-8"))
     rung, muscle = ladder["rungs"][k], Muscle.read(FOLDER / "ladder.json")[k]

@@ -44,6 +44,7 @@ def test_the_command_repeats_what_was_done(begun, folder):
     assert added.command == f"pam-ident add {path} --law exponential_law --effect coulomb_friction:smooth"
 
 
+@pytest.mark.long
 def test_the_report_tells_the_ladder_that_was_climbed(begun):
     fresh = Bench.begin(begun.record, begun.path, Setup("exponential_law"))
     with pytest.raises(UsageError, match="nothing to report yet"):

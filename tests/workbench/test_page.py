@@ -37,6 +37,7 @@ def click(page, beginning):
     page.wait()
 
 
+@pytest.mark.long
 def test_the_story_from_verdict_to_adequate_and_back(folder):
     page = Workbench(folder / "record.csv")
     page.wait()
@@ -54,6 +55,7 @@ def test_the_story_from_verdict_to_adequate_and_back(folder):
     assert not buttons(page, "Remove") and not page.views["falling"].object
 
 
+@pytest.mark.long
 def test_another_law_and_another_effect_by_name(page):
     page.side.law.value = "modified_chou_hannaford"
     page.wait()
