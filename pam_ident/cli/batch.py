@@ -43,8 +43,7 @@ def batch(
 
     Killed at any moment, the same command goes on where it stopped. Needs the extra `cluster`.
     """
-    options.check_json(json)
-    setup = options.setup(law, effect, effect_file, free_geometry, None)
+    setup = options.Asked(effect, effect_file, free_geometry).setup(law)
     from ..batch.run import run_batch
 
     found = run_batch(

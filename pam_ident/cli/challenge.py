@@ -38,7 +38,6 @@ def challenge(
     The hidden effects stay sealed until all answers are there. To take it yourself: `pam-ident rig DIR`, answer, then
     `pam-ident challenge --out DIR --answers FILE.jsonl`.
     """
-    options.check_json(json)
     from pathlib import Path
     from tempfile import TemporaryDirectory
 

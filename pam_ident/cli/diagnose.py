@@ -18,11 +18,7 @@ def diagnose(
         typer.Argument(metavar="RECORD...", help="CSV records of a test rig, one or several.", show_default=False),
     ],
     law: options.Law,
-    effect: options.Effects = None,
-    effect_file: options.EffectFiles = None,
-    free_geometry: options.FreeGeometry = False,
-    specimen: options.SpecimenFile = None,
-    json: options.JsonFile = None,
+    asked: options.Asked = options.NOTHING,
     protocol: Annotated[
         str | None,
         typer.Option(
@@ -37,10 +33,9 @@ def diagnose(
 
     Several records get an answer each.
     """
-    options.check_json(json)
     if protocol is not None:
         check_protocol(protocol, record)
-    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    setup = asked.setup(law)
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json
     from ..tasks.diagnose import diagnose_records
@@ -55,11 +50,11 @@ def diagnose(
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *describe(found))
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
-    if json is not None and len(record) == 1:
+    if asked.json is not None and len(record) == 1:
         for answer in answers:
-            write_json(json, answer)
-    elif json is not None:
-        write_json_lines(json, answers)
+            write_json(asked.json, answer)
+    elif asked.json is not None:
+        write_json_lines(asked.json, answers)
     if code:
         raise typer.Exit(code)
 

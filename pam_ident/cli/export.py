@@ -42,27 +42,22 @@ def export(
     branch: Annotated[
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
     ] = "together",
-    effect: options.Effects = None,
-    effect_file: options.EffectFiles = None,
-    free_geometry: options.FreeGeometry = False,
-    specimen: options.SpecimenFile = None,
-    json: options.JsonFile = None,
+    asked: options.Asked = options.NOTHING,
 ) -> None:
     """Write a fitted model for another program: C, MATLAB, Python, MuJoCo, JSON."""
-    options.check_json(json)
     from ..core import UsageError
     from ..tasks.export import check_export, export_fit, export_record
 
     check_export(to, out)
     if law is not None:
-        found = export_record(source, to, out, options.setup(law, effect, effect_file, free_geometry, specimen), branch)
-    elif effect or free_geometry or branch != "together":
+        found = export_record(source, to, out, asked.setup(law), branch)
+    elif asked.effect or asked.free_geometry or branch != "together":
         raise UsageError("--effect, --branch and --free-geometry are for a record that is fitted now; add --law LAW")
     else:
-        found = export_fit(source, to, out, tuple(effect_file or ()), specimen)
+        found = export_fit(source, to, out, tuple(asked.effect_file or ()), asked.specimen)
     files = [str(path) for path in found.paths]
     options.give_json(
-        json,
+        asked.json,
         lambda: {
             "schema": schema("export"),
             "files": files,
@@ -71,6 +66,4 @@ def export(
         },
     )
     text.say(*(f"wrote {path}" for path in files), *found.notes)
-    if found.problems:
-        typer.echo(f"{source}: the fit is not valid. {'; '.join(found.problems)}", err=True)
-        raise typer.Exit(3)
+    options.stop_if_invalid(source, found.problems)

@@ -1,11 +1,12 @@
 """Options that several commands share, and what they become."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from ..tasks.setup import Setup
 
@@ -101,19 +102,27 @@ Scheduler = Annotated[
 ]
 
 
-def setup(
-    law: str,
-    effects: list[str] | None,
-    effect_files: list[str] | None,
-    free_geometry: bool,
-    specimen: str | None,
-) -> "Setup":
-    """What the options ask for, with the names looked up."""
-    from ..tasks.setup import Setup
+@dataclass(frozen=True)
+class Asked:
+    """The options of all commands that fit a model; `verb` puts them where a command has an argument of this type."""
 
-    found = Setup(law, tuple(effects or ()), tuple(effect_files or ()), free_geometry, specimen)
-    _ = found.model
-    return found
+    effect: Effects = None
+    effect_file: EffectFiles = None
+    free_geometry: FreeGeometry = False
+    specimen: SpecimenFile = None
+    json: JsonFile = None
+
+    def setup(self, law: str) -> "Setup":
+        """What is asked for, with the names looked up."""
+        from ..tasks.setup import Setup
+
+        effects, files = tuple(self.effect or ()), tuple(self.effect_file or ())
+        found = Setup(law, effects, files, self.free_geometry, self.specimen)
+        _ = found.model
+        return found
+
+
+NOTHING = Asked()
 
 
 def check_json(path: str | None) -> None:
@@ -122,6 +131,13 @@ def check_json(path: str | None) -> None:
         from ..core.files import check_target
 
         check_target(path)
+
+
+def stop_if_invalid(record: str, problems: "Sequence[str]") -> None:
+    """End with a message and exit code 3 where a fit has problems."""
+    if problems:
+        typer.echo(f"{record}: the fit is not valid. {'; '.join(problems)}", err=True)
+        raise typer.Exit(3)
 
 
 def give_json(path: str | None, answer: "Callable[[], Mapping[str, Any]]") -> None:

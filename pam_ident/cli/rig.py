@@ -62,7 +62,6 @@ def rig(
     Their answers are sealed in truth.json, to examine a diagnosis with. With --protocol one record is written, with the
     effects that --effect names; the same seed is the same muscle whatever the protocol.
     """
-    options.check_json(json)
     from ..core import UsageError
 
     if protocol is None:

@@ -58,7 +58,6 @@ def track(
 
     Without --plant and --controller the muscle and the ladder that come along are taken.
     """
-    options.check_json(json)
     from ..schema.track import track_json
     from ..tasks.track import Wishes, track_leg
 
