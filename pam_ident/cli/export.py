@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ..export import targets
 from ..schema.versions import schema
 from . import options, text
 
@@ -18,14 +19,15 @@ def export(
         ),
     ],
     to: Annotated[
-        str, typer.Option("--to", metavar="KIND", help="c, matlab, python, mujoco or json.", show_default=False)
+        str,
+        typer.Option("--to", metavar="KIND", help=f"{', '.join(targets.names())} or json.", show_default=False),
     ],
     out: Annotated[
         str,
         typer.Option(
             "--out",
             metavar="FILE",
-            help="The file to write (.h, .m, .py, .xml, .json); its name names the function in it.",
+            help="The file to write, such as muscle.h for c; its name names the function in it.",
             show_default=False,
         ),
     ],

@@ -13,10 +13,10 @@ from pam_ident.fitting import fit
 from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model
 from pam_ident.records import read_record
-from pam_ident.tasks.export import SUFFIX
 
 RECORD = Path(__file__).parents[2] / "datasets" / "paper_laws" / "reconstructed.csv"
 LAW = ("--law", "exponential_law")
+SUFFIX = {"c": ".h", "matlab": ".m", "python": ".py", "mujoco": ".xml", "json": ".json"}
 
 
 def ask(*words):
