@@ -3,8 +3,8 @@
 import inspect
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable
+from contextlib import ExitStack
 from functools import wraps
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -36,32 +36,23 @@ def verb(command: Callable[..., None]) -> Callable[..., None]:
     @wraps(command)
     def run(quiet: bool, **given: Any) -> None:
         check_json(given.get("json"))
-        token = text.silent.set(quiet or given.get("json") == "-")
-        if shared:
-            given["asked"] = Asked(**{name: given.pop(name) for name in shared})
-        try:
-            with nullcontext() if quiet or not sys.stderr.isatty() else _watched():
-                command(**given)
-        finally:
-            text.silent.reset(token)
+        with ExitStack() as after:
+            after.callback(text.silent.reset, text.silent.set(quiet or given.get("json") == "-"))
+            if not quiet and sys.stderr.isatty():
+                from ..core.progress import heard
+
+                line = Line()
+                after.callback(line.clear)
+                after.enter_context(heard(line.tell))
+            if shared:
+                given["asked"] = Asked(**{name: given.pop(name) for name in shared})
+            command(**given)
 
     spread = [p for name, one in own.items() for p in (shared.values() if name == "asked" else [one])]
     spread = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in [*spread, extra]]
     run.__signature__ = inspect.Signature(spread)  # pyright: ignore[reportAttributeAccessIssue]
     run.__annotations__ = {p.name: p.annotation for p in spread}
     return run
-
-
-@contextmanager
-def _watched() -> Iterator[None]:
-    from ..core.progress import heard
-
-    line = Line()
-    try:
-        with heard(line.tell):
-            yield
-    finally:
-        line.clear()
 
 
 class Line:
