@@ -2,8 +2,6 @@
 
 from typing import Annotated
 
-import typer
-
 from . import options, text
 
 
@@ -12,12 +10,8 @@ def add(
     law: options.Law,
     effect: Annotated[
         list[str],
-        typer.Option(
-            "--effect",
-            metavar="NAME",
-            help="Effect to add, NAME or NAME:FORM; repeatable.",
-            show_default=False,
-            autocompletion=options.effect_names,
+        options.option(
+            "--effect", "NAME", "Effect to add, NAME or NAME:FORM; repeatable.", autocompletion=options.effect_names
         ),
     ],
     effect_file: options.EffectFiles = None,

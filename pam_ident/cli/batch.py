@@ -19,7 +19,7 @@ def batch(
         str, typer.Argument(metavar="FOLDER", help="Tree of CSV records, specimen.toml beside or above each.")
     ],
     law: options.Law,
-    out: Annotated[str, typer.Option("--out", metavar="RESULTS", help="Folder for the results.", show_default=False)],
+    out: Annotated[str, options.option("--out", "RESULTS", "Folder for the results.")],
     effect: options.Effects = None,
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
@@ -29,11 +29,8 @@ def batch(
     ] = "together",
     workers: Annotated[
         int | None,
-        typer.Option(
-            "--workers",
-            metavar="N",
-            help="A Dask cluster of so many on this machine; default: a process for each core.",
-            show_default=False,
+        options.option(
+            "--workers", "N", "A Dask cluster of so many on this machine; default: a process for each core."
         ),
     ] = None,
     scheduler: options.Scheduler = None,

@@ -2,8 +2,6 @@
 
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from . import options, text
 
 if TYPE_CHECKING:
@@ -23,10 +21,7 @@ def compare(
     record: options.Record,
     law: options.Law,
     asked: options.Asked = options.NOTHING,
-    out: Annotated[
-        str | None,
-        typer.Option("--out", metavar="FILE.svg|png", help="Save the map of the error, too.", show_default=False),
-    ] = None,
+    out: Annotated[str | None, options.option("--out", "FILE.svg|png", "Save the map of the error, too.")] = None,
 ) -> None:
     """Show where the fitted law fails."""
     if out is not None:

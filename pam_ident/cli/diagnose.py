@@ -21,11 +21,8 @@ def diagnose(
     asked: options.Asked = options.NOTHING,
     protocol: Annotated[
         str | None,
-        typer.Option(
-            "--protocol",
-            metavar="FILE.toml",
-            help="Write the next experiment's protocol, for `rig --protocol`; one record only.",
-            show_default=False,
+        options.option(
+            "--protocol", "FILE.toml", "Write the next experiment's protocol, for `rig --protocol`; one record only."
         ),
     ] = None,
 ) -> None:

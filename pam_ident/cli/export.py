@@ -18,28 +18,16 @@ def export(
             show_default=False,
         ),
     ],
-    to: Annotated[
-        str,
-        typer.Option("--to", metavar="KIND", help=f"{', '.join(targets.names())} or json.", show_default=False),
-    ],
+    to: Annotated[str, options.option("--to", "KIND", f"{', '.join(targets.names())} or json.")],
     out: Annotated[
         str,
-        typer.Option(
-            "--out",
-            metavar="FILE",
-            help="The file to write, such as muscle.h for c; its name names the function in it.",
-            show_default=False,
+        options.option(
+            "--out", "FILE", "The file to write, such as muscle.h for c; its name names the function in it."
         ),
     ],
     law: Annotated[
         str | None,
-        typer.Option(
-            "--law",
-            metavar="LAW",
-            help="Force law to fit to a record, by name.",
-            show_default=False,
-            autocompletion=options.law_names,
-        ),
+        options.option("--law", "LAW", "Force law to fit to a record, by name.", autocompletion=options.law_names),
     ] = None,
     branch: Annotated[
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")

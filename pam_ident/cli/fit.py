@@ -34,10 +34,7 @@ def fit(
         ),
     ] = "global",
     hold: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--hold", metavar="NAME=VALUE", help="Parameter that keeps a value; repeatable.", show_default=False
-        ),
+        list[str] | None, options.option("--hold", "NAME=VALUE", "Parameter that keeps a value; repeatable.")
     ] = None,
     weights: Annotated[
         str,
@@ -57,11 +54,10 @@ def fit(
     asked: options.Asked = options.NOTHING,
     figures: Annotated[
         str | None,
-        typer.Option(
+        options.option(
             "--figures",
-            metavar="DIR",
-            help="Folder for SVG figures of the isobars, the fit, other laws and the coefficients; it is made.",
-            show_default=False,
+            "DIR",
+            "Folder for SVG figures of the isobars, the fit, other laws and the coefficients; it is made.",
         ),
     ] = None,
 ) -> None:

@@ -27,6 +27,11 @@ def effect_names(incomplete: str) -> list[str]:
     return [name for name in (forms if ":" in incomplete else names) if name.startswith(incomplete)]
 
 
+def option(flag: str, metavar: str, help: str, **more: Any) -> Any:
+    """An option without a default worth telling."""
+    return typer.Option(flag, metavar=metavar, help=help, show_default=False, **more)
+
+
 Record = Annotated[
     str,
     typer.Argument(
@@ -36,69 +41,27 @@ Record = Annotated[
     ),
 ]
 Law = Annotated[
-    str,
-    typer.Option(
-        "--law",
-        metavar="LAW",
-        help="Force law by name; `pam-ident laws` lists them.",
-        show_default=False,
-        autocompletion=law_names,
-    ),
+    str, option("--law", "LAW", "Force law by name; `pam-ident laws` lists them.", autocompletion=law_names)
 ]
 Effects = Annotated[
     list[str] | None,
-    typer.Option(
-        "--effect",
-        metavar="NAME",
-        help="Effect in the model, NAME or NAME:FORM; repeatable.",
-        show_default=False,
-        autocompletion=effect_names,
-    ),
+    option("--effect", "NAME", "Effect in the model, NAME or NAME:FORM; repeatable.", autocompletion=effect_names),
 ]
 EffectFiles = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--effect-file", metavar="FILE.py", help="Python file with an effect of yours; repeatable.", show_default=False
-    ),
+    list[str] | None, option("--effect-file", "FILE.py", "Python file with an effect of yours; repeatable.")
 ]
 FreeGeometry = Annotated[
     bool, typer.Option("--free-geometry", help="Fit radius (± 15 %) and braid angle (20° to 35°) too.")
 ]
 SpecimenFile = Annotated[
-    str | None,
-    typer.Option(
-        "--specimen",
-        metavar="FILE",
-        help="Specimen file; default: specimen.toml beside the record.",
-        show_default=False,
-    ),
+    str | None, option("--specimen", "FILE", "Specimen file; default: specimen.toml beside the record.")
 ]
-JsonFile = Annotated[
-    str | None,
-    typer.Option(
-        "--json",
-        metavar="FILE",
-        help="Write the answer as JSON; - for stdout, alone there.",
-        show_default=False,
-    ),
-]
+JsonFile = Annotated[str | None, option("--json", "FILE", "Write the answer as JSON; - for stdout, alone there.")]
 Workers = Annotated[
-    int | None,
-    typer.Option(
-        "--workers",
-        metavar="N",
-        help="Share profiles or a bootstrap out among so many processes; same answer.",
-        show_default=False,
-    ),
+    int | None, option("--workers", "N", "Share profiles or a bootstrap out among so many processes; same answer.")
 ]
 Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="The workers of a Dask scheduler instead, tcp://HOST:PORT.",
-        show_default=False,
-    ),
+    str | None, option("--scheduler", "ADDRESS", "The workers of a Dask scheduler instead, tcp://HOST:PORT.")
 ]
 
 

@@ -2,19 +2,14 @@
 
 from typing import Annotated
 
-import typer
-
 from . import options, text
 
 
 def report(
     record: options.Record,
     law: options.Law,
-    out: Annotated[str, typer.Option("--out", metavar="FILE", help="The file to write.", show_default=False)],
-    format: Annotated[
-        str | None,
-        typer.Option("--format", metavar="html|md|pdf", help="Default: what FILE ends in.", show_default=False),
-    ] = None,
+    out: Annotated[str, options.option("--out", "FILE", "The file to write.")],
+    format: Annotated[str | None, options.option("--format", "html|md|pdf", "Default: what FILE ends in.")] = None,
     asked: options.Asked = options.NOTHING,
 ) -> None:
     """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
