@@ -2,8 +2,6 @@
 
 from typing import Annotated
 
-import typer
-
 from . import options, text
 
 
@@ -12,12 +10,8 @@ def add(
     law: options.Law,
     effect: Annotated[
         list[str],
-        typer.Option(
-            "--effect",
-            metavar="NAME",
-            help="Effect to add, NAME or NAME:FORM; repeatable.",
-            show_default=False,
-            autocompletion=options.effect_names,
+        options.option(
+            "--effect", "NAME", "Effect to add, NAME or NAME:FORM; repeatable.", autocompletion=options.effect_names
         ),
     ],
     effect_file: options.EffectFiles = None,
@@ -29,8 +23,7 @@ def add(
 
     Both are shown on held-out data, too.
     """
-    options.check_json(json)
-    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    setup = options.Asked(effect, effect_file, free_geometry, specimen).setup(law)
     from ..schema.diagnosis import addition_json
     from ..tasks.add import add_effects
 
@@ -60,6 +53,4 @@ def add(
             text.say(f"  other forms: {', '.join(richer)}")
     for warning in found.warnings:
         text.say("", f"Warning: {warning}")
-    if after.problems:
-        typer.echo(f"{record}: the fit is not valid. {'; '.join(after.problems)}", err=True)
-        raise typer.Exit(3)
+    options.stop_if_invalid(record, after.problems)

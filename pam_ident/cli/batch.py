@@ -19,7 +19,7 @@ def batch(
         str, typer.Argument(metavar="FOLDER", help="Tree of CSV records, specimen.toml beside or above each.")
     ],
     law: options.Law,
-    out: Annotated[str, typer.Option("--out", metavar="RESULTS", help="Folder for the results.", show_default=False)],
+    out: Annotated[str, options.option("--out", "RESULTS", "Folder for the results.")],
     effect: options.Effects = None,
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
@@ -35,8 +35,7 @@ def batch(
 
     Killed at any moment, the same command goes on where it stopped. Needs the extra `cluster`.
     """
-    options.check_json(json)
-    setup = options.setup(law, effect, effect_file, free_geometry, None)
+    setup = options.Asked(effect, effect_file, free_geometry).setup(law)
     from ..batch.run import run_batch
     from ..parallel.executor import Executor
 

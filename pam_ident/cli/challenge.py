@@ -14,18 +14,10 @@ if TYPE_CHECKING:
 def challenge(
     n: Annotated[int, typer.Option("--n", metavar="N", help="Number of cases.")] = 60,
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="Same seed, same set.")] = 1,
-    out: Annotated[
-        str | None,
-        typer.Option("--out", metavar="DIR", help="Folder for the set, the answers and pictures.", show_default=False),
-    ] = None,
-    only: Annotated[
-        str | None, typer.Option("--only", metavar="KIND", help="Cases of one kind only.", show_default=False)
-    ] = None,
+    out: Annotated[str | None, options.option("--out", "DIR", "Folder for the set, the answers and pictures.")] = None,
+    only: Annotated[str | None, options.option("--only", "KIND", "Cases of one kind only.")] = None,
     answers: Annotated[
-        str | None,
-        typer.Option(
-            "--answers", metavar="FILE.jsonl", help="Score these answers to the set in --out.", show_default=False
-        ),
+        str | None, options.option("--answers", "FILE.jsonl", "Score these answers to the set in --out.")
     ] = None,
     workers: options.Workers = None,
     scheduler: options.Scheduler = None,
@@ -36,7 +28,6 @@ def challenge(
     The hidden effects stay sealed until all answers are there. To take it yourself: `pam-ident rig DIR`, answer, then
     `pam-ident challenge --out DIR --answers FILE.jsonl`.
     """
-    options.check_json(json)
     from pathlib import Path
     from tempfile import TemporaryDirectory
 

@@ -2,8 +2,6 @@
 
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from . import options, text
 
 if TYPE_CHECKING:
@@ -22,39 +20,29 @@ HEADS = {
 def compare(
     record: options.Record,
     law: options.Law,
-    effect: options.Effects = None,
-    effect_file: options.EffectFiles = None,
-    free_geometry: options.FreeGeometry = False,
-    specimen: options.SpecimenFile = None,
-    json: options.JsonFile = None,
-    out: Annotated[
-        str | None,
-        typer.Option("--out", metavar="FILE.svg|png", help="Save the map of the error, too.", show_default=False),
-    ] = None,
+    asked: options.Asked = options.NOTHING,
+    out: Annotated[str | None, options.option("--out", "FILE.svg|png", "Save the map of the error, too.")] = None,
 ) -> None:
     """Show where the fitted law fails."""
-    options.check_json(json)
     if out is not None:
         from ..core.files import check_target
 
         check_target(out, (".svg", ".png"))
-    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    setup = asked.setup(law)
     from ..core.files import write_whole
     from ..schema.diagnosis import comparison_json
     from ..tasks.compare import compare_record, failure_picture
 
     measured = setup.read(record)
     comparison = compare_record(measured, setup)
-    options.give_json(json, lambda: comparison_json(record, comparison))
+    options.give_json(asked.json, lambda: comparison_json(record, comparison))
     if out is not None:
         write_whole(out, failure_picture(comparison, "." + out.rpartition(".")[2]))
     text.say(text.title(record, measured), *text.equation(setup.model), "", comparison.sentence)
     _print(comparison)
     if out is not None:
         text.say("", f"map of the error: {out}")
-    if comparison.fit.problems:
-        typer.echo(f"{record}: the fit is not valid. {'; '.join(comparison.fit.problems)}", err=True)
-        raise typer.Exit(3)
+    options.stop_if_invalid(record, comparison.fit.problems)
 
 
 def _print(comparison: "Comparison") -> None:

@@ -18,7 +18,6 @@ def demo(
     json: options.JsonFile = None,
 ) -> None:
     """The whole job on the data that come along, to an HTML report."""
-    options.check_json(json)
     from ..schema.trials import demo_json
     from ..tasks.demo import demo as run
 

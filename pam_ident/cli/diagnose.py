@@ -1,5 +1,6 @@
 """pam-ident diagnose."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -18,18 +19,18 @@ def diagnose(
         typer.Argument(metavar="RECORD...", help="CSV records of a test rig, one or several.", show_default=False),
     ],
     law: options.Law,
-    effect: options.Effects = None,
-    effect_file: options.EffectFiles = None,
-    free_geometry: options.FreeGeometry = False,
-    specimen: options.SpecimenFile = None,
-    json: options.JsonFile = None,
+    asked: options.Asked = options.NOTHING,
+    without: Annotated[
+        list[str] | None,
+        options.option("--without", "NAME", "Effect that is not tried, because the rig cannot have it; repeatable."),
+    ] = None,
+    only: Annotated[
+        list[str] | None, options.option("--only", "NAME", "The only effect that is tried; repeatable.")
+    ] = None,
     protocol: Annotated[
         str | None,
-        typer.Option(
-            "--protocol",
-            metavar="FILE.toml",
-            help="Write the next experiment's protocol, for `rig --protocol`; one record only.",
-            show_default=False,
+        options.option(
+            "--protocol", "FILE.toml", "Write the next experiment's protocol, for `rig --protocol`; one record only."
         ),
     ] = None,
 ) -> None:
@@ -37,10 +38,9 @@ def diagnose(
 
     Several records get an answer each.
     """
-    options.check_json(json)
     if protocol is not None:
         check_protocol(protocol, record)
-    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    setup = replace(asked.setup(law), without=tuple(without or ()), only=tuple(only or ()))
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json
     from ..tasks.diagnose import diagnose_records
@@ -55,11 +55,11 @@ def diagnose(
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *describe(found))
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
-    if json is not None and len(record) == 1:
+    if asked.json is not None and len(record) == 1:
         for answer in answers:
-            write_json(json, answer)
-    elif json is not None:
-        write_json_lines(json, answers)
+            write_json(asked.json, answer)
+    elif asked.json is not None:
+        write_json_lines(asked.json, answers)
     if code:
         raise typer.Exit(code)
 

@@ -18,7 +18,6 @@ def list_all(context: typer.Context, effect_file: options.EffectFiles = None, js
     context.obj = tuple(effect_file or ())
     if context.invoked_subcommand is not None:
         return
-    options.check_json(json)
     from ..effects import listed, load_effect_files
     from ..schema.catalogue import effects_json
 
@@ -38,7 +37,6 @@ def show(
     json: options.JsonFile = None,
 ) -> None:
     """Tell all about one effect: its forms, parameters, source, and the test that shows it."""
-    options.check_json(json)
     from ..effects import get_effect, load_effect_files
     from ..schema.catalogue import effects_json
 
@@ -74,7 +72,6 @@ def new(
     json: options.JsonFile = None,
 ) -> None:
     """Write a commented scaffold of an effect of your own, which works as it is."""
-    options.check_json(json)
     from ..core import UsageError
     from ..effects import load_effect_file
     from ..schema.catalogue import effects_json
@@ -99,7 +96,6 @@ def new(
 @verb
 def check(file: EffectFile, json: options.JsonFile = None) -> None:
     """Hold an effect of your own to what every known effect promises."""
-    options.check_json(json)
     from ..core import UsageError
     from ..schema.catalogue import effects_json
     from ..validation.check_effects import check_effects

@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from ..export import targets
 from ..schema.versions import schema
 from . import options, text
 
@@ -17,52 +18,36 @@ def export(
             show_default=False,
         ),
     ],
-    to: Annotated[
-        str, typer.Option("--to", metavar="KIND", help="c, matlab, python, mujoco or json.", show_default=False)
-    ],
+    to: Annotated[str, options.option("--to", "KIND", f"{', '.join(targets.names())} or json.")],
     out: Annotated[
         str,
-        typer.Option(
-            "--out",
-            metavar="FILE",
-            help="The file to write (.h, .m, .py, .xml, .json); its name names the function in it.",
-            show_default=False,
+        options.option(
+            "--out", "FILE", "The file to write, such as muscle.h for c; its name names the function in it."
         ),
     ],
     law: Annotated[
         str | None,
-        typer.Option(
-            "--law",
-            metavar="LAW",
-            help="Force law to fit to a record, by name.",
-            show_default=False,
-            autocompletion=options.law_names,
-        ),
+        options.option("--law", "LAW", "Force law to fit to a record, by name.", autocompletion=options.law_names),
     ] = None,
     branch: Annotated[
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
     ] = "together",
-    effect: options.Effects = None,
-    effect_file: options.EffectFiles = None,
-    free_geometry: options.FreeGeometry = False,
-    specimen: options.SpecimenFile = None,
-    json: options.JsonFile = None,
+    asked: options.Asked = options.NOTHING,
 ) -> None:
     """Write a fitted model for another program: C, MATLAB, Python, MuJoCo, JSON."""
-    options.check_json(json)
     from ..core import UsageError
     from ..tasks.export import check_export, export_fit, export_record
 
     check_export(to, out)
     if law is not None:
-        found = export_record(source, to, out, options.setup(law, effect, effect_file, free_geometry, specimen), branch)
-    elif effect or free_geometry or branch != "together":
+        found = export_record(source, to, out, asked.setup(law), branch)
+    elif asked.effect or asked.free_geometry or branch != "together":
         raise UsageError("--effect, --branch and --free-geometry are for a record that is fitted now; add --law LAW")
     else:
-        found = export_fit(source, to, out, tuple(effect_file or ()), specimen)
+        found = export_fit(source, to, out, tuple(asked.effect_file or ()), asked.specimen)
     files = [str(path) for path in found.paths]
     options.give_json(
-        json,
+        asked.json,
         lambda: {
             "schema": schema("export"),
             "files": files,
@@ -71,6 +56,4 @@ def export(
         },
     )
     text.say(*(f"wrote {path}" for path in files), *found.notes)
-    if found.problems:
-        typer.echo(f"{source}: the fit is not valid. {'; '.join(found.problems)}", err=True)
-        raise typer.Exit(3)
+    options.stop_if_invalid(source, found.problems)

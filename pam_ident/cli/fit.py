@@ -34,10 +34,7 @@ def fit(
         ),
     ] = "global",
     hold: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--hold", metavar="NAME=VALUE", help="Parameter that keeps a value; repeatable.", show_default=False
-        ),
+        list[str] | None, options.option("--hold", "NAME=VALUE", "Parameter that keeps a value; repeatable.")
     ] = None,
     weights: Annotated[
         str,
@@ -54,28 +51,22 @@ def fit(
     chunked: Annotated[
         bool, typer.Option("--chunked", help="Read the record in chunks, as is done where memory is short.")
     ] = False,
-    effect: options.Effects = None,
-    effect_file: options.EffectFiles = None,
-    free_geometry: options.FreeGeometry = False,
-    specimen: options.SpecimenFile = None,
-    json: options.JsonFile = None,
+    asked: options.Asked = options.NOTHING,
     figures: Annotated[
         str | None,
-        typer.Option(
+        options.option(
             "--figures",
-            metavar="DIR",
-            help="Folder for SVG figures of the isobars, the fit, other laws and the coefficients; it is made.",
-            show_default=False,
+            "DIR",
+            "Folder for SVG figures of the isobars, the fit, other laws and the coefficients; it is made.",
         ),
     ] = None,
 ) -> None:
     """Fit a law: parameters with standard errors."""
-    options.check_json(json)
     if figures is not None:
         from ..tasks.figures import make_folder
 
         make_folder(figures)
-    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    setup = asked.setup(law)
     from ..parallel.executor import Executor
     from ..records.files import share_of_memory
     from ..schema.fit import fit_json
@@ -89,16 +80,14 @@ def fit(
         answer = fit_long_record(record, setup, wishes)
     else:
         answer = fit_record(setup.read(record), setup, wishes)
-    options.give_json(json, lambda: fit_json(record, law, answer))
+    options.give_json(asked.json, lambda: fit_json(record, law, answer))
     text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.equation(setup.model))
     _print(answer)
     if figures is not None:
         from ..tasks.figures import paper_figures, write_figures
 
         text.say("", *(f"figure: {path}" for path in write_figures(figures, paper_figures(answer))))
-    if answer.problems:
-        typer.echo(f"{record}: the fit is not valid. {'; '.join(answer.problems)}", err=True)
-        raise typer.Exit(3)
+    options.stop_if_invalid(record, answer.problems)
 
 
 def _print(answer: "FitAnswer") -> None:

@@ -10,7 +10,6 @@ if TYPE_CHECKING:
 
 def inspect(record: options.Record, specimen: options.SpecimenFile = None, json: options.JsonFile = None) -> None:
     """What was read of a record, and advice on the rig."""
-    options.check_json(json)
     from ..records.inspection import inspect_record
     from ..schema.catalogue import inspection_json
     from ..tasks.setup import load

@@ -11,21 +11,16 @@ if TYPE_CHECKING:
 def ladder(
     record: options.Record,
     law: options.Law,
-    effect: options.Effects = None,
-    effect_file: options.EffectFiles = None,
-    free_geometry: options.FreeGeometry = False,
-    specimen: options.SpecimenFile = None,
-    json: options.JsonFile = None,
+    asked: options.Asked = options.NOTHING,
 ) -> None:
     """Diagnose and add down to the noise floor."""
-    options.check_json(json)
-    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    setup = asked.setup(law)
     from ..schema.diagnosis import ladder_json
     from ..tasks.ladder import climb_ladder
 
     measured = setup.read(record)
     found = climb_ladder(measured, setup)
-    options.give_json(json, lambda: ladder_json(record, found))
+    options.give_json(asked.json, lambda: ladder_json(record, found))
     text.say(text.title(record, measured), *text.equation(setup.model), "", found.last.sentence, "", *rungs(found))
     text.say("", "the last rung's parameters:", *text.parameters(found.rungs[-1].fit))
 

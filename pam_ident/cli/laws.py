@@ -5,7 +5,6 @@ from . import options, text
 
 def laws(json: options.JsonFile = None) -> None:
     """List the force laws that are known, those with the fewest parameters first."""
-    options.check_json(json)
     from ..laws import listed
     from ..schema.catalogue import laws_json
 

@@ -1,11 +1,12 @@
 """Options that several commands share, and what they become."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from ..tasks.setup import Setup
 
@@ -26,6 +27,11 @@ def effect_names(incomplete: str) -> list[str]:
     return [name for name in (forms if ":" in incomplete else names) if name.startswith(incomplete)]
 
 
+def option(flag: str, metavar: str, help: str, **more: Any) -> Any:
+    """An option without a default worth telling."""
+    return typer.Option(flag, metavar=metavar, help=help, show_default=False, **more)
+
+
 Record = Annotated[
     str,
     typer.Argument(
@@ -35,85 +41,51 @@ Record = Annotated[
     ),
 ]
 Law = Annotated[
-    str,
-    typer.Option(
-        "--law",
-        metavar="LAW",
-        help="Force law by name; `pam-ident laws` lists them.",
-        show_default=False,
-        autocompletion=law_names,
-    ),
+    str, option("--law", "LAW", "Force law by name; `pam-ident laws` lists them.", autocompletion=law_names)
 ]
 Effects = Annotated[
     list[str] | None,
-    typer.Option(
-        "--effect",
-        metavar="NAME",
-        help="Effect in the model, NAME or NAME:FORM; repeatable.",
-        show_default=False,
-        autocompletion=effect_names,
-    ),
+    option("--effect", "NAME", "Effect in the model, NAME or NAME:FORM; repeatable.", autocompletion=effect_names),
 ]
 EffectFiles = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--effect-file", metavar="FILE.py", help="Python file with an effect of yours; repeatable.", show_default=False
-    ),
+    list[str] | None, option("--effect-file", "FILE.py", "Python file with an effect of yours; repeatable.")
 ]
 FreeGeometry = Annotated[
     bool, typer.Option("--free-geometry", help="Fit radius (± 15 %) and braid angle (20° to 35°) too.")
 ]
 SpecimenFile = Annotated[
-    str | None,
-    typer.Option(
-        "--specimen",
-        metavar="FILE",
-        help="Specimen file; default: specimen.toml beside the record.",
-        show_default=False,
-    ),
+    str | None, option("--specimen", "FILE", "Specimen file; default: specimen.toml beside the record.")
 ]
-JsonFile = Annotated[
-    str | None,
-    typer.Option(
-        "--json",
-        metavar="FILE",
-        help="Write the answer as JSON; - for stdout, alone there.",
-        show_default=False,
-    ),
-]
+JsonFile = Annotated[str | None, option("--json", "FILE", "Write the answer as JSON; - for stdout, alone there.")]
 Workers = Annotated[
-    int | None,
-    typer.Option(
-        "--workers",
-        metavar="N",
-        help="So many processes at a time; same answer. Default: the cores; for fit: 1.",
-        show_default=False,
-    ),
+    int | None, option("--workers", "N", "So many processes at a time; same answer. Default: the cores; for fit: 1.")
 ]
 Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="The workers of a Dask scheduler instead, tcp://HOST:PORT.",
-        show_default=False,
-    ),
+    str | None, option("--scheduler", "ADDRESS", "The workers of a Dask scheduler instead, tcp://HOST:PORT.")
 ]
 
 
-def setup(
-    law: str,
-    effects: list[str] | None,
-    effect_files: list[str] | None,
-    free_geometry: bool,
-    specimen: str | None,
-) -> "Setup":
-    """What the options ask for, with the names looked up."""
-    from ..tasks.setup import Setup
+@dataclass(frozen=True)
+class Asked:
+    """The options of all commands that fit a model; `verb` puts them where a command has an argument of this type."""
 
-    found = Setup(law, tuple(effects or ()), tuple(effect_files or ()), free_geometry, specimen)
-    _ = found.model
-    return found
+    effect: Effects = None
+    effect_file: EffectFiles = None
+    free_geometry: FreeGeometry = False
+    specimen: SpecimenFile = None
+    json: JsonFile = None
+
+    def setup(self, law: str) -> "Setup":
+        """What is asked for, with the names looked up."""
+        from ..tasks.setup import Setup
+
+        effects, files = tuple(self.effect or ()), tuple(self.effect_file or ())
+        found = Setup(law, effects, files, self.free_geometry, self.specimen)
+        _ = found.model
+        return found
+
+
+NOTHING = Asked()
 
 
 def check_json(path: str | None) -> None:
@@ -122,6 +94,13 @@ def check_json(path: str | None) -> None:
         from ..core.files import check_target
 
         check_target(path)
+
+
+def stop_if_invalid(record: str, problems: "Sequence[str]") -> None:
+    """End with a message and exit code 3 where a fit has problems."""
+    if problems:
+        typer.echo(f"{record}: the fit is not valid. {'; '.join(problems)}", err=True)
+        raise typer.Exit(3)
 
 
 def give_json(path: str | None, answer: "Callable[[], Mapping[str, Any]]") -> None:

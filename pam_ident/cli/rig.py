@@ -12,47 +12,29 @@ def rig(
     folder: Annotated[str, typer.Argument(metavar="FOLDER", help="Folder to write into.", show_default=False)],
     n: Annotated[int, typer.Option("--n", metavar="N", help="Number of cases.")] = 60,
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="Same seed, same set.")] = 1,
-    only: Annotated[
-        str | None, typer.Option("--only", metavar="KIND", help="Cases of one kind only.", show_default=False)
-    ] = None,
+    only: Annotated[str | None, options.option("--only", "KIND", "Cases of one kind only.")] = None,
     protocol: Annotated[
         str | None,
-        typer.Option(
-            "--protocol",
-            metavar="FILE.toml",
-            help="One record of this protocol instead, such as `diagnose --protocol` writes.",
-            show_default=False,
+        options.option(
+            "--protocol", "FILE.toml", "One record of this protocol instead, such as `diagnose --protocol` writes."
         ),
     ] = None,
-    law: Annotated[
-        str | None,
-        typer.Option("--law", metavar="LAW", help="With --protocol: the muscle's law.", show_default=False),
-    ] = None,
+    law: Annotated[str | None, options.option("--law", "LAW", "With --protocol: the muscle's law.")] = None,
     effect: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--effect",
-            metavar="NAME[:FORM]",
-            help="With --protocol: effect to hide; repeatable.",
-            show_default=False,
-        ),
+        list[str] | None, options.option("--effect", "NAME[:FORM]", "With --protocol: effect to hide; repeatable.")
     ] = None,
     size: Annotated[
         float | None,
-        typer.Option(
+        options.option(
             "--size",
-            metavar="R",
-            help="With --protocol: what each effect leaves in the standard protocol, in multiples of the noise (3).",
-            show_default=False,
+            "R",
+            "With --protocol: what each effect leaves in the standard protocol, in multiples of the noise (3).",
         ),
     ] = None,
     repeat: Annotated[
         int | None,
-        typer.Option(
-            "--repeat",
-            metavar="N",
-            help="With --protocol: the run N times over, each of the rested muscle, with fresh noise (1).",
-            show_default=False,
+        options.option(
+            "--repeat", "N", "With --protocol: the run N times over, each of the rested muscle, with fresh noise (1)."
         ),
     ] = None,
     json: options.JsonFile = None,
@@ -62,7 +44,6 @@ def rig(
     Their answers are sealed in truth.json, to examine a diagnosis with. With --protocol one record is written, with the
     effects that --effect names; the same seed is the same muscle whatever the protocol.
     """
-    options.check_json(json)
     from ..core import UsageError
 
     if protocol is None:

@@ -10,7 +10,6 @@ def selftest(json: options.JsonFile = None) -> None:
 
     It then recovers known parameters and a hidden effect from simulated records. Takes some seconds.
     """
-    options.check_json(json)
     from ..schema.trials import selftest_json
     from ..validation.selftest import DIGITS, DIGITS_STDERR, FURTHEST
     from ..validation.selftest import selftest as run

@@ -14,19 +14,10 @@ Fit = "a file that `fit --json` or `ladder --json` wrote"
 
 def track(
     plant: Annotated[
-        str | None,
-        typer.Option(
-            "--plant",
-            metavar="FIT",
-            help=f"Muscle in the leg: {Fit}; of a ladder the last rung.",
-            show_default=False,
-        ),
+        str | None, options.option("--plant", "FIT", f"Muscle in the leg: {Fit}; of a ladder the last rung.")
     ] = None,
     controller: Annotated[
-        str | None,
-        typer.Option(
-            "--controller", metavar="FIT", help=f"The model that the feed-forward knows: {Fit}.", show_default=False
-        ),
+        str | None, options.option("--controller", "FIT", f"The model that the feed-forward knows: {Fit}.")
     ] = None,
     gait: Annotated[
         str, typer.Option("--gait", metavar="GAIT", help="winter (adult), children, or a CSV file with knee_deg.")
@@ -44,13 +35,7 @@ def track(
     effect_file: options.EffectFiles = None,
     specimen: options.SpecimenFile = None,
     out: Annotated[
-        str | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Folder for figures; of a prototype its MJCF and pictures.",
-            show_default=False,
-        ),
+        str | None, options.option("--out", "DIR", "Folder for figures; of a prototype its MJCF and pictures.")
     ] = None,
     json: options.JsonFile = None,
 ) -> None:
@@ -58,7 +43,6 @@ def track(
 
     Without --plant and --controller the muscle and the ladder that come along are taken.
     """
-    options.check_json(json)
     from ..schema.track import track_json
     from ..tasks.track import TrackOptions, track_leg
 

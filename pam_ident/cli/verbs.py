@@ -1,19 +1,21 @@
 """What every command has: progress while it works, and `--quiet`."""
 
 import inspect
-import shutil
 import sys
 import time
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import ExitStack
 from functools import wraps
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from . import text
+from .options import Asked, check_json
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from ..core.progress import Stage
 
 PATIENCE, PAUSE = 2.0, 0.2
@@ -22,92 +24,84 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only; a
 
 
 def verb(command: Callable[..., None]) -> Callable[..., None]:
-    """The command with `--quiet`, and with its progress shown where stderr is a terminal.
+    """The command with `--quiet`, the options of its argument `asked` one by one, a `--json` that can be written, and
+    its progress shown where stderr is a terminal.
 
     With `--quiet`, or with `--json -`, which puts the answer on stdout, nothing else is printed there.
     """
+    own = inspect.signature(command).parameters
+    shared = inspect.signature(Asked).parameters if "asked" in own else {}
+    extra = inspect.Parameter("quiet", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Quiet)
 
     @wraps(command)
-    def run(*args: Any, quiet: bool, **kwargs: Any) -> None:
-        token = text.silent.set(quiet or kwargs.get("json") == "-")
-        try:
-            with nullcontext() if quiet or not sys.stderr.isatty() else shown():
-                command(*args, **kwargs)
-        finally:
-            text.silent.reset(token)
+    def run(quiet: bool, **given: Any) -> None:
+        check_json(given.get("json"))
+        with ExitStack() as after:
+            after.callback(text.silent.reset, text.silent.set(quiet or given.get("json") == "-"))
+            if not quiet and sys.stderr.isatty():
+                from ..core.progress import heard
 
-    own = inspect.signature(command)
-    extra = inspect.Parameter("quiet", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Quiet)
-    run.__signature__ = own.replace(parameters=[*own.parameters.values(), extra])  # pyright: ignore[reportAttributeAccessIssue]
-    run.__annotations__ = {**command.__annotations__, "quiet": Quiet}
+                line = Line()
+                after.callback(line.clear)
+                after.enter_context(heard(line.tell))
+            if shared:
+                given["asked"] = Asked(**{name: given.pop(name) for name in shared})
+            command(**given)
+
+    spread = [p for name, one in own.items() for p in (shared.values() if name == "asked" else [one])]
+    spread = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in [*spread, extra]]
+    run.__signature__ = inspect.Signature(spread)  # pyright: ignore[reportAttributeAccessIssue]
+    run.__annotations__ = {p.name: p.annotation for p in spread}
     return run
 
 
-class shown:
-    """Work done inside shows its progress on one line of stderr, which is gone at the end."""
+class Line:
+    """Where the work is, how much of it is done and how long the rest takes, on one line of stderr."""
 
-    def __enter__(self) -> None:
-        from ..core.progress import heard
-
-        self.clock = Clock()
-        self.listening = heard(self.tell)
-        self.listening.__enter__()
-
-    def __exit__(self, *error: Any) -> None:
-        self.listening.__exit__(*error)
-        self.clear()
+    def __init__(self) -> None:
+        self.next = time.monotonic() + PATIENCE
+        self.counted = ""
+        self.bar: Progress | None = None
 
     def tell(self, stage: "Stage") -> None:
         """Write the line anew, if it is time."""
-        line = self.clock.line(stage, time.monotonic())
-        if line is not None:
-            room = shutil.get_terminal_size().columns - 1
-            typer.echo(f"\r\x1b[K{line[:room]}", nl=False, err=True)
-            text.unfinished = self.clear
+        if time.monotonic() < self.next:
+            return
+        self.next = time.monotonic() + PAUSE
+        bar = self.bar = self.bar or _bar()
+        counted = next((one for one in stage.line if one.of or one.done), stage)
+        if not bar.tasks or counted.what != self.counted or counted.done < bar.tasks[0].completed:
+            for task in bar.task_ids:
+                bar.remove_task(task)
+            bar.add_task("", total=counted.of)
+        self.counted = counted.what
+        words = " · ".join(one.what for one in stage.line)
+        bar.update(bar.task_ids[0], description=words, completed=counted.done)
+        bar.start()
+        bar.refresh()
+        text.unfinished = self.clear
 
     def clear(self) -> None:
         """Take the line away, before anything else is printed."""
-        if text.unfinished is not None:
-            text.unfinished = None
-            typer.echo("\r\x1b[K", nl=False, err=True)
+        text.unfinished = None
+        if self.bar is not None:
+            self.bar.stop()
 
 
-class Clock:
-    """Puts a stage in words, with its rate and the time left, at most every PAUSE seconds."""
+def _bar() -> "Progress":
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    def __init__(self) -> None:
-        self.begin: float | None = None
-        self.last = 0.0
-        self.counts: dict[str, tuple[float, int, int]] = {}
-
-    def line(self, stage: "Stage", now: float) -> str | None:
-        """What to show at the time `now` in s; None where it is too early."""
-        self.begin = now if self.begin is None else self.begin
-        counted = next((one for one in stage.line if one.of or one.done), None)
-        if counted is not None:
-            began, first, last = self.counts.get(counted.what, (now, counted.done, counted.done))
-            if counted.done < last:  # the same once more
-                began, first = now, counted.done
-            self.counts[counted.what] = began, first, counted.done
-        if now - self.begin < PATIENCE or now - self.last < PAUSE:
-            return None
-        self.last = now
-        words = [one.what if one is not counted else self.count(one, now) for one in stage.line]
-        return " · ".join([*words, duration(now - self.begin)])
-
-    def count(self, stage: "Stage", now: float) -> str:
-        """How much is done, how fast, and how long the rest will take."""
-        began, first, _ = self.counts[stage.what]
-        words = f"{stage.what}: {stage.done}" + (f" of {stage.of}" if stage.of else "")
-        if stage.done == first or now == began:
-            return words
-        rate = (stage.done - first) / (now - began)
-        left = f", {duration((stage.of - stage.done) / rate)} left" if stage.of else ""
-        return f"{words}, {text.number(rate, 2)}/s{left}"
-
-
-def duration(seconds: float) -> str:
-    """A time in the unit in which it is read: s, min or h."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(20),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True, force_terminal=True),
+        auto_refresh=False,
+        speed_estimate_period=3600.0,
+        transient=True,
+        redirect_stdout=False,
+        redirect_stderr=False,
+        get_time=time.monotonic,
+    )

@@ -28,8 +28,7 @@ def workbench(
 
     Needs the extra `workbench`. Ends with Ctrl-C.
     """
-    options.check_json(json)
-    setup = options.setup(law, effect, effect_file, free_geometry, specimen)
+    setup = options.Asked(effect, effect_file, free_geometry, specimen).setup(law)
     if record is not None:
         setup.read(record)
     from ..core import UsageError

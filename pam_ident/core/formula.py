@@ -1,4 +1,8 @@
-"""Formulas as laws and effects write them, in Unicode text, turned into LaTeX for MathJax or matplotlib."""
+"""Formulas as laws and effects write them, in Unicode text, turned into LaTeX for MathJax or matplotlib.
+
+They mix mathematics with words ("as dahl, with W + W_p p for W"), which SymPy does not read, and LaTeX declared beside
+each of the hundred would be longer and could differ from the text; so their words and signs are told apart here.
+"""
 
 import re
 import unicodedata

@@ -1,4 +1,8 @@
-"""A formula as a graph of operations on single numbers; equal parts of it exist once."""
+"""A formula as a graph of operations on single numbers; equal parts of it exist once.
+
+SymPy's `cse` and printers were tried in its place: they agree where a model is small, but of seven effects at once they
+had no answer after two minutes, where this takes two seconds.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping

@@ -18,6 +18,8 @@ SAME = frozenset(MEANING) - {"select"}
 REDUCE = {"reduce_sum": "add", "reduce_prod": "mul", "reduce_max": "max", "reduce_min": "min"}
 INSIDE = ("jaxpr", "call_jaxpr", "fun_jaxpr")
 """Where a primitive that calls a function keeps it."""
+MOVES = {"broadcast_in_dim", "reshape", "squeeze", "expand_dims", "transpose", "concatenate", "stack", "slice", "rev"}
+"""Primitives that only move numbers about."""
 CALLS = {"jit", "pjit", "closed_call", "core_call", "custom_jvp_call", "custom_vjp_call", "remat", "checkpoint"}
 
 
@@ -35,7 +37,7 @@ def _run(graph: Graph, jaxpr: Any, consts: Sequence[Nodes], given: Sequence[Node
     for equation in jaxpr.eqns:
         if equation.primitive.name == "div" and equation.outvars[0].aval.dtype.kind in "iu":
             raise UsageError("the model divides whole numbers, which cannot be exported; use 2.0 in place of 2")
-        found = _apply(graph, equation.primitive.name, equation.params, [value(atom) for atom in equation.invars])
+        found = _apply(graph, equation, [value(atom) for atom in equation.invars])
         for var, nodes in zip(equation.outvars, found, strict=True):
             if nodes.shape != var.aval.shape:
                 nodes = np.broadcast_to(nodes, var.aval.shape)
@@ -51,50 +53,62 @@ def _each(function: Callable[..., int], *arrays: Nodes) -> Nodes:
     return np.asarray(np.frompyfunc(function, len(arrays), 1)(*arrays), dtype=object)
 
 
-def _apply(graph: Graph, name: str, params: dict[str, Any], given: list[Nodes]) -> list[Nodes]:
+def _apply(graph: Graph, equation: Any, given: list[Nodes]) -> list[Nodes]:
+    name, params = equation.primitive.name, equation.params
     if name in CALLS:
         inner = next(params[key] for key in INSIDE if key in params)
         return scalars(graph, inner, given) if hasattr(inner, "consts") else _run(graph, inner, [], given)
     if name in SAME:
         return [_each(lambda *nodes: graph.apply(name, *nodes), *given)]
+    if name in RULES:
+        return [_each(lambda *nodes: _built(graph, RULES[name], nodes), *given)]
     if name in ARITHMETIC:
         return [_each(lambda *nodes: ARITHMETIC[name](graph, params, *nodes), *given)]
     if name in REDUCE:
         return [_reduced(graph, REDUCE[name], given[0], params["axes"])]
     if name == "iota":
-        along = np.arange(params["shape"][params["dimension"]], dtype=float)
-        spread = {"shape": params["shape"], "broadcast_dimensions": (params["dimension"],)}
-        return [_numbers(graph, _broadcast(spread, along))]
+        return [_numbers(graph, equation.primitive.bind(**params))]
     if name == "dot_general":
         return [_dot(graph, given[0], given[1], params["dimension_numbers"])]
-    if name in MOVES:
-        return [np.asarray(MOVES[name](params, *given), dtype=object)]
+    if name in MOVES:  # nodes are numbers as any others
+        return [np.asarray(equation.primitive.bind(*(nodes.astype(int) for nodes in given), **params)).astype(object)]
     raise UsageError(
         f"the model uses {name} of JAX, which cannot be exported; write the effect with the functions of other effects"
     )
+
+
+TOWARD_ZERO = ("select", ("ge", 0, 0.0), ("floor", 0), ("ceil", 0))
+RULES: dict[str, Any] = {
+    "sign": ("select", ("gt", 0, 0.0), 1.0, ("select", ("lt", 0, 0.0), -1.0, 0.0)),
+    "clamp": ("min", ("max", 1, 0), 2),
+    "logistic": ("div", 1.0, ("add", 1.0, ("exp", ("neg", 0)))),
+    "rsqrt": ("div", 1.0, ("sqrt", 0)),
+    "square": ("mul", 0, 0),
+    **dict.fromkeys(("stop_gradient", "copy", "copy_p"), 0),
+}
+"""Primitives of JAX in the operations of a graph; a whole number is the argument of that place, a float a constant."""
+
+
+def _built(graph: Graph, rule: Any, nodes: Sequence[int]) -> int:
+    if isinstance(rule, tuple):
+        return graph.apply(rule[0], *(_built(graph, part, nodes) for part in rule[1:]))
+    return nodes[rule] if isinstance(rule, int) else graph.number(rule)
 
 
 def _converted(graph: Graph, params: dict[str, Any], node: int) -> int:
     """Yes and no as 1 and 0; a number as whether it is not 0."""
     kind, answers = np.dtype(params["new_dtype"]).kind, graph.answers(node)
     if answers and kind != "b":
-        return graph.apply("select", node, graph.number(1.0), graph.number(0.0))
+        return _built(graph, ("select", 0, 1.0, 0.0), [node])
     if kind == "b" and not answers:
-        return graph.apply("ne", node, graph.number(0.0))
-    return _toward_zero(graph, node, 0.0) if kind in "iu" and not answers else node
-
-
-def _toward_zero(graph: Graph, node: int, more: float) -> int:
-    """The node with its fraction cut off, after its size has grown by `more`."""
-    up, down = (graph.apply("add", node, graph.number(sign * more)) for sign in (1.0, -1.0))
-    positive = graph.apply("ge", node, graph.number(0.0))
-    return graph.apply("select", positive, graph.apply("floor", up), graph.apply("ceil", down))
+        return _built(graph, ("ne", 0, 0.0), [node])
+    return _built(graph, TOWARD_ZERO, [node]) if kind in "iu" and not answers else node
 
 
 def _rounded(graph: Graph, params: dict[str, Any], node: int) -> int:
     if int(params["rounding_method"]) != 0:
         raise UsageError("the model rounds to even numbers, which cannot be exported; use floor")
-    return _toward_zero(graph, node, 0.5)
+    return _built(graph, ("select", ("ge", 0, 0.0), ("floor", ("add", 0, 0.5)), ("ceil", ("add", 0, -0.5))), [node])
 
 
 def _power(graph: Graph, params: dict[str, Any], node: int) -> int:
@@ -107,54 +121,19 @@ def _power(graph: Graph, params: dict[str, Any], node: int) -> int:
     return graph.apply("div", graph.number(1.0), found) if params["y"] < 0 else found
 
 
-def _sign(graph: Graph, params: dict[str, Any], node: int) -> int:
-    zero, one = graph.number(0.0), graph.number(1.0)
-    negative = graph.apply("select", graph.apply("lt", node, zero), graph.number(-1.0), zero)
-    return graph.apply("select", graph.apply("gt", node, zero), one, negative)
-
-
 def _chosen(graph: Graph, params: dict[str, Any], which: int, *cases: int) -> int:
     if len(cases) != 2 or not graph.answers(which):
         raise UsageError("the model chooses among more than two cases, which cannot be exported; use where")
     return graph.apply("select", which, cases[1], cases[0])
 
 
-def _clamped(graph: Graph, params: dict[str, Any], low: int, node: int, high: int) -> int:
-    return graph.apply("min", graph.apply("max", node, low), high)
-
-
-def _logistic(graph: Graph, params: dict[str, Any], node: int) -> int:
-    one = graph.number(1.0)
-    return graph.apply("div", one, graph.apply("add", one, graph.apply("exp", graph.apply("neg", node))))
-
-
-def _reciprocal_root(graph: Graph, params: dict[str, Any], node: int) -> int:
-    return graph.apply("div", graph.number(1.0), graph.apply("sqrt", node))
-
-
-def _square(graph: Graph, params: dict[str, Any], node: int) -> int:
-    return graph.apply("mul", node, node)
-
-
-def _same(graph: Graph, params: dict[str, Any], node: int) -> int:
-    return node
-
-
 ARITHMETIC: dict[str, Callable[..., int]] = {
     "convert_element_type": _converted,
     "integer_pow": _power,
     "round": _rounded,
-    "sign": _sign,
     "select_n": _chosen,
-    "clamp": _clamped,
-    "logistic": _logistic,
-    "rsqrt": _reciprocal_root,
-    "square": _square,
-    "stop_gradient": _same,
-    "copy": _same,
-    "copy_p": _same,
 }
-"""Primitives of JAX that are written with the operations of a graph."""
+"""Primitives that depend on their parameters."""
 
 
 def _reduced(graph: Graph, op: str, nodes: Nodes, axes: Sequence[int]) -> Nodes:
@@ -176,30 +155,3 @@ def _dot(graph: Graph, left: Nodes, right: Nodes, numbers: Any) -> Nodes:
     other = second.reshape(second.shape[:k] + (1,) * (first.ndim - k) + second.shape[k:])
     products = _each(lambda x, y: graph.apply("mul", x, y), *np.broadcast_arrays(spread, other))
     return _reduced(graph, "add", products, range(k))
-
-
-def _broadcast(params: dict[str, Any], nodes: Nodes, *_: Nodes) -> Nodes:
-    shape = [1] * len(params["shape"])
-    for axis, size in zip(params["broadcast_dimensions"], nodes.shape, strict=True):
-        shape[axis] = size
-    return np.broadcast_to(nodes.reshape(shape), params["shape"])
-
-
-def _slice(params: dict[str, Any], nodes: Nodes) -> Nodes:
-    steps = params["strides"] or (1,) * nodes.ndim
-    cuts = zip(params["start_indices"], params["limit_indices"], steps, strict=True)
-    return nodes[tuple(slice(*cut) for cut in cuts)]
-
-
-MOVES: dict[str, Callable[..., Nodes]] = {
-    "broadcast_in_dim": _broadcast,
-    "reshape": lambda params, nodes, *_: nodes.reshape(params["new_sizes"]),
-    "squeeze": lambda params, nodes: np.squeeze(nodes, tuple(params["dimensions"])),
-    "expand_dims": lambda params, nodes: np.expand_dims(nodes, tuple(params["dimensions"])),
-    "transpose": lambda params, nodes: nodes.transpose(params["permutation"]),
-    "concatenate": lambda params, *nodes: np.concatenate(nodes, params["dimension"]),
-    "stack": lambda params, *nodes: np.stack(nodes, params["axis"]),
-    "slice": _slice,
-    "rev": lambda params, nodes: np.flip(nodes, tuple(params["dimensions"])),
-}
-"""Primitives that only move numbers about."""

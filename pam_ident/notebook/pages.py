@@ -1,7 +1,7 @@
 """Results as HTML: a sentence, tables, a figure. Every text is escaped; figures are inline and load nothing."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
@@ -10,8 +10,10 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from .. import plot
+from ..export.frames import controllers
 from ..plot import tracking
 from ..report import tables
+from ..report.render import environment
 from ..report.svg import embed
 from ..report.tables import PageTable
 from ..report.words import number, stderr, unit
@@ -28,6 +30,11 @@ POINTS = 400
 """Points of a cloud, so that a cell stays small."""
 MOST_BYTES = 250_000
 """A figure that is longer as SVG is shown as PNG."""
+TABLE = """<table><caption>{{ table.caption }}</caption>
+<thead><tr>{% for cell in table.head %}<th>{{ cell }}</th>{% endfor %}</tr></thead>
+<tbody>{% for row in table.rows %}<tr>{% for cell in row %}
+<td style="text-align:{{ "right" if loop.index0 in table.numeric else "left" }}">{{ cell }}</td>
+{% endfor %}</tr>{% endfor %}</tbody></table>"""
 
 
 def page(result: Any) -> str:
@@ -37,16 +44,7 @@ def page(result: Any) -> str:
 
 def table(one: PageTable) -> Markup:
     """A table with its caption; numbers stand right."""
-    head = Markup("").join(Markup("<th>{}</th>").format(cell) for cell in one.head)
-    rows = Markup("\n").join(Markup("<tr>{}</tr>").format(_cells(row, one.numeric)) for row in one.rows)
-    caption = Markup("<caption>{}</caption>").format(one.caption)
-    return Markup("<table>{}<thead><tr>{}</tr></thead><tbody>{}</tbody></table>").format(caption, head, rows)
-
-
-def _cells(row: Sequence[str], numeric: Sequence[int]) -> Markup:
-    sides = ("right" if k in numeric else "left" for k in range(len(row)))
-    cells = (Markup('<td style="text-align:{}">{}</td>').format(*pair) for pair in zip(sides, row, strict=True))
-    return Markup("").join(cells)
+    return Markup(environment().from_string(TABLE).render(table=one))
 
 
 def picture(figure: Figure, label: str, tips: Mapping[str, str] | None = None) -> Markup:
@@ -59,28 +57,17 @@ def _said(sentence: str) -> Markup:
     return Markup("<p>{}</p>").format(sentence)
 
 
-def _facts(caption: str, facts: Sequence[tuple[str, str]]) -> Markup:
-    return table(PageTable(caption, ("what", "value"), tuple(facts)))
-
-
 def _specimen(one: "Specimen") -> Markup:
     known = ((f.name, getattr(one, f.name)) for f in fields(one) if f.name not in ("name", "sensors"))
     facts = [(name, "–" if value is None else f"{value:g}") for name, value in known]
     if one.sensors is not None:
         facts += [(f"sensors, {f.name}", f"{getattr(one.sensors, f.name):g}") for f in fields(one.sensors)]
-    return _facts(f"Specimen {one.name}", facts)
+    return table(PageTable(f"Specimen {one.name}", ("what", "value"), tuple(facts)))
 
 
 def _record(one: "Record") -> Markup:
-    facts = [
-        ("source", one.source or "–"),
-        ("samples", f"{len(one)}" + (f", {one.masked} more left out" if one.masked else "")),
-        ("isobars (MPa)", ", ".join(f"{p:g}" for p in one.levels)),
-        ("specimen", one.specimen.name),
-        *((f"column for {key}", str(value)) for key, value in one.columns.items()),
-    ]
     figure = picture(plot.isobars.draw(one, POINTS), f"Force over contraction at each pressure of {one.name}")
-    return _facts(f"Record {one.name}", facts) + figure
+    return table(tables.source(one)) + figure
 
 
 def _fit(one: "Fit") -> Markup:
@@ -116,20 +103,13 @@ def _ladder(one: "Ladder") -> Markup:
 
 
 def _track(one: "Track") -> Markup:
-    runs = [("PID, by hand", one.pid_by_hand, ""), ("PID", one.pid, "")]
-    runs += [
-        ("PID + " + " + ".join([r.muscle.model.law.name, *r.muscle.model.labels]), r.tracking, _band(r.band))
-        for r in one.rungs
-    ]
-    runs.append(("PID + the plant's own model", one.ideal, ""))
-    rows = tuple((name, f"{run.rms_deg:.3f}", f"{run.peak_deg:.3f}", band) for name, run, band in runs)
-    head = ("controller", "rms (deg)", "peak (deg)", "95 % band of rms")
+    rows = tuple(
+        (name, effects, f"{rms:.3f}", f"{peak:.3f}", "" if math.isnan(low) else f"{low:.3f} to {high:.3f}")
+        for name, effects, rms, peak, low, high in controllers(one).itertuples(index=False)
+    )
+    head = ("controller", "effects", "rms (deg)", "peak (deg)", "95 % band of rms")
     figure = picture(tracking.draw(one), "Knee angle wanted and reached, and the error")
-    return _said(lines.track(one)) + table(PageTable("Knee tracking", head, rows, (1, 2, 3))) + figure
-
-
-def _band(band: tuple[float, float] | None) -> str:
-    return "" if band is None else f"{band[0]:.3f} to {band[1]:.3f}"
+    return _said(lines.track(one)) + table(PageTable("Knee tracking", head, rows, (2, 3, 4))) + figure
 
 
 PAGES: dict[str, Callable[[Any], Markup]] = {

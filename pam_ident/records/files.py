@@ -4,17 +4,15 @@ import os
 import re
 from dataclasses import dataclass
 from glob import glob, has_magic
-from importlib import import_module
 from pathlib import Path
 
 from ..core import DataError
+from .formats import catalogue
 from .mapping import Mapping, read_mapping
 from .table import Table
 from .text_table import read_layout, read_text
 
 TEXT = (".csv", ".tsv", ".txt", ".dat", ".asc")
-LOADERS = {".xlsx": "excel", ".xlsm": "excel", ".mat": "mat", ".tdms": "tdms", ".lvm": "lvm", ".parquet": "parquet"}
-"""Ending → the module beside this one whose `read_tables(path, mapping)` reads it."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class Files:
     def written(self) -> str:
         """How the first file is written, in words."""
         ending = _ending(self.paths[0])
-        if ending in LOADERS:
+        if ending in catalogue():
             return f"as {ending}"
         layout = read_layout(self.paths[0], self.mapping)
         names = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
@@ -47,7 +45,7 @@ class Files:
     @property
     def text_bytes(self) -> int:
         """Size of the files that are text."""
-        return sum(path.stat().st_size for path in self.paths if _ending(path) not in LOADERS)
+        return sum(path.stat().st_size for path in self.paths if _ending(path) not in catalogue())
 
 
 def share_of_memory(path: str | Path) -> float:
@@ -75,10 +73,12 @@ def find_files(path: str | Path) -> Files:
     if path.is_file():
         return Files(given, (path,), path.parent, path.name.removesuffix(".gz").rpartition(".")[0] or path.name)
     if path.is_dir():
-        found = [file for file in path.iterdir() if file.is_file() and _ending(file) in (*TEXT, *LOADERS)]
+        endings = (*TEXT, *catalogue())
+        found = [file for file in path.iterdir() if file.is_file() and _ending(file) in endings]
         if not found:
-            endings = ", ".join((*TEXT, *LOADERS))
-            raise DataError(f"{given}: a folder without a record; expected files ending in {endings}. Name a file")
+            raise DataError(
+                f"{given}: a folder without a record; expected files ending in {', '.join(endings)}. Name a file"
+            )
     elif has_magic(given):
         found = [Path(name) for name in glob(given, recursive=True) if Path(name).is_file()]
         found = [file for file in found if file.suffix != ".toml"]
@@ -97,9 +97,7 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
         raise DataError(f"{path}: an old Excel file; save it as .xlsx or as CSV")
     if path.stat().st_size == 0:
         raise DataError(f"{path}: the file is empty; expected a header row and one row a sample")
-    if ending in LOADERS:
-        return import_module(f".{LOADERS[ending]}", __package__).read_tables(path, mapping)
-    return read_text(path, mapping)
+    return catalogue()[ending].read(path, mapping) if ending in catalogue() else read_text(path, mapping)
 
 
 def _ending(path: Path) -> str:

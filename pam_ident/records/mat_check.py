@@ -1,5 +1,9 @@
-"""Whether a MATLAB file of version 5 to 7 holds together, before it is read: scipy's reader takes the types and counts
-of its elements on trust, and where they are damaged the whole program falls.
+"""Whether a MATLAB file of version 5 to 7 holds together, before scipy reads it.
+
+scipy's `VarReader5.read_numeric` and `read_char` take the type that an element states as an index into a short array of
+pointers without looking whether it is in there, so a damaged type, or a matrix that lacks a part and so takes the next
+matrix for its numbers, ends the whole program with a segmentation fault (scipy 1.17; its pull request 25829 is to mend
+it). This file can go once no damaged file of the tests does so without it.
 
 The format: MathWorks, MAT-File Format (2023), "Version 5 MAT-File Format".
 """

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core import UsageError
-
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -73,11 +71,6 @@ def _clock(column: "pd.Series") -> "pd.Series | None":
     if column.dtype.kind == "M":
         column = column - column.iloc[0]
     return column.dt.total_seconds() if column.dtype.kind == "m" else None
-
-
-def need_extra(package: str, path: object) -> UsageError:
-    """The error of a format whose package is not installed."""
-    return UsageError(f"{path}: reading it needs {package}; install it with: pip install 'pam-ident[formats]'")
 
 
 def number_of(cell: object, decimal: str = ".") -> float:

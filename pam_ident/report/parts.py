@@ -226,4 +226,4 @@ def _warnings(section: Section, easel: Easel) -> Part | None:
 
 
 def _source(section: Section, easel: Easel) -> Part:
-    return Part(f"{easel.prefix}-record", "The record", tables=(tables.source(section),))
+    return Part(f"{easel.prefix}-record", "The record", tables=(tables.source(section.record),))

@@ -8,6 +8,7 @@ from ..fitting import Fit, IsobarTable
 from ..fitting.fit import Estimate
 from ..plot.failure_map import Cell
 from ..plot.ladder import added
+from ..records import Record
 from .story import Section
 from .words import STATUS, named, newtons, number, standing, stderr, titles, unit
 
@@ -191,15 +192,15 @@ def provenance(items: Mapping[str, object]) -> PageTable:
     return PageTable("Where this report came from", ("what", "value"), tuple(rows))
 
 
-def source(section: Section) -> PageTable:
+def source(record: Record) -> PageTable:
     """What was read of one record."""
-    record = section.record
     rows = [
         ("record", record.name),
         ("file", record.source or "not from a file"),
         ("SHA-256", record.sha256 or "–"),
         ("samples", f"{len(record)}" + (f", {record.masked} more left out as unusable" if record.masked else "")),
         ("isobars (MPa)", ", ".join(f"{p:g}" for p in record.levels)),
+        ("specimen", record.specimen.name),
         *((f"column for {key}", str(value)) for key, value in record.columns.items()),
     ]
     return PageTable(f"What was read: {record.name}", ("what", "value"), tuple(rows))

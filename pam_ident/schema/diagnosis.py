@@ -26,8 +26,8 @@ def comparison_json(record: str, comparison: "Comparison") -> Json:
         "odd_share": comparison.odd,
         "even_share": comparison.even,
         "rest_share": comparison.rest,
-        "by": {key: [_bin(one) for one in bins] for key, bins in comparison.by.items()},
-        "worst": [_region(one) for one in comparison.worst],
+        "by": {key: [_part(one) for one in bins] for key, bins in comparison.by.items()},
+        "worst": [_part(one) for one in comparison.worst],
         "map": {
             "branches": list(comparison.branches),
             "pressures_MPa": comparison.pressures,
@@ -45,28 +45,9 @@ def _follows(found: "tuple[Follows, ...]") -> list[Json]:
     return [asdict(one) for one in found]
 
 
-def _bin(one: "Bin") -> Json:
-    return {
-        "label": one.label,
-        "low": one.low,
-        "high": one.high,
-        "n": one.n,
-        "mean_N": one.mean,
-        "rms_N": one.rms,
-        "share": one.share,
-    }
-
-
-def _region(one: "Region") -> Json:
-    return {
-        "pressure_MPa": one.pressure_MPa,
-        "contraction": list(one.contraction),
-        "branch": one.branch,
-        "n": one.n,
-        "mean_N": one.mean,
-        "rms_N": one.rms,
-        "share": one.share,
-    }
+def _part(one: "Bin | Region") -> Json:
+    """Part of the map, its forces in N by name."""
+    return {{"mean": "mean_N", "rms": "rms_N"}.get(key, key): value for key, value in asdict(one).items()}
 
 
 def diagnosis_json(record: str, diagnosis: "Diagnosis") -> Json:

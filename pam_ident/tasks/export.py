@@ -6,19 +6,12 @@ from pathlib import Path
 from ..core import UsageError
 from ..core.files import check_target, write_json, write_whole
 from ..effects import load_effect_files
-from ..export.c import c_header
 from ..export.fitted import Fitted
-from ..export.matlab import matlab_function
-from ..export.mujoco import mujoco_actuator
-from ..export.python import python_function
+from ..export.targets import get_target
 from ..records import read_specimen
 from ..schema.fit import fit_json
 from .fit import Wishes, fit_record
 from .setup import Setup
-
-SUFFIX = {"c": ".h", "matlab": ".m", "python": ".py", "mujoco": ".xml", "json": ".json"}
-"""What a model can be exported to, and the ending of the file."""
-TEXTS = {"c": c_header, "matlab": matlab_function, "python": python_function}
 
 
 @dataclass(frozen=True)
@@ -32,9 +25,7 @@ class Exported:
 
 def check_export(to: str, out: str) -> Path:
     """Where an export is to go. Raises UsageError for an unknown kind, a wrong ending or a folder that is not there."""
-    if to not in SUFFIX:
-        raise UsageError(f"--to {to!r}: expected one of {', '.join(SUFFIX)}")
-    return check_target(out, (SUFFIX[to],))
+    return check_target(out, (".json" if to == "json" else get_target(to).suffix,))
 
 
 def export_fit(
@@ -68,12 +59,7 @@ def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "t
 
 def _write(fitted: Fitted, to: str, path: Path) -> Exported:
     """The file's name without its ending names the function in it."""
-    if to != "mujoco":
-        return Exported((write_whole(path, TEXTS[to](fitted, path.stem)),), (), fitted.problems)
-    actuator, beside = mujoco_actuator(fitted, path.stem), check_target(path.with_suffix(".py"))
-    paths = (write_whole(path, actuator.xml), write_whole(beside, actuator.python))
-    note = (
-        f"{path.name} alone is affine in length: off the fitted model by {actuator.affine.rms_N:.3g} N rms, "
-        f"{actuator.affine.most_N:.3g} N at most; install() of {beside.name} makes it exact"
-    )
-    return Exported(paths, (note,), fitted.problems)
+    made = get_target(to).write(fitted, path.stem)
+    texts = {path: made.text} | {check_target(path.with_suffix(end)): text for end, text in made.beside.items()}
+    paths = tuple(write_whole(where, text) for where, text in texts.items())
+    return Exported(paths, made.notes, fitted.problems)

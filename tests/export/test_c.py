@@ -8,8 +8,8 @@ import pytest
 from cases import CASES, EACH_CASE, LENGTH, assert_agrees, columns
 
 from pam_ident.core import UsageError
-from pam_ident.export.c import c_header
 from pam_ident.export.program import ARGUMENTS, program
+from pam_ident.export.targets.c import c_header
 
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O2", "-ffp-contract=off")
 

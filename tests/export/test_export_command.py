@@ -13,10 +13,10 @@ from pam_ident.fitting import fit
 from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model
 from pam_ident.records import read_record
-from pam_ident.tasks.export import SUFFIX
 
 RECORD = Path(__file__).parents[2] / "datasets" / "paper_laws" / "reconstructed.csv"
 LAW = ("--law", "exponential_law")
+SUFFIX = {"c": ".h", "matlab": ".m", "python": ".py", "mujoco": ".xml", "json": ".json"}
 
 
 def ask(*words):
@@ -150,7 +150,7 @@ def test_a_file_that_lacks_something_is_refused_by_its_name(stored, tmp_path, ch
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--to", "fortran", "--out", "arm.f"), "c, matlab, python, mujoco, json"),
+        (("--to", "fortran", "--out", "arm.f"), "c, matlab, mujoco, python, json"),
         (("--to", "c", "--out", "arm.m"), ".h"),
         (("--to", "c", "--out", "2nd.h"), "begins with a letter"),
         (("--to", "json", "--out", "arm.json"), "JSON already"),

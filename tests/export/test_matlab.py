@@ -8,8 +8,8 @@ import pytest
 from cases import CASES, EACH_CASE, LENGTH, TRACKS, assert_agrees, columns
 
 from pam_ident.core import UsageError
-from pam_ident.export.matlab import matlab_function
 from pam_ident.export.program import ARGUMENTS, program
+from pam_ident.export.targets.matlab import matlab_function
 
 
 @pytest.fixture(scope="module")

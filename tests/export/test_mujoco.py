@@ -9,7 +9,7 @@ from cases import BY_NAME, MUSCLE
 
 from pam_ident.core import Inputs
 from pam_ident.core.recursion import Live
-from pam_ident.export.mujoco import mujoco_actuator
+from pam_ident.export.targets.mujoco import mujoco_actuator
 from pam_ident.leg import prototype
 
 if find_spec("mujoco") is None:

@@ -9,10 +9,10 @@ from cases import BY_NAME, MUSCLE, Case
 
 from pam_ident.core import Param, UsageError
 from pam_ident.effects import AddsForce, Effect
-from pam_ident.export.c import c_header
-from pam_ident.export.matlab import matlab_function
 from pam_ident.export.program import program
-from pam_ident.export.python import python_function
+from pam_ident.export.targets.c import c_header
+from pam_ident.export.targets.matlab import matlab_function
+from pam_ident.export.targets.python import python_function
 from pam_ident.laws import get_law
 from pam_ident.model import Model, Term
 from pam_ident.validation.effect_contract import LAW_VALUES

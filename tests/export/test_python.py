@@ -8,7 +8,7 @@ from cases import BY_NAME, CASES, EACH_CASE, LENGTH, assert_agrees, columns, ins
 
 from pam_ident.core import UsageError
 from pam_ident.export.program import ARGUMENTS, program
-from pam_ident.export.python import python_function
+from pam_ident.export.targets.python import python_function
 from pam_ident.leg.arrays import jax, jnp
 
 

@@ -10,7 +10,7 @@ import pytest
 from corpus import HEADERS, values
 
 from pam_ident.core import DataError
-from pam_ident.records.mat import read_tables
+from pam_ident.records.formats.mat import read_tables
 from pam_ident.records.mat_check import DEEPEST, check_elements
 
 COLUMNS = dict(zip(HEADERS, values().T, strict=True))

@@ -7,10 +7,11 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from .fitted import Fitted, Span
-from .program import ARGUMENTS, Program, program
+from ..fitted import Fitted, Span
+from ..program import ARGUMENTS, Program, program
+from ..target import Target, Written
+from ..writer import check_name, harmless
 from .python import PYTHON, python_function
-from .writer import check_name, harmless
 
 USUAL = Span((0.0, 0.6), (0.0, 0.25))
 """Where the affine actuator is fitted if the range of the record is not known."""
@@ -156,3 +157,15 @@ def affine(fitted: Fitted, made: Program) -> Affine:
 def _in_comment(text: str) -> str:
     """Text that cannot end a comment of XML."""
     return harmless(text).replace("--", "- -").rstrip("-")
+
+
+def _write(fitted: Fitted, name: str) -> Written:
+    made = mujoco_actuator(fitted, name)
+    note = (
+        f"{name}.xml alone is affine in length: off the fitted model by {made.affine.rms_N:.3g} N rms, "
+        f"{made.affine.most_N:.3g} N at most; install() of {name}.py makes it exact"
+    )
+    return Written(made.xml, {".py": made.python}, (note,))
+
+
+TARGET = Target(".xml", _write)

@@ -2,10 +2,11 @@
 
 import keyword
 
-from .fitted import Fitted
-from .graph import MEANING
-from .program import Block, Program, program
-from .writer import COMPARE, INFIX, Dialect, Names, check_name, constants, heading, statements
+from ..fitted import Fitted
+from ..graph import MEANING
+from ..program import Block, Program, program
+from ..target import Target, Written
+from ..writer import COMPARE, INFIX, Dialect, Names, check_name, constants, heading, statements
 
 _TWO = {"atan2", "pow", "max", "min", "rem", "and", "or"}
 PYTHON = Dialect(
@@ -52,3 +53,6 @@ def _block(made: Program, block: Block, names: Names, indent: str) -> list[str]:
     body, (force, *after) = statements(PYTHON, made.graph, block, names)
     answer = force if made.later is None else f"{force}, ({', '.join(after)},)"
     return [indent + line for line in [*body, f"return {answer}"]]
+
+
+TARGET = Target(".py", lambda fitted, name: Written(python_function(fitted, name)))

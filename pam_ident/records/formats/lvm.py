@@ -6,14 +6,14 @@ The format is National Instruments' "Specification for the LabVIEW Measurement F
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
-from ..core import DataError
-from ..core.units import split_header
-from .mapping import Mapping
-from .quantities import quantity_of
-from .table import Table, number_of, table_in_memory
-from .text_table import read_text
+from ...core import DataError
+from ...core.units import split_header
+from ..mapping import Mapping
+from ..quantities import quantity_of
+from ..table import Table, number_of, table_in_memory
+from ..text_table import read_text
+from .base import Format
 
 END = "***End_of_Header***"
 Entries = dict[str, list[str]]
@@ -48,6 +48,8 @@ def _entries(lines: list[str], separator: str) -> Entries:
 
 def _segment(place: str, head: Entries, lines: list[str], row: int, separator: str) -> Table:
     """A segment: the line of names, which is row `row` of the file, then samples, perhaps with a comment at the end."""
+    import pandas as pd
+
     while lines and not lines[-1].strip():
         lines = lines[:-1]
     names = [name.strip() for name in lines[0].split(separator)] if lines else []
@@ -88,3 +90,6 @@ def _x_values(head: Entries, cells: list[str]) -> object:
         return [cell.strip() for cell in cells]
     start, step = (number_of("".join(head.get(key, [])[:1]).replace(",", ".")) for key in ("X0", "Delta_X"))
     return start + step * np.arange(len(cells))
+
+
+FORMAT = Format((".lvm",), read_tables)

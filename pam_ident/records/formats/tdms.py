@@ -4,30 +4,26 @@ import logging
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
-from ..core import DataError
-from ..core.units import split_header
-from .mapping import Mapping
-from .quantities import quantity_of
-from .table import Table, need_extra, table_in_memory
+from ...core import DataError
+from ...core.units import split_header
+from ..mapping import Mapping
+from ..quantities import quantity_of
+from ..table import Table, table_in_memory
+from .base import Format, reading
 
 
 def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
     """The groups that hold channels; a unit is the channel's property `unit_string`, the time that of the waveform
     where no channel is called so. Samples count from 1. Raises DataError, UsageError without npTDMS.
     """
-    try:
+    with reading(path, "npTDMS", "TDMS file", "copy it again from the rig"):
         import nptdms
         from nptdms.log import log_manager
-    except ImportError:
-        raise need_extra("npTDMS", path) from None
-    log_manager.set_level(logging.CRITICAL)  # what it would print of a broken file is an error here
-    try:
+
+        log_manager.set_level(logging.CRITICAL)  # what it would print of a broken file is an error here
         file = nptdms.TdmsFile.read(path)
         groups = {group.name: group.channels() for group in file.groups()}
-    except Exception as error:  # a broken file ends in any of a dozen errors of the package
-        raise DataError(f"{path}: not a readable TDMS file ({error}); copy it again from the rig") from None
     if file.file_status.incomplete_final_segment:
         raise DataError(f"{path}: the file breaks off within its last segment; copy it again from the rig")
     wanted = mapping.layout.get("part") if mapping else None
@@ -43,6 +39,8 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
 
 
 def _table(place: str, channels: list) -> Table:
+    import pandas as pd
+
     lengths = {channel.name: len(channel) for channel in channels}
     n = max(lengths.values())
     if not n:
@@ -64,3 +62,6 @@ def _table(place: str, channels: list) -> Table:
             columns["time [s]"] = start + step * np.arange(n)
             names.append("time")
     return table_in_memory(place, place, pd.DataFrame(columns), 1, names)
+
+
+FORMAT = Format((".tdms",), read_tables)

@@ -3,15 +3,16 @@
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from ..core import DataError
-from .mapping import Mapping
-from .mat_check import check_elements
-from .quantities import quantity_of
-from .table import Table, need_extra, table_in_memory
+from ...core import DataError
+from ..mapping import Mapping
+from ..mat_check import check_elements
+from ..quantities import quantity_of
+from ..table import Table, table_in_memory
+from .base import Format, reading
 
 
 def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
@@ -39,35 +40,25 @@ def _of_mat(path: Path) -> dict[str, object]:
     from scipy.io import loadmat
     from scipy.io.matlab import matfile_version
 
-    try:
+    with reading(path, "scipy", "MATLAB file", "save it again"):
         if matfile_version(path)[0] == 1:  # of versions 5 to 7
             check_elements(path.read_bytes())
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of what MATLAB alone can read, such as its tables
             content = loadmat(path, squeeze_me=True, struct_as_record=False)
-    except Exception as error:  # a broken file ends in any of a dozen errors of the reader
-        raise DataError(f"{path}: not a readable MATLAB file ({error}); save it again") from None
     return {name: value for name, value in content.items() if not name.startswith("__")}
 
 
 def _of_hdf(path: Path) -> dict[str, object]:
-    try:
+    def take(group: Any) -> dict[str, object]:
+        found = {name: one for name, one in group.items() if not name.startswith("#")}
+        return {name: take(one) if hasattr(one, "items") else np.squeeze(one[()]).T for name, one in found.items()}
+
+    with reading(path, "h5py", "MATLAB file", "save it again"):
         import h5py
-    except ImportError:
-        raise need_extra("h5py", path) from None
 
-    def take(node: object) -> object:
-        if isinstance(node, h5py.Group):
-            return {name: take(one) for name, one in node.items() if not name.startswith("#")}
-        return np.squeeze(np.asarray(node)).T
-
-    try:
         with h5py.File(path) as file:
-            found = take(file)
-    except Exception as error:  # as above
-        raise DataError(f"{path}: not a readable MATLAB file ({error}); save it again") from None
-    assert isinstance(found, dict)
-    return found
+            return take(file)
 
 
 def _groups(content: dict[str, object]) -> Iterator[tuple[str, dict[str, np.ndarray]]]:
@@ -85,6 +76,8 @@ def _groups(content: dict[str, object]) -> Iterator[tuple[str, dict[str, np.ndar
 
 def _table(place: str, columns: dict[str, np.ndarray]) -> list[Table]:
     """A table of the columns of equal length; none where there are less than two."""
+    import pandas as pd
+
     lengths = [len(column) for name, column in columns.items() if quantity_of(name)] or [*map(len, columns.values())]
     n = max(lengths, default=0)
     for name, column in columns.items():
@@ -92,3 +85,6 @@ def _table(place: str, columns: dict[str, np.ndarray]) -> list[Table]:
             raise DataError(f"{place}, {name!r}: {len(column)} samples, others {n}; expected as many")
     frame = pd.DataFrame({name: column for name, column in columns.items() if len(column) == n and n})
     return [table_in_memory(place, place, frame, 1)] if frame.shape[1] > 1 else []
+
+
+FORMAT = Format((".mat",), read_tables)

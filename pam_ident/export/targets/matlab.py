@@ -1,8 +1,9 @@
 """A fitted model as a MATLAB function, which runs in Octave too."""
 
-from .fitted import Fitted
-from .program import Block, Program, program
-from .writer import Dialect, Names, check_name, constants, heading, statements
+from ..fitted import Fitted
+from ..program import Block, Program, program
+from ..target import Target, Written
+from ..writer import Dialect, Names, check_name, constants, heading, statements
 
 _SAME = "exp expm1 log log1p sin cos tan asin acos atan atan2 sinh cosh tanh sqrt floor ceil abs max min rem"
 _TWO = {"atan2", "max", "min", "rem"}
@@ -68,3 +69,6 @@ def _block(made: Program, block: Block, names: Names, indent: str) -> list[str]:
     if made.later is not None:
         lines.append(f"state = {{{', '.join(after)}}};")
     return [indent + line for line in lines]
+
+
+TARGET = Target(".m", lambda fitted, name: Written(matlab_function(fitted, name)))

@@ -1,8 +1,9 @@
 """A fitted model as a C99 header."""
 
-from .fitted import Fitted
-from .program import Program, program
-from .writer import COMPARE, INFIX, Dialect, Names, check_name, constants, heading, statements
+from ..fitted import Fitted
+from ..program import Program, program
+from ..target import Target, Written
+from ..writer import COMPARE, INFIX, Dialect, Names, check_name, constants, heading, statements
 
 PLAIN = "exp expm1 log log1p sin cos tan asin acos atan atan2 sinh cosh tanh sqrt cbrt pow floor ceil abs max min rem"
 OTHER_NAME = {"abs": "fabs", "max": "fmax", "min": "fmin", "rem": "fmod"}
@@ -83,3 +84,6 @@ def _unused(made: Program) -> list[str]:
     blocks = [made.first] if made.later is None else [made.first, made.later]
     used = {made.graph.nodes[n].leaf for block in blocks for n in made.graph.reached(block.ends)}
     return [f"    (void){argument};" for argument in made.arguments if argument not in used]
+
+
+TARGET = Target(".h", lambda fitted, name: Written(c_header(fitted, name)))

@@ -3,29 +3,24 @@
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
-from ..core import DataError
-from .heading import find_heading
-from .mapping import Mapping
-from .quantities import quantity_of
-from .table import Table, need_extra, table_in_memory
+from ...core import DataError
+from ..heading import find_heading
+from ..mapping import Mapping
+from ..quantities import quantity_of
+from ..table import Table, table_in_memory
+from .base import Format, reading
 
 HEAD_ROWS = 200
 
 
 def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
     """The sheets that hold anything. Raises DataError where there are none, UsageError without openpyxl."""
-    try:
+    with reading(path, "openpyxl", "Excel workbook", "save it again as .xlsx"):
         import openpyxl
-    except ImportError:
-        raise need_extra("openpyxl", path) from None
-    try:
+
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)
         sheets = {sheet.title: [list(row) for row in sheet.iter_rows(values_only=True)] for sheet in book.worksheets}
         book.close()
-    except Exception as error:  # a broken file ends in any of a dozen errors of the package
-        raise DataError(f"{path}: not a readable Excel workbook ({error}); save it again as .xlsx") from None
     wanted = mapping.layout.get("part") if mapping else None
     if wanted is not None and wanted not in sheets:
         raise DataError(f"{path}: no sheet {wanted!r} ({mapping.path if mapping else ''}) among {', '.join(sheets)}")
@@ -41,6 +36,8 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
 
 def _table(place: str, rows: list[list[Any]], mapping: Mapping | None) -> Table | None:
     """The table of a sheet, None where the sheet holds none."""
+    import pandas as pd
+
     while rows and all(cell is None for cell in rows[-1]):
         rows.pop()
     head = [["" if cell is None else str(cell) for cell in row] for row in rows[:HEAD_ROWS]]
@@ -60,3 +57,6 @@ def _table(place: str, rows: list[list[Any]], mapping: Mapping | None) -> Table 
         names, headers = heading.names, heading.headers(f"{place}, row {row}")
     frame = pd.DataFrame(rows[first:], columns=pd.Index(headers or names), dtype=object)
     return table_in_memory(place, f"{place}, row {row}", frame, first + 1, names)
+
+
+FORMAT = Format((".xlsx", ".xlsm"), read_tables)

@@ -1,0 +1,51 @@
+"""A new target of exports is one file: CONTRIBUTING's example, put where a contributor puts it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+RECORD = Path(__file__).parents[2] / "datasets" / "paper_laws" / "reconstructed.csv"
+EXAMPLE = '''
+"""A fitted model as a list of its parameters, for a spreadsheet."""
+
+from ..fitted import Fitted
+from ..target import Target, Written
+
+
+def sheet(fitted: Fitted, name: str) -> Written:
+    """A line a parameter: branch, name, value, unit."""
+    rows = [f"{branch},{p.name},{p.value!r},{p.unit}" for branch, all_ in fitted.branches.items() for p in all_]
+    return Written("\\n".join(["branch,parameter,value,unit", *rows, ""]))
+
+
+TARGET = Target(".csv", sheet)
+'''
+
+
+@pytest.fixture
+def program(tmp_path, root):
+    """The program with a folder that holds the example beside its own targets."""
+    (tmp_path / "targets").mkdir()
+    (tmp_path / "targets" / "sheet.py").write_text(EXAMPLE)
+    code = "import sys; from pam_ident.export import targets; targets.__path__.append('targets')\n"
+    code += "from pam_ident.cli import main; main()"
+
+    def run(*words):
+        words = [sys.executable, "-c", code, *map(str, words)]
+        environment = {"PYTHONPATH": str(root), "PATH": "", "COLUMNS": "100"}
+        return subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, env=environment, check=False)
+
+    return run
+
+
+def test_a_new_target_is_listed_and_written(program, tmp_path):
+    assert "c, matlab, mujoco, python, sheet or json" in program("export", "--help").stdout
+    words = ("export", RECORD, "--law", "sarosi", "--to", "sheet", "--out")
+    done = program(*words, "arm.csv")
+    assert done.returncode == 0 and "wrote arm.csv" in done.stdout, done.stderr
+    table = pd.read_csv(tmp_path / "arm.csv")
+    assert list(table.columns) == ["branch", "parameter", "value", "unit"] and len(table) == 6
+    assert "ending in .csv" in program(*words, "arm.txt").stderr
