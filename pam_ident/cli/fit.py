@@ -82,12 +82,8 @@ def fit(
     from ..tasks.intervals import Crew
 
     wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals, crew=Crew(workers, scheduler))
-    if chunked or share_of_memory(record) > MOST_OF_MEMORY:
-        from ..tasks.fit_long import fit_long_record
-
-        answer = fit_long_record(record, setup, wishes)
-    else:
-        answer = fit_record(setup.read(record), setup, wishes)
+    chunked = chunked or share_of_memory(record) > MOST_OF_MEMORY
+    answer = fit_record(record if chunked else setup.read(record), setup, wishes)
     options.give_json(json, lambda: fit_json(record, law, answer))
     text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.equation(setup.model))
     _print(answer)

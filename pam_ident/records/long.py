@@ -72,13 +72,14 @@ class LongRecord:
     def _nominal(self, pressure: Array) -> Array:
         return self.nominal[np.searchsorted(self.pressures, np.round(pressure, 6))]
 
-    def chunks(self, rows: int = CHUNK, full: bool = True) -> Iterator[tuple[Record, Array]]:
-        """The record in order, `rows` at a time, and the number of each sample's turn (as `Record.turn`).
+    def chunks(self, rows: int | None = None, full: bool = True) -> Iterator[tuple[Record, Array]]:
+        """The record in order, `rows` at a time (default CHUNK), and the turn of each sample (as `Record.turn`).
 
         The first sample of a chunk is the record's first and not the chunk's own, for models that count from it. `full`
         chunks have speed, cycle and temperature, others only what a law needs and the direction. Blocks and steady
         inputs are not found.
         """
+        rows = rows or CHUNK
         for begin in range(0, self.n, rows):
             end = min(begin + rows, self.n)
 

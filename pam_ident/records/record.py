@@ -77,15 +77,19 @@ class Record:
 
         Raises DataError when the record does not hold that branch.
         """
-        if branch == "together":
-            return np.ones(len(self), bool)
-        rows = self.inputs.direction == {"contraction": 1.0, "extension": -1.0}[branch]
+        rows = self.on_branch(branch)
         if not rows.any():
             raise DataError(
                 f"{self.source or self.name}: no {branch} branch in the record; give a `branch` or `time_s` column, "
                 "or fit with --branch together"
             )
         return rows
+
+    def on_branch(self, branch: str) -> Array:
+        """The same mask, which may be of no samples."""
+        if branch == "together":
+            return np.ones(len(self), bool)
+        return self.inputs.direction == {"contraction": 1.0, "extension": -1.0}[branch]
 
 
 def build_record(

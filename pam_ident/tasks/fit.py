@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -10,15 +11,15 @@ from ..core import UsageError
 from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, noise_floor
 from ..fitting.covariance import student
 from ..fitting.energy import energy_warning, model_loops, passive
-from ..fitting.fit import Estimate, branch_names
+from ..fitting.fit import Estimate, branch_names, fit_long
 from ..fitting.floor import LackOfFit, NoiseFloor
 from ..fitting.identifiability import PINNED, StandIn
-from ..fitting.long import LongFit
 from ..fitting.methods import MethodRow, compare_methods
 from ..fitting.profile import Profile
 from ..fitting.weigh import LOSSES, Weighing
 from ..parallel.crew import check_crew
 from ..records import Record
+from ..records.long import open_long
 from .intervals import NOBODY, Crew, bootstrap_of, profiles_of
 from .setup import Setup
 
@@ -104,7 +105,7 @@ class FitAnswer:
     @property
     def in_chunks(self) -> bool:
         """Whether the record was read in chunks, so that `record` is a sample of it."""
-        return any(isinstance(one, LongFit) for one in self.fits.values())
+        return any(one.of_all for one in self.fits.values())
 
     @property
     def problems(self) -> list[str]:
@@ -112,18 +113,28 @@ class FitAnswer:
         return [f"{branch}: {problem}" for branch, one in self.fits.items() for problem in one.problems]
 
 
-def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> FitAnswer:
+def fit_record(record: Record | str | Path, setup: Setup, wishes: Wishes | None = None) -> FitAnswer:
     """Fit `setup.model` to the branches asked for, all pressures at once, or isobar by isobar and then over pressure.
 
-    Raises UsageError for a parameter to hold that the model lacks, FitError when the record cannot identify the law
-    at all, DataError when it lacks the branch.
+    Of a path the record is read in chunks, as well as from memory, and that of the answer is an even sample of its
+    rows. From it are the loops' energies and the faults of sensors that parameters take up; noise floor and test for a
+    lack of fit are left out.
+
+    Raises UsageError for a parameter to hold that the model lacks, and in chunks for wishes, and effects, that need the
+    whole record at once; FitError when the record cannot identify the law at all, DataError when it lacks the branch.
     """
     wishes = wishes or Wishes()
     branches = branch_names(wishes.branch)
-    fits = {
-        name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
-        for name in branches
-    }
+    if isinstance(record, Record):
+        fits = {
+            name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
+            for name in branches
+        }
+    else:
+        _check_chunked(record, wishes)
+        with open_long(record, setup.specimen) as on_disk:
+            fits = {name: fit_long(setup.model, on_disk, name, wishes.held) for name in branches}
+        record = fits[branches[0]].record
     isobars, straight = None, ()
     if wishes.method == "two-stage":
         isobars = fit_isobars(setup.model, record, branches, wishes.held)
@@ -143,13 +154,28 @@ def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> Fi
         wishes,
         isobars,
         straight,
-        {name: Checks(noise_floor(one), lack_of_fit(one), one.stand_ins) for name, one in fits.items()},
+        {name: _checks(one) for name, one in fits.items()},
         profiles,
         compare_methods(record, setup.model, wishes.branch) if wishes.method == "both" else (),
         loops,
         loop_energies(record, record.force),
         tuple([*warnings, energy] if energy is not None else warnings),
     )
+
+
+def _check_chunked(path: str | Path, wishes: Wishes) -> None:
+    """Raises UsageError for a wish that a record in chunks cannot be given."""
+    plain = Wishes(wishes.branch, held=wishes.held)
+    for name in ("method", "weights", "loss", "intervals"):
+        if getattr(wishes, name) != getattr(plain, name):
+            raise UsageError(
+                f"{path} is read in chunks: --{name} {getattr(wishes, name)} needs all of it in memory at once; leave "
+                "that out, or fit a part of the record"
+            )
+
+
+def _checks(one: Fit) -> Checks:
+    return Checks(*((None, None) if one.of_all else (noise_floor(one), lack_of_fit(one))), one.stand_ins)
 
 
 def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[Profile, ...]]:
