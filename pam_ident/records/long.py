@@ -18,7 +18,7 @@ from .columns import Values, contraction_of, pause_between, read_pieces, same_qu
 from .columns_on_disk import STRETCH, Columns
 from .files import Files, find_files
 from .load import files_sha256, headers, nothing_left, record_name, specimen_of, tables_of
-from .long_motion import KINDS, Follower
+from .long_motion import KINDS, keep_motion
 from .record import Record, nominal
 
 Array = np.ndarray
@@ -223,5 +223,5 @@ class _Spill:
         if "time" in self.quantities:
             given = tuple(name for name in ("branch", "cycle") if name in self.quantities)
             length = self.specimen.initial_length_mm
-            Follower(self.on_disk, self.n, length, self.high - self.low, found.level, given).run()
+            keep_motion(self.on_disk, self.n, length, self.high - self.low, found.level, given)
         return found
