@@ -74,12 +74,8 @@ def fit(
 
     executor = Executor(workers, scheduler)
     wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals, executor=executor)
-    if chunked or share_of_memory(record) > MOST_OF_MEMORY:
-        from ..tasks.fit_long import fit_long_record
-
-        answer = fit_long_record(record, setup, wishes)
-    else:
-        answer = fit_record(setup.read(record), setup, wishes)
+    chunked = chunked or share_of_memory(record) > MOST_OF_MEMORY
+    answer = fit_record(record if chunked else setup.read(record), setup, wishes)
     options.give_json(asked.json, lambda: fit_json(record, law, answer))
     text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.equation(setup.model))
     _print(answer)

@@ -1,5 +1,6 @@
 """What the parameters' errors are when residuals are correlated along a stroke, or when they are not."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +12,10 @@ LEVEL = 0.95
 """Level of all intervals."""
 FLAT = 1e-8
 """Singular value, relative to the largest, below which a direction of scaled parameters is flat."""
+GRAM = 1e-9
+"""Eigenvalue of a Gram matrix of scaled columns, relative to the largest, down to which it says as much as they do."""
+BLOCK = 256
+"""Rows of a table that are brought to a triangle at a time."""
 FEWEST_CLUSTERS = 6
 """Below this many strokes there is nothing to learn correlation from."""
 
@@ -85,39 +90,69 @@ def clusters(record: Record, rows: Array | slice) -> Array | None:
 
 @dataclass(frozen=True)
 class Sums:
-    """What n rows of a Jacobian J (n, k) and a residual say of the parameters, cluster by cluster.
+    """What n rows of a Jacobian (n, k) say of the parameters, with the residual as one more column, cluster by cluster.
 
-    `triangle` (k, k) with triangleᵀ · triangle = JᵀJ, `squares` of the residual; of each cluster the Gram matrix of its
-    rows, `grams` (clusters, k, k), and their product with the residual, `scores` (clusters, k), both empty where the
-    noise is taken as white.
+    `triangle` (·, k + 1), with triangleᵀ · triangle their Gram matrix; of each cluster the Gram matrix of its rows,
+    `tables` (clusters, k + 1, k + 1), and its number in `runs` (clusters,), both empty where the noise
+    is taken as white.
     """
 
     n: int
     triangle: Array
-    squares: float
-    grams: Array
-    scores: Array
+    tables: Array
+    runs: Array
+
+    @property
+    def squares(self) -> float:
+        """Sum of squares of the residual."""
+        return float(np.sum(self.triangle[:, -1] ** 2))
 
     def take(self, columns: list[int]) -> "Sums":
         """Of some of the parameters only."""
-        grams = self.grams[:, columns][:, :, columns]
-        return Sums(self.n, self.triangle[:, columns], self.squares, grams, self.scores[:, columns])
+        kept = [*columns, -1]
+        return replace(self, triangle=self.triangle[:, kept], tables=self.tables[:, kept][:, :, kept])
+
+    def after(self, step: Array) -> "Sums":
+        """Where a step (k,) of the parameters has led, to first order."""
+        shift = np.eye(len(step) + 1)
+        shift[:-1, -1] = step
+        return replace(self, triangle=self.triangle @ shift, tables=shift.T @ self.tables @ shift)
 
 
-def sums(jacobian: Array, residual: Array, cluster: Array | None = None) -> Sums:
-    """Sums of a Jacobian (n, k) and residual (n,), both as they were minimised, by `cluster` (n,) if given."""
-    n, k = jacobian.shape
-    sizes = _sizes(jacobian)
-    triangle: Array = np.linalg.qr(jacobian / sizes, mode="r") * sizes  # pyright: ignore
-    empty = Sums(n, triangle, float(residual @ residual), np.empty((0, k, k)), np.empty((0, k)))
-    if cluster is None or not n:
-        return empty
-    groups = np.unique(cluster, return_inverse=True)[1]
-    order = np.argsort(groups, kind="stable")
-    edges = np.searchsorted(groups[order], np.arange(groups.max() + 1))
-    parts = np.split(jacobian[order], edges[1:])
-    scores = np.add.reduceat((jacobian * residual[:, None])[order], edges, axis=0)
-    return replace(empty, grams=np.array([part.T @ part for part in parts]), scores=scores)
+def sums(table: Array, cluster: Array | None = None) -> Sums:
+    """Sums of a Jacobian and residual side by side, (n, k + 1), as they are minimised, by `cluster` (n,) if given."""
+    return Sums(len(table), _triangle(table), *grams(table, cluster))
+
+
+def grams(table: Array, cluster: Array | None) -> tuple[Array, Array]:
+    """Gram matrices (clusters, k, k) of the rows of each cluster of a table (n, k), and their numbers (clusters,)."""
+    if cluster is None:
+        return np.empty((0, table.shape[1], table.shape[1])), np.empty(0, int)
+    edges = np.flatnonzero(cluster[1:] != cluster[:-1]) + 1
+    runs = cluster[np.r_[0, edges]]
+    if np.any(np.diff(runs) <= 0):
+        order = np.argsort(cluster, kind="stable")
+        return grams(table[order], cluster[order])
+    return np.array([part.T @ part for part in np.split(table, edges)]), runs
+
+
+def joined(n: int, whole: Array, parts: Sequence[tuple[Array, Array]], triangles: Sequence[Array]) -> Sums | None:
+    """Sums of n rows from the Gram matrix of the `whole` (k + 1, k + 1), and from the `grams` of some rows each, in the
+    order of their clusters, which may go on from part to part.
+
+    With the `triangles` of the parts (Demmel et al. 2012, SIAM J. Sci. Comput. 34, A206–A239) no digit is lost; without
+    them half of the digits are, and None is returned where that is too many.
+    """
+    tables, runs = (np.concatenate(both) for both in zip(*parts, strict=True))
+    begins = np.flatnonzero(np.diff(runs, prepend=np.nan) != 0)
+    tables, runs = np.add.reduceat(tables, begins), runs[begins]
+    if triangles:
+        return Sums(n, _triangle(np.concatenate(triangles)), tables, runs)
+    scale = np.sqrt(np.diag(whole))
+    if not (np.all(np.isfinite(whole)) and np.all(scale > 0.0)):
+        return None
+    weight, axes = np.linalg.eigh(whole / np.outer(scale, scale))
+    return Sums(n, np.sqrt(weight)[:, None] * axes.T * scale, tables, runs) if weight[0] > GRAM * weight[-1] else None
 
 
 def covariance(jacobian: Array, residual: Array, cluster: Array | None = None) -> Covariance:
@@ -126,30 +161,35 @@ def covariance(jacobian: Array, residual: Array, cluster: Array | None = None) -
     `cluster` (n,) numbers runs of rows within which residuals may be correlated in any way; with at least six of
     them the bias-reduced cluster-robust estimator CR2 is used (Bell & McCaffrey 2002), else noise is white.
     """
-    return covariance_of(sums(jacobian, residual, cluster))
+    return covariance_of(sums(np.column_stack([jacobian, residual]), cluster))
 
 
 def covariance_of(one: Sums) -> Covariance:
     """Covariance of least-squares estimates from sums, as `covariance`."""
-    sizes = _sizes(one.triangle)
-    _, sigma, vt = np.linalg.svd(one.triangle / sizes, full_matrices=False)
+    slopes = one.triangle[:, :-1]
+    sizes = np.linalg.norm(slopes, axis=0)
+    sizes[sizes < 1e-300] = 1.0
+    _, sigma, vt = np.linalg.svd(slopes / sizes, full_matrices=False)
     kept = sigma > FLAT * np.max(sigma, initial=1e-300)
     basis = (vt[kept].T / sigma[kept]) / sizes[:, None]
     r = basis.shape[1]
     free = max(one.n - r, 1)
-    if len(one.grams) < FEWEST_CLUSTERS or r == 0:
+    if len(one.tables) < FEWEST_CLUSTERS or r == 0:
         empty = np.empty((0, r, r))
         return Covariance(basis, one.squares / free * np.eye(r), empty, empty, free, sizes)
-    shares = basis.T @ one.grams @ basis
+    shares = basis.T @ one.tables[:, :-1, :-1] @ basis
     weight, axes = np.linalg.eigh(shares)
     # A direction that one cluster alone carries has no scatter between clusters; CR2 leaves it out.
     stretch = np.where(weight < 1.0 - 1e-9, 1.0 / np.sqrt(np.maximum(1.0 - weight, 1e-12)), 0.0)
     spreads = np.einsum("gri,gi,gsi->grs", axes, stretch, axes)
-    pulled = np.einsum("grs,gs->gr", spreads, one.scores @ basis)
+    pulled = np.einsum("grs,gs->gr", spreads, one.tables[:, :-1, -1] @ basis)
     return Covariance(basis, pulled.T @ pulled, shares, spreads, free, sizes)
 
 
-def _sizes(columns: Array) -> Array:
-    """Norms of columns, 1 where there is nothing."""
-    found = np.linalg.norm(columns, axis=0)
-    return np.where(found < 1e-300, 1.0, found)
+def _triangle(table: Array) -> Array:
+    """R of the QR decomposition of a table (n, k), of a long one by way of blocks that stay in the cache."""
+    if len(table) > 8 * BLOCK:
+        blocks, rest = np.split(table, [len(table) // BLOCK * BLOCK])
+        parts: Array = np.linalg.qr(blocks.reshape(-1, BLOCK, table.shape[1]), mode="r")  # pyright: ignore
+        table = np.concatenate([parts.reshape(-1, table.shape[1]), rest])
+    return np.linalg.qr(table, mode="r")  # pyright: ignore

@@ -1,11 +1,14 @@
 """The way down from a projection to the nearest least sum of squares, in a trust region, within bounds."""
 
 import math
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from .problem import FLAT, Projection, bounds
-from .readings import reached
+
+if TYPE_CHECKING:
+    from .readings import Reading
 
 Array = np.ndarray
 FIRST_STEP = 0.3
@@ -17,11 +20,17 @@ HOPE = 4.0
 GIVEN_UP = "given up"
 MOST = 30
 """Steps of the last way, on which the sum of squares is rounding."""
+CLOSE = 1e-11
+"""Way that may be left to the minimum, in typical sizes of the parameters."""
+ROUNDING = 1e-18
+"""Square of a step, as a share of that of the residual, below which steps that shrink no more are rounding."""
 
 
-def descend(
-    start: Projection, ftol: float, xtol: float, evaluations: int, enough: float = math.inf
-) -> tuple[Projection, int, str]:
+P = TypeVar("P", Projection, "Reading")
+"""Where a descent may stand: a problem's linear parameters are eliminated there, or it is read in chunks."""
+
+
+def descend(start: P, ftol: float, xtol: float, evaluations: int, enough: float = math.inf) -> tuple[P, int, str]:
     """Follow a projection down in a trust region: where it ended, status (positive when it converged) and message.
 
     It ends when the sum of squares changes by less than `ftol` or the parameters by less than `xtol`, both relative;
@@ -57,27 +66,33 @@ def descend(
     return here, 0, "the maximum number of evaluations was reached"
 
 
-def settle(here: Projection) -> Projection:
-    """Follow the gradient on to the minimum, where the sum of squares falls by no more than its rounding."""
+def settle(here: P) -> tuple[P, Array, bool]:
+    """Follow the gradient on to the minimum, where the sum of squares falls by no more than its rounding: where it
+    stands, the step (k,) from there to the end, which is left to take, and whether that is the minimum.
+
+    Near it each step is shorter than the one before by a rate, which with the step's size tells what is left.
+    """
+    nothing = np.zeros(len(here.q))
     lower, upper = bounds(here.problem.curved)
     typical = np.array([p.typical(x) for p, x in zip(here.problem.curved, here.q, strict=True)])
-    before, slopes = math.inf, here.jacobian
+    before = math.inf
     for _ in range(MOST):
-        triangle: Array = np.linalg.qr(slopes * typical, mode="r")  # pyright: ignore
-        gradient = typical * (slopes.T @ here.residual)
+        triangle: Array = np.linalg.qr(here.jacobian * typical, mode="r")  # pyright: ignore
+        gradient = typical * (here.jacobian.T @ here.residual)
         if not gradient.any():
-            return here
+            return here, nothing, True
         step = _trusted_step(triangle, gradient, (lower - here.q) / typical, (upper - here.q) / typical, before)
         size = float(np.max(np.abs(step)))
         rate = size / before if math.isfinite(before) else 1.0
-        trial = here.problem.at(np.clip(here.q + step * typical, lower, upper))
+        end = np.clip(here.q + step * typical, lower, upper)
+        rounding = rate > 0.8 and float(np.sum((triangle @ step) ** 2)) <= ROUNDING * here.cost
+        if rounding or (size * rate / (1.0 - rate) if rate < 1.0 else size) <= CLOSE:
+            return here, end - here.q, True
+        trial = here.problem.at(end)
         if not (rate <= 1.0 and trial.cost <= here.cost * (1.0 + ROUGH)):
-            return here
+            return here, nothing, False
         here, before = trial, size
-        if reached(size, rate, 1.0):
-            return here
-        slopes = here.jacobian
-    return here
+    return here, nothing, False
 
 
 def _fall(triangle: Array, gradient: Array) -> float:
@@ -126,9 +141,7 @@ def _step_within(triangle: Array, gradient: Array, radius: float) -> Array:
     return -(axes.T @ step) * min(1.0, radius / max(length, 1e-300))
 
 
-def _descend_line(
-    start: Projection, ftol: float, xtol: float, evaluations: int, enough: float
-) -> tuple[Projection, int, str]:
+def _descend_line(start: P, ftol: float, xtol: float, evaluations: int, enough: float) -> tuple[P, int, str]:
     """As `descend` for one curved parameter: Newton's steps on the exact gradient, bend by secants, in a trust region.
 
     Most laws have just one.

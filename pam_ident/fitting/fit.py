@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,16 +12,21 @@ from ..core import DataError, FitError, Inputs, Param, UsageError
 from ..core.progress import tell
 from ..model import Model
 from ..records import Record
+from . import readings
 from .covariance import Covariance, Sums, clusters, covariance_of, student, sums
 from .identifiability import AT_BOUND, HELD, PINNED, Identifiability, StandIn, flat_directions, stand_ins, verdicts
-from .large import is_large, solve_large
-from .solve import Solution, jacobian, solve
+from .readings import Errors, in_memory, least, on_disk, with_memory
+from .solve import Solution, jacobian, solve, table
 from .solvers import Solver
 from .weigh import PLAIN, Weighing
+
+if TYPE_CHECKING:
+    from ..records.long import LongRecord
 
 Array = np.ndarray
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
+BY_READINGS = "by readings of all rows"
 
 
 @dataclass(frozen=True)
@@ -55,6 +61,7 @@ class Fit:
         weighing: how the weights were found.
         sums: what errors of the parameters come from, when somebody looks at them; None where they were not asked for.
         given: estimates that were found otherwise, such as from profiles.
+        of_all: of a record on disk the errors of all its rows, of which `record` and `rows` are then a sample.
 
     `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
 
@@ -78,6 +85,7 @@ class Fit:
     weighing: Weighing = PLAIN
     sums: Sums | None = None
     given: tuple[Estimate, ...] | None = None
+    of_all: Errors | None = None
 
     @property
     def estimates(self) -> tuple[Estimate, ...]:
@@ -103,27 +111,30 @@ class Fit:
         """Measured minus modelled force in N, shape (n,)."""
         return self.record.force - self.force
 
+    @cached_property
+    def errors(self) -> Errors:
+        """What the fitted rows leave, in N."""
+        return self.of_all or Errors.of(self.residual[self.rows], self.record.force[self.rows])
+
     @property
     def n(self) -> int:
         """How many rows were fitted."""
-        return int(self.rows.sum())
+        return self.of_all.n if self.of_all else int(self.rows.sum())
 
     @property
     def rmse(self) -> float:
         """Root mean square of the residual over the fitted rows, N."""
-        return float(np.sqrt(np.mean(self.residual[self.rows] ** 2)))
+        return self.errors.rmse
 
     @property
     def max_error(self) -> float:
         """Largest absolute residual over the fitted rows, N."""
-        return float(np.max(np.abs(self.residual[self.rows])))
+        return self.errors.largest
 
     @property
     def r2(self) -> float:
         """Coefficient of determination over the fitted rows."""
-        force = self.record.force[self.rows]
-        spread = float(np.sum((force - force.mean()) ** 2))
-        return 1.0 - float(np.sum(self.residual[self.rows] ** 2)) / spread if spread > 0 else math.nan
+        return self.errors.r2
 
     @property
     def problems(self) -> list[str]:
@@ -212,14 +223,44 @@ def fit(
     rows, held = np.ones(len(record), bool) if rows is None else rows, dict(held or {})
     check(model, record, rows, held)
     tell("fitting")
-    if is_large(model, record, rows) and weighing == PLAIN and not held and solver is None:
-        found = solve_large(model, record, start or {}, detail and not white)
-        if found is not None:
-            values, known = found
-            return Fit(model, record, rows, values, True, "by ever more samples", sums=known)
+    if weighing == PLAIN and solver is None and pays_in_chunks(model, record, rows):
+        index, first = np.flatnonzero(rows), bool(model.terms)
+        every = in_memory(record, index, first, detail and not white)
+        search, end, known, done = least(model, record, index, every, start or {}, held)
+        if done:
+            return Fit(model, record, rows, search.values(end), True, BY_READINGS, held=held, sums=known)
     solution, weights = _in_turns(model, record, rows, start or {}, held, weighing, solver)
     one = Fit(model, record, rows, solution.values, solution.converged, solution.message, weights, held, weighing)
     return replace(one, sums=_sums(one, white)) if detail else one
+
+
+def pays_in_chunks(model: Model, record: Record, rows: Array) -> bool:
+    """Whether readings of very many `rows` (mask (n,)) in chunks pay and are open: to a model without memory."""
+    if np.count_nonzero(rows) < readings.FROM or not model.separable or not model.params:
+        return False
+    some = slice(None, None, len(record) // readings.SAMPLES[-1] | 1)
+    return not with_memory(model, record.inputs.take(some), record.force[some])
+
+
+def fit_long(model: Model, record: "LongRecord", branch: str, held: Mapping[str, float] | None = None) -> Fit:
+    """Least-squares fit to a branch of a record on disk, as `fit` makes it of one in memory.
+
+    Raises what `fit` does, and UsageError for an effect that remembers what was before a sample.
+    """
+    held, sample = dict(held or {}), record.sample(readings.SAMPLES[-1])
+    rows = sample.branch_rows(branch)
+    check(model, sample, rows, held)
+    memory = with_memory(model, sample.inputs, sample.force)
+    if memory:
+        raise UsageError(
+            f"{sample.source}: {memory[0].label} remembers what was before, and the record is read in chunks; leave it "
+            "out, or fit a part of the record that fits into memory"
+        )
+    both = np.ptp(np.sign(sample.inputs.direction[rows])) == 2.0
+    every = on_disk(record, branch, bool(both), bool(model.terms))
+    search, end, known, done = least(model, sample, np.flatnonzero(rows), every, {}, held, exact=True)
+    values, errors = search.values(end), search.errors(end)
+    return Fit(model, sample, rows, values, done, BY_READINGS, held=held, sums=known, of_all=errors)
 
 
 def _in_turns(
@@ -297,12 +338,9 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
 
 def _sums(one: Fit, white: bool) -> Sums:
     """Sums of the weighed Jacobian and residual over the fitted rows."""
-    model, record, pick = one.model, one.record, picker(one.rows, one.weights)
-    residual = pick(one.residual)
-    matrix = pick(jacobian(model, record.inputs, one.values, record.force))
-    found = sums(matrix, residual, None if white else clusters(record, one.rows))
-    factor = one.weighing.inflation(residual)
-    return replace(found, squares=found.squares * factor, scores=found.scores * math.sqrt(factor))
+    found = table(one.model, one.record.inputs, one.values, one.record.force, picker(one.rows, one.weights))
+    found[:, -1] *= math.sqrt(one.weighing.inflation(found[:, -1]))
+    return sums(found, None if white else clusters(one.record, one.rows))
 
 
 def _estimates(one: Fit) -> tuple[tuple[Estimate, ...], Covariance | None]:

@@ -86,9 +86,18 @@ class Problem:
 
     def jacobian(self, values: Mapping[str, float]) -> Array:
         """Derivative of the residual (m, len(params)): linear columns are exact, curved ones central differences."""
-        columns, _ = self.design(values)
+        return self.table(values)[:, :-1]
+
+    def table(self, values: Mapping[str, float]) -> Array:
+        """The Jacobian and the residual as they are, side by side, shape (m, len(params) + 1)."""
+        columns, fixed = self.design(values)
         sizes = np.array([values[p.name] for p in self.linear])
-        return self.whiten(np.column_stack([columns, self._slopes(values, sizes)]))
+        k = len(sizes)
+        found = np.empty((len(self.target), len(self.params) + 1))
+        with np.errstate(over="ignore", invalid="ignore"):
+            found[:, :k], found[:, k:-1] = columns, self._slopes(values, sizes)
+            found[:, -1] = fixed + columns @ sizes - self.target
+        return self.whiten(found)
 
     def _slopes(self, values: Mapping[str, float], sizes: Array) -> Array:
         """d(fixed + columns · sizes)/d(curved), shape (n, len(curved)), by second-order differences in the bounds."""
@@ -98,14 +107,13 @@ class Problem:
             step = _step(p, at)
             low, high = at - step, at + step
             if p.lower <= low and high <= p.upper:
-                points, weights, span = (low, high), (-1.0, 1.0), high - low
+                points, span = (low, high), high - low
             else:  # at a bound: from its inner side, as exact
                 span = 2.0 * (step if high <= p.upper else -step)
-                points, weights = (at, at + 0.5 * span, at + span), (-3.0, 4.0, -1.0)
-            taken = [self.design({**values, p.name: point}) for point in points]
+                points = (at, at + 0.5 * span, at + span)
             with np.errstate(over="ignore", invalid="ignore"):
-                columns = sum(w * c for w, (c, _) in zip(weights, taken, strict=True))
-                fixed = sum(w * f for w, (_, f) in zip(weights, taken, strict=True))
+                taken = zip(*(self.design({**values, p.name: point}) for point in points), strict=True)
+                columns, fixed = (b - a if not c else 4.0 * b - 3.0 * a - c[0] for a, b, *c in taken)
                 found[:, k] = (fixed + columns @ sizes) / span
         return found
 

@@ -14,7 +14,7 @@ from .descent import GIVEN_UP
 from .problem import Problem, Solution, Whiten, all_rows, bounded_lstsq
 from .solvers import QUICK, Solver, VariableProjection
 
-__all__ = ["Solution", "Whiten", "bounded_lstsq", "curved_within_bounds", "jacobian", "solve"]
+__all__ = ["Solution", "Whiten", "bounded_lstsq", "curved_within_bounds", "jacobian", "solve", "table"]
 
 Array = np.ndarray
 ACTING = 1.03
@@ -123,7 +123,13 @@ def curved_within_bounds(model: Model, inputs: Inputs) -> list[Param]:
     return list(model.bounded(inputs)[len(model.linear) :])
 
 
-def jacobian(model: Model, inputs: Inputs, values: Mapping[str, float], force: Array) -> Array:
-    """dF/dparameter in N per unit at `values`, shape (n, len(params)); curved ones by central differences."""
+def table(model: Model, inputs: Inputs, values: Mapping[str, float], force: Array, whiten: Whiten = all_rows) -> Array:
+    """dF/dparameter in N per unit at `values`, curved ones by central differences, and as last column what the model
+    says beyond `force` (n,) in N, all whitened: shape (m, len(params) + 1)."""
     make = separated if model.separable else whole
-    return make(model, inputs, force, {}).jacobian(values)
+    return make(model, inputs, force, {}, whiten).table(values)
+
+
+def jacobian(model: Model, inputs: Inputs, values: Mapping[str, float], force: Array) -> Array:
+    """The slopes of that alone, at all samples, shape (n, len(params))."""
+    return table(model, inputs, values, force)[:, :-1]

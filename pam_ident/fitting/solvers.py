@@ -51,7 +51,9 @@ class VariableProjection:
         best, status, message = min(found, key=lambda one: one[0].cost)
         if self.polish:
             best, status, message = descend(best, 1e-15, 1e-9, 200)
-            best = settle(best) if status > 0 else best
+            if status > 0:
+                best, step, _ = settle(best)
+                best = problem.at(best.q + step) if step.any() else best
         return Solution(best.values, status > 0, message)
 
 

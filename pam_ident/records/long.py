@@ -18,7 +18,7 @@ from .columns import Values, contraction_of, pause_between, read_pieces, same_qu
 from .columns_on_disk import STRETCH, Columns
 from .files import Files, find_files
 from .load import files_sha256, headers, nothing_left, record_name, specimen_of, tables_of
-from .long_motion import KINDS, Follower
+from .long_motion import KINDS, keep_motion
 from .record import Record, nominal
 
 Array = np.ndarray
@@ -72,13 +72,14 @@ class LongRecord:
     def _nominal(self, pressure: Array) -> Array:
         return self.nominal[np.searchsorted(self.pressures, np.round(pressure, 6))]
 
-    def chunks(self, rows: int = CHUNK, full: bool = True) -> Iterator[tuple[Record, Array]]:
-        """The record in order, `rows` at a time, and the number of each sample's turn (as `Record.turn`).
+    def chunks(self, rows: int | None = None, full: bool = True) -> Iterator[tuple[Record, Array]]:
+        """The record in order, `rows` at a time (default CHUNK), and the turn of each sample (as `Record.turn`).
 
         The first sample of a chunk is the record's first and not the chunk's own, for models that count from it. `full`
         chunks have speed, cycle and temperature, others only what a law needs and the direction. Blocks and steady
         inputs are not found.
         """
+        rows = rows or CHUNK
         for begin in range(0, self.n, rows):
             end = min(begin + rows, self.n)
 
@@ -222,5 +223,5 @@ class _Spill:
         if "time" in self.quantities:
             given = tuple(name for name in ("branch", "cycle") if name in self.quantities)
             length = self.specimen.initial_length_mm
-            Follower(self.on_disk, self.n, length, self.high - self.low, found.level, given).run()
+            keep_motion(self.on_disk, self.n, length, self.high - self.low, found.level, given)
         return found

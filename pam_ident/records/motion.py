@@ -1,14 +1,18 @@
 """Strokes, reversals and holds, found from the motion alone."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from .turning import pieces, pivots, quantile, thinned_holds
+from . import turning
+from .turning import pivots, quantile, thinned_holds
 
 Array = np.ndarray
+Read = Callable[[int, int], tuple[Array, Array, Array]]
+"""Time in s, position in mm and nominal pressure in MPa of some rows, begin … end."""
 NORMAL_MEDIAN = 0.6745
 """Median magnitude of a standard normal number."""
 NOISE_ONLY = 1.25
@@ -20,8 +24,9 @@ SLOPE_NOISE = 0.01
 @dataclass(frozen=True)
 class Motion:
     """Per sample, shape (n,): velocity in mm/s (0 in a hold), direction ±1, moving, the number of the
-    stroke a sample belongs to, that stroke's median speed in mm/s, and the position in mm with the sensor's
-    noise taken out where a smooth stroke or a hold describes it to the noise."""
+    stroke a sample belongs to, that stroke's median speed in mm/s, the position in mm with the sensor's
+    noise taken out where a smooth stroke or a hold describes it to the noise, and the numbers of its segment (from 0)
+    and of its cycle there (from 1)."""
 
     velocity: Array
     direction: Array
@@ -29,10 +34,8 @@ class Motion:
     stroke: Array
     stroke_speed: Array
     position: Array
-
-    def part(self, begin: int, end: int) -> "Motion":
-        """The same of some samples, as views."""
-        return Motion(*(getattr(self, f.name)[begin:end] for f in fields(self)))
+    segment: Array
+    cycle: Array
 
 
 def position_noise(x: Array, time: Array | None = None) -> float:
@@ -78,21 +81,67 @@ def _distances(x: Array, time: Array | None) -> Array:
     return np.abs(off) / np.sqrt(1.0 + sum(share**2 for share in shares))
 
 
-def find_motion(time: Array, x: Array, segment: Array) -> Motion:
-    """Cut a displacement track (n,), mm over s, into strokes and holds, segment by segment.
+def find_motion(time: Array, x: Array, level: Array) -> Motion:
+    """Cut a displacement track (n,), mm over s, at nominal pressures `level`, into segments, strokes, holds and cycles.
 
     A reversal counts when it goes beyond the noise and 0.4 % of the range; a hold is a stretch that
     stays within the noise for far longer than the stroke around it would take to cross it.
     """
-    n = len(x)
-    found = Motion(np.zeros(n), np.zeros(n), np.zeros(n, bool), np.zeros(n, int), np.zeros(n), x.copy())
-    noise, span = position_noise(x, time), float(np.ptp(x)) if n else 0.0
-    edges = [0, *(np.flatnonzero(np.diff(segment)) + 1).tolist(), n]
-    count = 0
-    for begin, end in pairwise(edges):
-        for first, last in pieces(x, begin, end, reversal(noise, span)):
-            count = move_piece(found.part(first, last), time[first:last], x[first:last], noise, span, count)
-    return found
+    pause = long_pause(float(np.quantile(np.diff(time), 0.95)) if len(time) > 1 else 0.0)
+
+    def read(begin: int, end: int) -> tuple[Array, Array, Array]:
+        return time[begin:end], x[begin:end], level[begin:end]
+
+    parts = [part for _, part in follow(len(x), read, position_noise(x, time), float(np.ptp(x)), pause)]
+    return Motion(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Motion)))
+
+
+def long_pause(usual: float) -> float:
+    """Step of the clock in s from which a new segment begins, where `usual` is the 0.95 quantile of all steps."""
+    return max(5.0 * usual, 2.0)
+
+
+def follow(n: int, read: Read, noise: float, span: float, pause: float) -> Iterator[tuple[bool, Motion]]:
+    """The motion of a track of `n` samples piece by piece, and whether a segment begins with it: a new one at each
+    change of isobar and each step of the clock beyond `pause`. `noise` and `span` in mm are those of the whole track.
+
+    Each second reversal of a segment begins a cycle; the rest before the first stroke is part of the first.
+    """
+    count, segment, heading, reversals, moved = 0, -1, 0.0, 0, False
+    for fresh, time, x in pieces(n, read, reversal(noise, span), pause):
+        if fresh:
+            segment, reversals, moved = segment + 1, 0, False
+        direction, moving, stroke = np.zeros(len(x)), np.zeros(len(x), bool), np.zeros(len(x), int)
+        track = np.zeros(len(x)), direction, moving, stroke, np.zeros(len(x)), x.copy()
+        found = Motion(*track, np.full(len(x), segment), np.ones(len(x)))
+        count = move_piece(found, time, x, noise, span, count)
+        turned = np.diff(direction, prepend=heading) != 0.0
+        if not moved:
+            turned[: int(np.argmax(moving)) + 1] = False
+        turns = reversals + np.cumsum(turned)
+        found.cycle[:] += turns // 2
+        heading, reversals, moved = float(direction[-1]), int(turns[-1]), moved or bool(moving.any())
+        yield fresh, found
+
+
+def pieces(n: int, read: Read, threshold: float, pause: float) -> Iterator[tuple[bool, Array, Array]]:
+    """Time and position of pieces of no more than PIECE samples each, cut at a turn where a segment is longer, and
+    whether a segment begins with it."""
+    most, begin, fresh = turning.PIECE, 0, True
+    while begin < n:
+        end = min(begin + 2 * most, n)
+        time, x, level = read(begin, end)
+        breaks = np.flatnonzero((np.diff(level) != 0.0) | (np.diff(time) > pause)) + 1
+        at = 0
+        for stop in [*breaks.tolist(), len(x)]:
+            while stop - at > most:
+                cut = at + turning.cut_at_turn(x[at : at + most], threshold)
+                yield fresh, time[at:cut], x[at:cut]
+                at, fresh = cut, False
+            if stop < len(x) or end == n:
+                yield fresh, time[at:stop], x[at:stop]
+                at, fresh = stop, True
+        begin += at
 
 
 def reversal(noise: float, span: float) -> float:

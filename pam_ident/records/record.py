@@ -91,15 +91,19 @@ class Record:
 
         Raises DataError when the record does not hold that branch.
         """
-        if branch == "together":
-            return np.ones(len(self), bool)
-        rows = self.inputs.direction == {"contraction": 1.0, "extension": -1.0}[branch]
+        rows = self.on_branch(branch)
         if not rows.any():
             raise DataError(
                 f"{self.source or self.name}: no {branch} branch in the record; give a `branch` or `time_s` column, "
                 "or fit with --branch together"
             )
         return rows
+
+    def on_branch(self, branch: str) -> Array:
+        """The same mask, which may be of no samples."""
+        if branch == "together":
+            return np.ones(len(self), bool)
+        return self.inputs.direction == {"contraction": 1.0, "extension": -1.0}[branch]
 
 
 def build_record(
@@ -123,10 +127,8 @@ def build_record(
     level = _levels(pressure) if level is None else np.round(level, 6)
     if time is None:
         return _table(name, specimen, pressure, contraction, force, level, direction, temperature, origin)
-    segment = _segments(time, level)
-    motion = find_motion(time, contraction * specimen.initial_length_mm, segment)
-    if cycle is None:
-        cycle = _count_cycles(motion.direction, motion.moving, segment)
+    motion = find_motion(time, contraction * specimen.initial_length_mm, level)
+    segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
     inputs = Inputs(
         pressure=pressure,
         contraction=contraction,
@@ -224,28 +226,3 @@ def _median(values: Array, counts: Array) -> float:
     last = np.cumsum(counts)
     middle = np.searchsorted(last, [(last[-1] - 1) // 2, last[-1] // 2], side="right")
     return float(np.mean(values[middle]))
-
-
-def _segments(time: Array, level: Array) -> Array:
-    """Number of the run a sample belongs to: a new one at each change of isobar and each long gap in time."""
-    steps = np.diff(time)
-    usual = np.quantile(steps, 0.95) if len(steps) else 0.0
-    return np.r_[0, np.cumsum((np.diff(level) != 0.0) | (steps > long_pause(usual)))]
-
-
-def long_pause(usual: float) -> float:
-    """Step of the clock in s from which a new segment begins, where `usual` is the 0.95 quantile of all steps."""
-    return max(5.0 * usual, 2.0)
-
-
-def _count_cycles(direction: Array, moving: Array, segment: Array) -> Array:
-    """Cycles from reversals: within a segment each second reversal begins a new cycle, counted from 1.
-
-    The rest before the first stroke is part of the first cycle.
-    """
-    cycle = np.ones(len(direction))
-    for rows in _runs(segment):
-        rows = slice(rows.start + int(np.argmax(moving[rows])), rows.stop)
-        reversals = np.r_[0, np.cumsum(np.diff(direction[rows]) != 0.0)]
-        cycle[rows] = reversals // 2 + 1
-    return cycle

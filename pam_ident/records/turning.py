@@ -1,7 +1,6 @@
 """Where a displacement track turns, and where it rests."""
 
 from bisect import bisect_left
-from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -13,15 +12,6 @@ PIECE = 1 << 20
 """Samples of a run that are looked at together at most; a longer run is parted at a turn past its half."""
 FEW, FAR = 3, 20.0
 """Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
-
-
-def pieces(x: Array, begin: int, end: int, threshold: float) -> Iterator[tuple[int, int]]:
-    """Parts (begin, end) of a run x[begin:end] of no more than PIECE samples each, cut where the motion turns."""
-    while end - begin > PIECE:
-        cut = begin + cut_at_turn(x[begin : begin + PIECE], threshold)
-        yield begin, cut
-        begin = cut
-    yield begin, end
 
 
 def cut_at_turn(x: Array, threshold: float) -> int:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
@@ -11,15 +12,15 @@ from ..core import UsageError
 from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, noise_floor
 from ..fitting.covariance import student
 from ..fitting.energy import energy_warning, model_loops, passive
-from ..fitting.fit import Estimate, branch_names
+from ..fitting.fit import Estimate, branch_names, fit_long
 from ..fitting.floor import LackOfFit, NoiseFloor
 from ..fitting.identifiability import PINNED, StandIn
-from ..fitting.long import LongFit
 from ..fitting.methods import MethodRow, compare_methods
 from ..fitting.profile import Profile
 from ..fitting.weigh import LOSSES, Weighing
 from ..parallel.executor import Executor
 from ..records import Record
+from ..records.long import open_long
 from .intervals import bootstrap_of, profiles_of
 from .setup import Setup
 
@@ -118,7 +119,7 @@ class FitAnswer:
     @property
     def in_chunks(self) -> bool:
         """Whether the record was read in chunks, so that `record` is a sample of it."""
-        return any(isinstance(one, LongFit) for one in self.fits.values())
+        return any(one.of_all for one in self.fits.values())
 
     @property
     def problems(self) -> list[str]:
@@ -126,16 +127,19 @@ class FitAnswer:
         return [f"{branch}: {problem}" for branch, one in self.fits.items() for problem in one.problems]
 
 
-def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> FitAnswer:
+def fit_record(record: Record | str | Path, setup: Setup, wishes: Wishes | None = None) -> FitAnswer:
     """Fit `setup.model` to the branches asked for, all pressures at once, or isobar by isobar and then over pressure.
 
     Args:
-        record: what is fitted.
+        record: what is fitted; of a path it is read in chunks, as well as from memory, and the answer's record is an
+            even sample of its rows, from which are the loops' energies and the faults of sensors that parameters take
+            up. Noise floor and test for a lack of fit are left out then.
         setup: the law and its effects.
         wishes: branches, method, weights and intervals; by default both branches together, at once, alike, linear.
 
     Raises:
-        UsageError: for a parameter to hold that the model lacks.
+        UsageError: for a parameter to hold that the model lacks, and in chunks for wishes, and effects, that need the
+            whole record at once.
         FitError: when the record cannot identify the law at all.
         DataError: when it lacks the branch, or what an effect needs.
 
@@ -150,10 +154,16 @@ def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> Fi
     """
     wishes = wishes or Wishes()
     branches = branch_names(wishes.branch)
-    fits = {
-        name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
-        for name in branches
-    }
+    if isinstance(record, Record):
+        fits = {
+            name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
+            for name in branches
+        }
+    else:
+        _check_chunked(record, wishes)
+        with open_long(record, setup.specimen) as on_disk:
+            fits = {name: fit_long(setup.model, on_disk, name, wishes.held) for name in branches}
+        record = fits[branches[0]].record
     isobars, straight = None, ()
     if wishes.method == "two-stage":
         isobars = fit_isobars(setup.model, record, branches, wishes.held)
@@ -164,9 +174,24 @@ def fit_record(record: Record, setup: Setup, wishes: Wishes | None = None) -> Fi
     for name, one in fits.items():
         if name not in straight and one.valid:
             fits[name], profiles[name] = _with_intervals(one, setup, wishes)
-    checks = {name: Checks(noise_floor(one), lack_of_fit(one), one.stand_ins) for name, one in fits.items()}
+    checks = {name: _checks(one) for name, one in fits.items()}
     methods = compare_methods(record, setup.model, wishes.branch) if wishes.method == "both" else ()
     return FitAnswer(record, fits, wishes, checks, isobars, straight, profiles, methods)
+
+
+def _check_chunked(path: str | Path, wishes: Wishes) -> None:
+    """Raises UsageError for a wish that a record in chunks cannot be given."""
+    plain = Wishes(wishes.branch, held=wishes.held)
+    for name in ("method", "weights", "loss", "intervals"):
+        if getattr(wishes, name) != getattr(plain, name):
+            raise UsageError(
+                f"{path} is read in chunks: --{name} {getattr(wishes, name)} needs all of it in memory at once; leave "
+                "that out, or fit a part of the record"
+            )
+
+
+def _checks(one: Fit) -> Checks:
+    return Checks(*((None, None) if one.of_all else (noise_floor(one), lack_of_fit(one))), one.stand_ins)
 
 
 def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[Profile, ...]]:

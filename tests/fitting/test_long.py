@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pam_ident.core import DataError, UsageError
-from pam_ident.fitting import VariableProjection, fit, large, long, long_rows
-from pam_ident.fitting.long import fit_long
+from pam_ident.fitting import VariableProjection, fit, readings
+from pam_ident.fitting.fit import fit_long
 from pam_ident.fitting.solve import jacobian
 from pam_ident.laws import catalogue
 from pam_ident.model import Model
@@ -32,14 +32,14 @@ def small(monkeypatch):
     """Blocks, chunks and sample so small that each must be many."""
     monkeypatch.setattr(text_table, "BLOCK_BYTES", 3000)
     monkeypatch.setattr("pam_ident.records.long.CHUNK", 211)
-    monkeypatch.setattr(long, "SAMPLE", 400)
+    monkeypatch.setattr(readings, "SAMPLES", (200, 400))
 
 
 def both_ways(path, model, branches=BRANCHES, **how):
     """Fits by branch: in chunks; and in memory, the last way gone by steps over the whole Jacobian."""
     record, found = read_record(path), {}
     with open_long(path) as on_disk:
-        streamed = fit_long(model, on_disk, branches, **how)
+        streamed = {name: fit_long(model, on_disk, name, **how) for name in branches}
     for name in branches:
         rows = record.branch_rows(name)
         one = fit(model, record, rows, solver=VariableProjection(), **how)
@@ -97,9 +97,9 @@ def test_of_very_many_rows_both_ways_end_at_one_minimum(many, law, monkeypatch):
     monkeypatch.setattr(text_table, "BLOCK_BYTES", 1 << 20)
     monkeypatch.setattr("pam_ident.records.long.CHUNK", 10_000)
     record, model = read_record(many), Model.build(law)
-    assert len(record) > large.FROM
+    assert len(record) > readings.FROM
     with open_long(many) as on_disk:
-        streamed = fit_long(model, on_disk, BRANCHES)
+        streamed = {name: fit_long(model, on_disk, name) for name in BRANCHES}
     for name, one in streamed.items():
         other = fit(model, record, record.branch_rows(name))
         for a, b in zip(one.estimates, other.estimates, strict=True):
@@ -139,7 +139,7 @@ def test_the_geometry_may_be_free(path):
 def test_what_remembers_the_past_is_refused(path, effect):
     model = Model.build("exponential_law", (effect,))
     with open_long(path) as on_disk, pytest.raises(UsageError, match="read in chunks"):
-        fit_long(model, on_disk, ("together",))
+        fit_long(model, on_disk, "together")
 
 
 def test_a_branch_that_is_not_there_is_refused(path, tmp_path):
@@ -147,13 +147,13 @@ def test_a_branch_that_is_not_there_is_refused(path, tmp_path):
     rows = [",".join(line.split(",")[3:6]) for line in path.read_text().splitlines()]
     (tmp_path / "table.csv").write_text("\n".join(rows))
     with open_long(tmp_path / "table.csv") as on_disk, pytest.raises(DataError, match="no contraction branch"):
-        fit_long(Model.build("polynomial"), on_disk, ("contraction",))
+        fit_long(Model.build("polynomial"), on_disk, "contraction")
 
 
 def test_many_turns_are_put_together_so_that_errors_stay_cluster_robust(path, monkeypatch):
     model = Model.build("exponential_law")
     ((fine, _),) = both_ways(path, model, ("together",)).values()
-    monkeypatch.setattr(long_rows, "MOST_CLUSTERS", 12)
+    monkeypatch.setattr(readings, "MOST_CLUSTERS", 12)
     ((coarse, _),) = both_ways(path, model, ("together",)).values()
     assert fine.covariance.clusters > 24 >= 12 >= coarse.covariance.clusters > 6
     assert coarse.values == fine.values

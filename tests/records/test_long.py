@@ -9,7 +9,7 @@ from pam_ident.core import DataError
 from pam_ident.records import read_record, text_table, turning
 from pam_ident.records.columns_on_disk import Columns
 from pam_ident.records.long import open_long
-from pam_ident.records.long_motion import Follower
+from pam_ident.records.long_motion import noise_on_disk
 from pam_ident.records.motion import position_noise
 from pam_ident.rig import Plan, Protocol, make_record, write_case
 
@@ -140,7 +140,7 @@ def test_the_noise_of_the_position_is_that_of_the_record_in_memory(clock, tmp_pa
     on_disk = Columns(tmp_path)
     on_disk.append("time", time[clock])
     on_disk.append("contraction", x / 250.0)
-    found = Follower(on_disk, 2000, 250.0, 20.0, lambda begin, end: np.zeros(end - begin), ())._noise()
+    found = noise_on_disk(on_disk, 2000, 250.0)
     assert found == pytest.approx(position_noise(x / 250.0 * 250.0, time[clock]), rel=1e-14)
     assert not on_disk.has("roughness")
     if clock == "jitters":

@@ -7,6 +7,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.records import build_record, turning
+from pam_ident.records.motion import pieces
 from pam_ident.rig import PROTOCOLS, Plan, make_record
 
 
@@ -72,10 +73,13 @@ def test_holds_are_those_of_a_plain_loop():
 def test_a_run_longer_than_a_piece_is_parted_where_it_turns(monkeypatch):
     monkeypatch.setattr(turning, "PIECE", 1000)
     x = 20.0 - 20.0 * np.cos(2.0 * np.pi * np.arange(5000) / 300.0)
-    parts = list(turning.pieces(x, 0, 5000, 0.2))
-    assert parts[0][0] == 0 and parts[-1][1] == 5000 and all(a[1] == b[0] for a, b in pairwise(parts))
-    assert all(end - begin <= 1000 for begin, end in parts)
-    assert all(cut % 150 == 0 for _, cut in parts[:-1])
+    time = np.arange(5000.0)
+    parts = list(pieces(5000, lambda begin, end: (time[begin:end], x[begin:end], 0.0 * x[begin:end]), 0.2, np.inf))
+    np.testing.assert_array_equal(np.concatenate([when for _, when, _ in parts]), time)
+    np.testing.assert_array_equal(np.concatenate([where for _, _, where in parts]), x)
+    assert [fresh for fresh, _, _ in parts] == [True] + [False] * (len(parts) - 1)
+    assert all(len(when) <= 1000 for _, when, _ in parts)
+    assert all((when[-1] + 1.0) % 150 == 0 for _, when, _ in parts[:-1])
 
 
 def test_strokes_and_cycles_are_the_same_whole_and_in_pieces(monkeypatch):
