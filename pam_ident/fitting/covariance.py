@@ -93,7 +93,7 @@ class Sums:
     """What n rows of a Jacobian (n, k) say of the parameters, with the residual as one more column, cluster by cluster.
 
     `triangle` (·, k + 1), with triangleᵀ · triangle their Gram matrix; of each cluster the Gram matrix of its rows,
-    `tables` (clusters, k + 1, k + 1), and its number in `runs` (clusters,), both empty where the noise
+    `tables` (clusters, k + 1, k + 1), and its number in `runs` (clusters,), one or none where the noise
     is taken as white.
     """
 
@@ -121,13 +121,14 @@ class Sums:
 
 def sums(table: Array, cluster: Array | None = None) -> Sums:
     """Sums of a Jacobian and residual side by side, (n, k + 1), as they are minimised, by `cluster` (n,) if given."""
-    return Sums(len(table), _triangle(table), *grams(table, cluster))
+    none = np.empty((0, table.shape[1], table.shape[1])), np.empty(0, int)
+    return Sums(len(table), _triangle(table), *(none if cluster is None else grams(table, cluster)))
 
 
 def grams(table: Array, cluster: Array | None) -> tuple[Array, Array]:
     """Gram matrices (clusters, k, k) of the rows of each cluster of a table (n, k), and their numbers (clusters,)."""
     if cluster is None:
-        return np.empty((0, table.shape[1], table.shape[1])), np.empty(0, int)
+        return (table.T @ table)[None], np.zeros(1, int)
     edges = np.flatnonzero(cluster[1:] != cluster[:-1]) + 1
     runs = cluster[np.r_[0, edges]]
     if np.any(np.diff(runs) <= 0):
@@ -136,9 +137,9 @@ def grams(table: Array, cluster: Array | None) -> tuple[Array, Array]:
     return np.array([part.T @ part for part in np.split(table, edges)]), runs
 
 
-def joined(n: int, whole: Array, parts: Sequence[tuple[Array, Array]], triangles: Sequence[Array]) -> Sums | None:
-    """Sums of n rows from the Gram matrix of the `whole` (k + 1, k + 1), and from the `grams` of some rows each, in the
-    order of their clusters, which may go on from part to part.
+def joined(n: int, parts: Sequence[tuple[Array, Array]], triangles: Sequence[Array]) -> Sums | None:
+    """Sums of n rows from the `grams` of some rows each, in the order of their clusters, which may go on from part to
+    part.
 
     With the `triangles` of the parts (Demmel et al. 2012, SIAM J. Sci. Comput. 34, A206–A239) no digit is lost; without
     them half of the digits are, and None is returned where that is too many.
@@ -148,6 +149,7 @@ def joined(n: int, whole: Array, parts: Sequence[tuple[Array, Array]], triangles
     tables, runs = np.add.reduceat(tables, begins), runs[begins]
     if triangles:
         return Sums(n, _triangle(np.concatenate(triangles)), tables, runs)
+    whole = tables.sum(axis=0)
     scale = np.sqrt(np.diag(whole))
     if not (np.all(np.isfinite(whole)) and np.all(scale > 0.0)):
         return None

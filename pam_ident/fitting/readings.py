@@ -176,15 +176,13 @@ class Readings:
     def at(self, q: Array) -> Reading:
         """Read all rows at parameters q (k,)."""
         values, n, parts, triangles = self.values(q), 0, [], []
-        gram = np.zeros((len(self.model.params) + 1,) * 2)
         for chunk in self.chunks():
             found = self._table(chunk, values)
             n += len(found)
-            gram += found.T @ found
             parts.append(grams(found, chunk.run))
             if self.exact:
                 triangles.append(sums(found).triangle)
-        whole = joined(n, gram, parts, triangles)
+        whole = joined(n, parts, triangles)
         return replace(self, exact=True).at(q) if whole is None else Reading(self, q, whole)
 
     def errors(self, q: Array) -> Errors:

@@ -35,7 +35,7 @@ def works(root, folder, python, *pins):
     run(made, "-m", "pam_ident", "diagnose", record, *law, **away)
     answer = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
     assert (answer["verdict"], answer["selected"]) == ("missing_effect", ["pressure_friction"])
-    run(made, "-m", "pam_ident", "fit", record, "--law", "sarosi", "--out", folder / "figures", **away)
+    run(made, "-m", "pam_ident", "fit", record, "--law", "sarosi", "--figures", folder / "figures", **away)
 
 
 def test_the_oldest_dependencies(root, tmp_path):
