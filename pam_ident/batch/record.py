@@ -14,7 +14,7 @@ from ..fitting import Fit, fit, lack_of_fit, noise_floor
 from ..records import Record
 from ..schema.versions import schema
 from ..tasks.setup import Setup, load
-from .question import Item, Question
+from .request import BatchRequest, Item
 
 if TYPE_CHECKING:
     from ..diagnosis.nouns import Diagnosis
@@ -27,7 +27,7 @@ class Changed(Exception):
     """A record is no longer the one that was asked about; its answer must not be kept."""
 
 
-def answer(question: Question, item: Item) -> Json:
+def answer(question: BatchRequest, item: Item) -> Json:
     """Schema pam-ident/batch-record/1: a row for each branch; an error takes the place of what it prevents.
 
     Raises UsageError where the question cannot be asked at all, Changed, MemoryError.

@@ -8,8 +8,8 @@ from ..core import PamError, UsageError
 from ..core.files import write_whole
 from ..parallel.executor import Executor
 from ..tasks.setup import Setup
-from .question import Item, Plan, Question, plan
 from .record import Changed, answer
+from .request import BatchRequest, Item, WorkList, plan
 from .store import Store
 from .table import read_results, require_arrow, table
 
@@ -73,7 +73,7 @@ def run_batch(
         1 record, 0 errors, results.parquet
     """
     require_arrow()
-    question = Question(setup, branch, diagnose)
+    question = BatchRequest(setup, branch, diagnose)
     _ = setup.model
     folder, out = Path(folder), Path(out)
     asked = plan(folder, question, out)
@@ -103,7 +103,7 @@ class _FitAndKeep:
     """Answer an item and keep the answer, in whatever process: the worker that finds it does, so that nothing that is
     killed later takes it along. Says why nothing is kept; raises UsageError where no record can be worked at now."""
 
-    question: Question
+    question: BatchRequest
     store: Store
 
     def __call__(self, item: Item) -> str | None:
@@ -136,7 +136,9 @@ def _stopped(why: str, finished: int) -> UsageError:
     )
 
 
-def _conclude(asked: Plan, question: Question, store: Store, lost: dict[str, str], out: Path, command: str) -> None:
+def _conclude(
+    asked: WorkList, question: BatchRequest, store: Store, lost: dict[str, str], out: Path, command: str
+) -> None:
     from .page import batch_page
 
     try:

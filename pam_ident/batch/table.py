@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..core import Param, UsageError, blank_nan
 from ..schema.versions import schema
-from .question import Item, Plan, Question
+from .request import BatchRequest, Item, WorkList
 from .store import Store
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def require_arrow() -> None:
         raise UsageError("batch writes Parquet, which needs pyarrow; pip install 'pam-ident[cluster]'") from None
 
 
-def table(plan: Plan, question: Question, store: Store, lost: dict[str, str]) -> bytes:
+def table(plan: WorkList, question: BatchRequest, store: Store, lost: dict[str, str]) -> bytes:
     """The bytes of the Parquet table: a row for each record and branch, in the order of their names.
 
     `lost` maps names of records to why nothing is kept of them. Nothing that changes from run to run is in it: no
@@ -53,7 +53,7 @@ def table(plan: Plan, question: Question, store: Store, lost: dict[str, str]) ->
     return out.getvalue()
 
 
-def _schema(question: Question) -> "pa.Schema":
+def _schema(question: BatchRequest) -> "pa.Schema":
     import pyarrow as pa
 
     model = question.setup.model
@@ -74,7 +74,9 @@ def _in_order(params: Sequence[Param]) -> list[Param]:
     return sorted(params, key=lambda p: (1, "") if "." in p.name else (0, p.name))
 
 
-def _rows(plan: Plan, question: Question, store: Store, lost: dict[str, str], versions: set[str]) -> Iterator[Json]:
+def _rows(
+    plan: WorkList, question: BatchRequest, store: Store, lost: dict[str, str], versions: set[str]
+) -> Iterator[Json]:
     model = question.setup.model
     common = {"law": model.law.name, "effects": model.labels}
     items: dict[str, Item | None] = {item.name: item for item in plan.items} | dict.fromkeys(plan.faults)

@@ -70,10 +70,10 @@ def fit(
     from ..parallel.executor import Executor
     from ..records.files import share_of_memory
     from ..schema.fit import fit_json
-    from ..tasks.fit import Wishes, fit_record
+    from ..tasks.fit import FitOptions, fit_record
 
     executor = Executor(workers, scheduler)
-    wishes = Wishes(branch, method, options.held(hold), weights, loss, intervals, executor=executor)
+    wishes = FitOptions(branch, method, options.held(hold), weights, loss, intervals, executor=executor)
     chunked = chunked or share_of_memory(record) > MOST_OF_MEMORY
     answer = fit_record(record if chunked else setup.read(record), setup, wishes)
     options.give_json(asked.json, lambda: fit_json(record, law, answer))

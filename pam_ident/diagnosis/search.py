@@ -82,7 +82,7 @@ class Compressed:
         return cls(atoms, before, matrix.T @ matrix, matrix.T @ frame.residual, frame.total)
 
     @classmethod
-    def singly(cls, blocks: Sequence["Block"], frame: Frame) -> "Compressed":
+    def singly(cls, blocks: Sequence["FormBlock"], frame: Frame) -> "Compressed":
         """For atoms that are only looked at one by one: what they have in common is left out, and not worked out."""
         atoms = [atom for block in blocks for atom in block.atoms]
         before, product, begin = [np.empty(0)], [np.empty(0)], 0
@@ -183,7 +183,7 @@ class Compressed:
         return gains
 
 
-class Block:
+class FormBlock:
     """The atoms of one form, their signatures side by side and whitened, `matrix` (m, k), and what each has squared."""
 
     def __init__(self, atoms: Sequence[Atom], noise: Noise) -> None:

@@ -21,7 +21,7 @@ ROOM_C = 23.0
 
 
 @dataclass(frozen=True)
-class Leg:
+class StrokeLeg:
     """A move from `start` to `end` (mm) at a speed (mm/s), the hold (s) after it and the cycle it belongs to."""
 
     start: float
@@ -55,27 +55,30 @@ class Strokes:
         moves = sum(abs(leg.end - leg.start) / leg.speed + leg.hold for leg in chain(*self._isobars()))
         return moves + GAP_S * len(self.pressures_MPa)
 
-    def _isobars(self) -> Iterator[list[Leg]]:
+    def _isobars(self) -> Iterator[list[StrokeLeg]]:
         """The legs of each isobar; a run begins contracted, and holds follow each other through the whole run."""
         holds = cycle(self.hold_s)
         for top in self.tops_mm:
-            legs: list[Leg] = []
+            legs: list[StrokeLeg] = []
             number = 0
             for speed in self.speeds_mm_s:
                 for _ in range(self.cycles_per_speed):
                     number += 1
-                    legs.append(Leg(top, self.bottom_mm, speed, next(holds), number))
-                    legs.append(Leg(self.bottom_mm, top, speed, next(holds), number))
+                    legs.append(StrokeLeg(top, self.bottom_mm, speed, next(holds), number))
+                    legs.append(StrokeLeg(self.bottom_mm, top, speed, next(holds), number))
                 if self.minor_loops_mm:
                     number += 1
                     middle = 0.5 * (self.bottom_mm + top)
-                    legs.append(Leg(top, middle, speed, 0.0, number))
+                    legs.append(StrokeLeg(top, middle, speed, 0.0, number))
                     for size in self.minor_loops_mm:
                         end = min(middle + size, top)
                         for _ in range(self.cycles_per_speed):
                             number += 1
-                            legs += [Leg(middle, end, speed, 0.0, number), Leg(end, middle, speed, 0.0, number)]
-                    legs.append(Leg(middle, top, speed, 0.0, number))
+                            legs += [
+                                StrokeLeg(middle, end, speed, 0.0, number),
+                                StrokeLeg(end, middle, speed, 0.0, number),
+                            ]
+                    legs.append(StrokeLeg(middle, top, speed, 0.0, number))
             yield legs
 
     def inputs(self, specimen: Specimen) -> Inputs:

@@ -17,7 +17,7 @@ from ..model import Model, Term
 from ..records import Record
 from .dictionary import Atom, Slopes, atoms_at, grid, same_around_any, slopes
 from .noise import Noise, estimate_noise
-from .search import Block, Choice, Compressed, Frame, Price, remainder
+from .search import Choice, Compressed, FormBlock, Frame, Price, remainder
 
 Array = np.ndarray
 NAME_MARGIN = 12.0
@@ -111,7 +111,7 @@ class Trial:
         self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
         self.known: dict[tuple[str, ...], Verdict] = {} if before is None else before.known
         self.borrowed: dict[tuple[str, ...], Verdict] = {}
-        self.blocks: dict[str, Block] = {}
+        self.blocks: dict[str, FormBlock] = {}
         self.noises: dict[tuple[Verdict, bool], Noise] = {}
         self.refits = 0
 
@@ -300,7 +300,7 @@ class View:
         matrix = np.hstack([np.empty((len(self.residual), 0)), *[a.columns for a in atoms]])
         return Compressed.together(atoms, noise.whiten(matrix), self.frame(noise))
 
-    def singly(self, atoms: Sequence[Atom], noise: Noise, kept: dict[str, Block] | None = None) -> Compressed:
+    def singly(self, atoms: Sequence[Atom], noise: Noise, kept: dict[str, FormBlock] | None = None) -> Compressed:
         """The same for atoms, those of a form in a row, that are looked at one by one.
 
         Blocks that are the same around any model are taken from those `kept`, or added to them.
@@ -308,7 +308,7 @@ class View:
         kept = {} if kept is None else kept
         blocks = []
         for label, run in groupby(atoms, key=lambda a: a.term.label):
-            block = kept.get(label) or Block(list(run), noise)
+            block = kept.get(label) or FormBlock(list(run), noise)
             if same_around_any(block.atoms[0].term.form):
                 kept[label] = block
             blocks.append(block)

@@ -10,7 +10,7 @@ from ..export.fitted import Fitted
 from ..export.targets import get_target
 from ..records import read_specimen
 from ..schema.fit import fit_json
-from .fit import Wishes, fit_record
+from .fit import FitOptions, fit_record
 from .setup import Setup
 
 
@@ -49,7 +49,7 @@ def export_fit(
 def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "together") -> Exported:
     """Fit a model to a record and write it. Raises as `fit_record` and `export_fit` do."""
     path = check_export(to, out)
-    answer = fit_record(setup.read(source), setup, Wishes(branch=branch))
+    answer = fit_record(setup.read(source), setup, FitOptions(branch=branch))
     fitted = Fitted.of(answer.fits)
     if to == "json":
         write_json(path, fit_json(source, setup.law, answer))

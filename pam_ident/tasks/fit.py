@@ -31,7 +31,7 @@ WEIGHTS = ("equal", "sensors")
 
 
 @dataclass(frozen=True)
-class Wishes:
+class FitOptions:
     """How a fit is to be done: parameters `held` at values, what samples weigh, how its intervals are found, by whom.
 
     Raises UsageError for an unknown word.
@@ -86,7 +86,7 @@ class FitAnswer:
 
     record: Record
     fits: Mapping[str, Fit]
-    wishes: Wishes
+    wishes: FitOptions
     checks: Mapping[str, Checks]
     isobars: IsobarTable | None = None
     two_stage: tuple[str, ...] = ()
@@ -127,7 +127,7 @@ class FitAnswer:
         return [f"{branch}: {problem}" for branch, one in self.fits.items() for problem in one.problems]
 
 
-def fit_record(record: Record | str | Path, setup: Setup, wishes: Wishes | None = None) -> FitAnswer:
+def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | None = None) -> FitAnswer:
     """Fit `setup.model` to the branches asked for, all pressures at once, or isobar by isobar and then over pressure.
 
     Args:
@@ -152,7 +152,7 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: Wishes | None 
         >>> print(f"{answer.fits['together'].rmse:.2f} N rms; problems: {answer.problems}")
         3.21 N rms; problems: []
     """
-    wishes = wishes or Wishes()
+    wishes = wishes or FitOptions()
     branches = branch_names(wishes.branch)
     if isinstance(record, Record):
         fits = {
@@ -179,9 +179,9 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: Wishes | None 
     return FitAnswer(record, fits, wishes, checks, isobars, straight, profiles, methods)
 
 
-def _check_chunked(path: str | Path, wishes: Wishes) -> None:
+def _check_chunked(path: str | Path, wishes: FitOptions) -> None:
     """Raises UsageError for a wish that a record in chunks cannot be given."""
-    plain = Wishes(wishes.branch, held=wishes.held)
+    plain = FitOptions(wishes.branch, held=wishes.held)
     for name in ("method", "weights", "loss", "intervals"):
         if getattr(wishes, name) != getattr(plain, name):
             raise UsageError(
@@ -194,7 +194,7 @@ def _checks(one: Fit) -> Checks:
     return Checks(*((None, None) if one.of_all else (noise_floor(one), lack_of_fit(one))), one.stand_ins)
 
 
-def _with_intervals(one: Fit, setup: Setup, wishes: Wishes) -> tuple[Fit, tuple[Profile, ...]]:
+def _with_intervals(one: Fit, setup: Setup, wishes: FitOptions) -> tuple[Fit, tuple[Profile, ...]]:
     """The fit with its intervals found as was asked for, and the profiles that gave them."""
     if wishes.intervals == "linear":
         return one, ()

@@ -16,8 +16,8 @@ from scipy.optimize import curve_fit
 
 from pam_ident.batch import run
 from pam_ident.batch import table as batch_table
-from pam_ident.batch.question import Question, plan
 from pam_ident.batch.record import answer
+from pam_ident.batch.request import BatchRequest, plan
 from pam_ident.batch.run import run_batch
 from pam_ident.batch.store import Store
 from pam_ident.core import UsageError
@@ -239,7 +239,7 @@ def test_specimens_lie_beside_or_above_and_results_inside_the_tree_are_no_record
     out = tree / "results"
     out.mkdir()
     (out / "export.csv").write_text("no record")
-    (item,) = plan(tree, Question(SETUP), out).items
+    (item,) = plan(tree, BatchRequest(SETUP), out).items
     assert item.name == "muscle00/day2/a/run.csv"
     assert item.specimen == str((tree / "muscle00" / "specimen.toml").resolve())
 

@@ -5,7 +5,7 @@ import runpy
 
 import pytest
 
-from pam_ident.tasks.track import Wishes, track_leg
+from pam_ident.tasks.track import TrackOptions, track_leg
 
 pytestmark = pytest.mark.long
 
@@ -21,7 +21,7 @@ def test_the_rungs_at_one_stride_a_second_are_those_of_the_page(root):
     bench = runpy.run_path(str(root / "benchmarks" / "leg_tables.py"))
     page = (root / "docs" / "leg.md").read_text(encoding="utf-8")
     told = rows_of(page.partition("<!-- rungs -->")[2].partition("<!-- /rungs -->")[0])
-    now = rows_of(bench["rungs"](*(track_leg(Wishes(cadence_Hz=1.0, prototype=leg)) for leg in (False, True))))
+    now = rows_of(bench["rungs"](*(track_leg(TrackOptions(cadence_Hz=1.0, prototype=leg)) for leg in (False, True))))
     assert len(told) == 11 and told.keys() == now.keys()
     for name, numbers in told.items():
         assert now[name] == pytest.approx(numbers, rel=0.05, abs=0.01), name

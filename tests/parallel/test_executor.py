@@ -12,14 +12,14 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "batch"))
 from batch_tree import work_that_kills, write_tree
 from dask_cluster import Cluster
 
-from pam_ident.batch.question import Item
+from pam_ident.batch.request import Item
 from pam_ident.core import PamError, UsageError
 from pam_ident.core.progress import Stage, heard
 from pam_ident.parallel import executor
 from pam_ident.parallel.executor import Executor, WorkerLost
 from pam_ident.tasks import fit as fit_record
 from pam_ident.tasks.diagnose import diagnose_records
-from pam_ident.tasks.fit import Wishes
+from pam_ident.tasks.fit import FitOptions
 from pam_ident.tasks.setup import Setup
 
 EFFECT = """
@@ -57,7 +57,7 @@ def address(tmp_path_factory):
 def intervals(record, effect, how, by):
     """Ends of the intervals, without a word on who is to work, and with one."""
     setup = Setup("exponential_law", ("bowed",), (effect,))
-    wishes = Wishes(held={"mu": 45.0}, intervals=how, seed=3, executor=by)
+    wishes = FitOptions(held={"mu": 45.0}, intervals=how, seed=3, executor=by)
     (one,) = fit_record.fit_record(setup.read(record), setup, wishes).fits.values()
     return {e.name: (e.low, e.high) for e in one.estimates if e.name != "mu"}
 
@@ -97,7 +97,7 @@ def test_what_a_task_raises_is_raised(address):
 )
 def test_an_executor_that_cannot_be_is_refused(who, word):
     with pytest.raises(UsageError, match=word):
-        Wishes(executor=Executor(*who))
+        FitOptions(executor=Executor(*who))
 
 
 def test_a_scheduler_that_does_not_answer_is_told():

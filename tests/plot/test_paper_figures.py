@@ -10,7 +10,7 @@ from pam_ident.fitting import fit, fit_isobars
 from pam_ident.model import Model
 from pam_ident.plot import coefficients, isobars, laws_compared, to_png, to_svg
 from pam_ident.tasks.figures import make_folder, paper_figures, write_figures
-from pam_ident.tasks.fit import Wishes, fit_record
+from pam_ident.tasks.fit import FitOptions, fit_record
 from pam_ident.tasks.setup import Setup
 
 BOTH = ("contraction", "extension")
@@ -107,7 +107,7 @@ def test_one_isobar_has_no_line(record):
     ],
 )
 def test_all_figures_of_a_fit_say_their_units_and_do_not_overlap(record, law, effects, branch, names):
-    figures = paper_figures(fit_record(record, Setup(law, effects), Wishes(branch)))
+    figures = paper_figures(fit_record(record, Setup(law, effects), FitOptions(branch)))
     assert set(figures) == {"isobars", "laws_compared", "coefficients"} | names
     for figure in figures.values():
         assert ET.fromstring(to_svg(figure)).tag.endswith("svg")

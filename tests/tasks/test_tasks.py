@@ -11,7 +11,7 @@ from pam_ident.fitting import fit_branches
 from pam_ident.fitting.energy import energy_warning, model_loops, passive
 from pam_ident.records import build_record
 from pam_ident.records.inspection import inspect_record, stroke_speeds
-from pam_ident.tasks.fit import Wishes, fit_record
+from pam_ident.tasks.fit import FitOptions, fit_record
 from pam_ident.tasks.setup import Setup
 
 
@@ -60,20 +60,20 @@ def test_a_loop_that_gives_energy_back_is_named_by_its_pressures():
 
 
 def test_tasks_print_nothing(record, capsys):
-    fit_record(record, Setup("exponential_law"), Wishes("separate", "two-stage"))
+    fit_record(record, Setup("exponential_law"), FitOptions("separate", "two-stage"))
     inspect_record(record)
     assert capsys.readouterr() == ("", "")
 
 
 def test_unknown_choices_are_refused(record):
     with pytest.raises(UsageError, match="--method 'twostage': expected one of global, two-stage"):
-        fit_record(record, Setup("sarosi"), Wishes(method="twostage"))
+        fit_record(record, Setup("sarosi"), FitOptions(method="twostage"))
     with pytest.raises(UsageError, match="--branch"):
-        fit_record(record, Setup("sarosi"), Wishes("both"))
+        fit_record(record, Setup("sarosi"), FitOptions("both"))
 
 
 def test_two_stage_with_an_effect_falls_back_on_all_isobars_at_once(record):
-    answer = fit_record(record, Setup("exponential_law", ("coulomb_friction",)), Wishes(method="two-stage"))
+    answer = fit_record(record, Setup("exponential_law", ("coulomb_friction",)), FitOptions(method="two-stage"))
     assert answer.two_stage == () and answer.isobars is not None
     assert answer.fits["together"].values["coulomb_friction.F_c"] == pytest.approx(10.0, rel=1e-6)
 

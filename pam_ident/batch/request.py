@@ -12,14 +12,14 @@ from .. import __version__
 from ..core import DataError, UsageError
 from ..fitting.fit import branch_names
 from ..records import file_sha256
-from ..tasks.fit import Wishes
+from ..tasks.fit import FitOptions
 from ..tasks.setup import Setup
 
 SPECIMEN = "specimen.toml"
 
 
 @dataclass(frozen=True)
-class Question:
+class BatchRequest:
     """The same for every record: law and effects to fit, by branch, and whether to name what they lack.
 
     Raises UsageError for an unknown branch, or a specimen for all (each record has its own).
@@ -31,7 +31,7 @@ class Question:
     version: str = field(default=__version__)
 
     def __post_init__(self) -> None:
-        Wishes(self.branch)
+        FitOptions(self.branch)
         if self.setup.specimen is not None:
             raise UsageError(f"{self.setup.specimen}: a batch takes the {SPECIMEN} beside or above each record")
 
@@ -40,7 +40,7 @@ class Question:
         """One row of the table for each, in the order of their names."""
         return tuple(sorted(branch_names(self.branch)))
 
-    def bare(self) -> "Question":
+    def bare(self) -> "BatchRequest":
         """The same for another process."""
         return replace(self, setup=self.setup.bare())
 
@@ -63,7 +63,7 @@ class Item:
 
 
 @dataclass(frozen=True)
-class Plan:
+class WorkList:
     """The records of a tree in the order of their names; `faults` maps the name of a file that cannot be asked to
     why."""
 
@@ -74,7 +74,7 @@ class Plan:
         return len(self.items) + len(self.faults)
 
 
-def plan(folder: Path, question: Question, out: Path) -> Plan:
+def plan(folder: Path, question: BatchRequest, out: Path) -> WorkList:
     """Every CSV file under `folder` with the specimen.toml beside or above it; hidden files and `out` are passed over.
 
     Raises UsageError where `folder` is no folder or holds no CSV file.
@@ -98,7 +98,7 @@ def plan(folder: Path, question: Question, out: Path) -> Plan:
         items.append(Item(name, str(path), str(specimen), content, key))
     if not items and not faults:
         raise UsageError(f"{folder}: no CSV file in it or below it; give the folder that holds the records")
-    return Plan(tuple(sorted(items, key=lambda item: item.name)), faults)
+    return WorkList(tuple(sorted(items, key=lambda item: item.name)), faults)
 
 
 def _records(folder: Path, out: Path) -> Iterator[Path]:
