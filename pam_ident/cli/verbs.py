@@ -41,7 +41,7 @@ def verb(command: Callable[..., None]) -> Callable[..., None]:
             if not quiet and sys.stderr.isatty():
                 from ..core.progress import heard
 
-                line = Line()
+                line = ProgressLine()
                 after.callback(line.clear)
                 after.enter_context(heard(line.tell))
             if shared:
@@ -55,7 +55,7 @@ def verb(command: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
-class Line:
+class ProgressLine:
     """Where the work is, how much of it is done and how long the rest takes, on one line of stderr."""
 
     def __init__(self) -> None:

@@ -30,7 +30,7 @@ def test_a_line_of_progress_waits_two_seconds_and_tells_how_much_is_done_and_the
     monkeypatch.setattr(verbs.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(sys, "stderr", screen)
     monkeypatch.setenv("COLUMNS", "90")
-    line = verbs.Line()
+    line = verbs.ProgressLine()
 
     def told(stage, seconds):
         """What stands on the line at the end, its bar, colours and blanks left out; nothing if it was not written."""

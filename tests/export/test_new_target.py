@@ -8,21 +8,8 @@ import pandas as pd
 import pytest
 
 RECORD = Path(__file__).parents[2] / "datasets" / "paper_laws" / "reconstructed.csv"
-EXAMPLE = '''
-"""A fitted model as a list of its parameters, for a spreadsheet."""
-
-from ..fitted import Fitted
-from ..target import Target, Written
-
-
-def sheet(fitted: Fitted, name: str) -> Written:
-    """A line a parameter: branch, name, value, unit."""
-    rows = [f"{branch},{p.name},{p.value!r},{p.unit}" for branch, all_ in fitted.branches.items() for p in all_]
-    return Written("\\n".join(["branch,parameter,value,unit", *rows, ""]))
-
-
-TARGET = Target(".csv", sheet)
-'''
+PAGE = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+EXAMPLE = PAGE.split("```python\n# pam_ident/export/targets/sheet.py\n")[1].split("```")[0]
 
 
 @pytest.fixture

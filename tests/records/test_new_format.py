@@ -1,6 +1,7 @@
 """A new file format is one file: CONTRIBUTING's example, put where a contributor puts it."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,27 +9,8 @@ import pytest
 from pam_ident.core import DataError
 from pam_ident.records import formats, read_record
 
-EXAMPLE = '''
-"""JSON lines: an object a sample."""
-
-from pathlib import Path
-
-from ..mapping import Mapping
-from ..table import Table, table_in_memory
-from .base import Format, reading
-
-
-def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
-    """The samples of a file; rows count from 1. Raises DataError."""
-    with reading(path, "pandas", "file of JSON lines", "write it again"):
-        import pandas as pd
-
-        frame = pd.read_json(path, lines=True)
-    return [table_in_memory(str(path), str(path), frame, 1)]
-
-
-FORMAT = Format((".jsonl",), read_tables)
-'''
+PAGE = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+EXAMPLE = PAGE.split("```python\n# pam_ident/records/formats/json_lines.py\n")[1].split("```")[0]
 
 
 @pytest.fixture

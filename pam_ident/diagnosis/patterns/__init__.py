@@ -12,9 +12,9 @@ import numpy as np
 from ...core import Inputs
 from ...core.discover import instances
 from ...effects import Effect
-from .base import PatternShape, Span
+from .base import Extent, PatternShape
 
-__all__ = ["PatternShape", "Span", "catalogue", "patterns"]
+__all__ = ["Extent", "PatternShape", "catalogue", "patterns"]
 LENGTHS = 30
 SOURCE = "a description, not a physical effect"
 
@@ -33,7 +33,7 @@ def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
     """
     if len(np.unique(np.round(inputs.displacement_mm, 3))) < LENGTHS:
         return ()
-    span = Span.of(inputs, tuple(beats))
+    span = Extent.of(inputs, tuple(beats))
     return tuple(
         Effect(one.name, one.title, SOURCE, tuple(one.forms(span)), test="", candidate=False)
         for one in catalogue().values()

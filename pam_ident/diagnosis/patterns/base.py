@@ -23,7 +23,7 @@ WAVE = (Param("cosine", "N", "cosine part", scale=10.0), Param("sine", "N", "sin
 
 
 @dataclass(frozen=True)
-class Span:
+class Extent:
     """What a record covers: displacement from `low` over `stroke` (mm), time from `first` over `duration` (s, 0 without
     time), and the periods in s, `beats`, that a spectrum of what is left shows."""
 
@@ -35,7 +35,7 @@ class Span:
     beats: tuple[float, ...] = ()
 
     @classmethod
-    def of(cls, inputs: Inputs, beats: tuple[float, ...] = ()) -> "Span":
+    def of(cls, inputs: Inputs, beats: tuple[float, ...] = ()) -> "Extent":
         """The span of a record's inputs."""
         x, time = inputs.displacement_mm, inputs.time
         first, duration = (0.0, 0.0) if time is None else (float(time[0]), max(float(np.ptp(time)), 1e-9))
@@ -64,7 +64,7 @@ class PatternShape:
     title: str
     kind: str
     coordinate: str
-    forms: Callable[[Span], Sequence[Form]]
+    forms: Callable[[Extent], Sequence[Form]]
     words: Callable[[Mapping[str, float], str], str]
     elsewhere: Mapping[str, str] = field(default_factory=dict)
 

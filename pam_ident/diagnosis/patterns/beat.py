@@ -7,7 +7,7 @@ import numpy as np
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form, TransformsPressure
 from ...effects.base import Array, Shape
-from .base import WAVE, PatternShape, Span, searched, wave
+from .base import WAVE, Extent, PatternShape, searched, wave
 
 PRESSURE_WAVE = (
     Param("cosine", "MPa", "cosine part", -0.5, 0.5, scale=0.01),
@@ -20,7 +20,7 @@ def _beat(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return wave((inputs.time - inputs.time[0]).astype(inputs.contraction.dtype), shape["period"])
 
 
-def _forms(span: Span) -> Sequence[Form]:
+def _forms(span: Extent) -> Sequence[Form]:
     slow = searched("period", "s", "period in time", span.duration / np.arange(3.0, 400.0, 0.4))
     found: list[Form] = [AddsForce("even", "beat", WAVE, _beat, (slow,))]
     if span.beats:

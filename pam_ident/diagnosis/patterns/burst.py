@@ -7,7 +7,7 @@ import numpy as np
 from ...core import Inputs
 from ...effects import AddsForce, Form
 from ...effects.base import Array, Shape
-from .base import SIZE, PatternShape, Span, bell, like, searched
+from .base import SIZE, Extent, PatternShape, bell, like, searched
 
 
 def _burst(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -15,7 +15,7 @@ def _burst(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return bell(like(inputs, (inputs.time[:, None] - np.asarray(shape["moment"])) / np.asarray(shape["length"])))
 
 
-def _forms(span: Span) -> Sequence[Form]:
+def _forms(span: Extent) -> Sequence[Form]:
     length = searched("length", "s", "how long", [span.duration * w for w in (0.08, 0.03, 0.012)])
     return (AddsForce("bell", "bell over time", (SIZE,), _burst, (span.moment(), length)),)
 

@@ -8,7 +8,7 @@ import numpy as np
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form
 from ...effects.base import Array, Shape, slip
-from .base import SIZE, PatternShape, Span, bell, like
+from .base import SIZE, Extent, PatternShape, bell, like
 
 PLACES = 16
 """Places from which each of two is sought."""
@@ -69,7 +69,7 @@ def _edge(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return 0.5 + 0.5 * np.tanh(_beyond(inputs, shape) / soft)
 
 
-def _forms(span: Span) -> Sequence[Form]:
+def _forms(span: Extent) -> Sequence[Form]:
     stroke, place, first = span.stroke, span.place(), span.place(PLACES)
     widths = tuple(stroke * w for w in (0.015, 0.035, 0.08))
     width = Param("width", "mm", "half width", stroke * 0.005, stroke, start=stroke * 0.05, grid=widths)

@@ -7,7 +7,7 @@ import numpy as np
 from ...core import Inputs
 from ...effects import AddsForce, Form
 from ...effects.base import Array, Shape, slip
-from .base import PatternShape, Span, hats, knots
+from .base import Extent, PatternShape, hats, knots
 
 KNOTS, PRESSURE_KNOTS = 9, 5
 
@@ -28,7 +28,7 @@ def _over_pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return hats(inputs.pressure, PRESSURE_KNOTS)[:, 1:]
 
 
-def _forms(span: Span) -> Sequence[Form]:
+def _forms(span: Extent) -> Sequence[Form]:
     over_pressure = AddsForce("over_pressure", "free curve over pressure", knots(PRESSURE_KNOTS - 1), _over_pressure)
     levels = np.unique(np.round(span.inputs.pressure, 2))
     return (

@@ -7,7 +7,7 @@ import numpy as np
 from ...core import Inputs
 from ...effects import AddsForce, Form
 from ...effects.base import Array, Shape, slip
-from .base import WAVE, PatternShape, Span, searched, wave
+from .base import WAVE, Extent, PatternShape, searched, wave
 
 
 def _ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -22,7 +22,7 @@ def _odd_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return _ripple(inputs, shape, force) * slip(inputs)[0][:, None]
 
 
-def _forms(span: Span) -> Sequence[Form]:
+def _forms(span: Extent) -> Sequence[Form]:
     numbers = np.arange(1.0, max(2.0, span.stroke / 1.0), 0.25)[::-1]
     periods = [span.stroke / k for k in numbers if span.stroke / k < 0.5 * span.stroke]
     period = searched("period", "mm", "period over displacement", periods or [0.25 * span.stroke])

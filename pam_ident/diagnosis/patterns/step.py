@@ -7,7 +7,7 @@ import numpy as np
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
 from ...effects.base import Array, Shape
-from .base import GAIN, SIZE, ZERO, PatternShape, Span, after, steps
+from .base import GAIN, SIZE, ZERO, Extent, PatternShape, after, steps
 
 LATER = Param("later", "N", "size of the second", scale=10.0)
 SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
@@ -25,7 +25,7 @@ def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return after(inputs, shape) / inputs.specimen.initial_length_mm
 
 
-def _forms(span: Span) -> Sequence[Form]:
+def _forms(span: Extent) -> Sequence[Form]:
     moment, duration = span.moment(), span.duration
     grid = steps(0.0, duration / 2, 12)
     length = Param("length", "s", "how long", 0.0, duration, start=duration / 8, grid=grid)

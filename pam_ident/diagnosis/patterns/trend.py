@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
 from ...effects.base import Array, Shape
-from .base import GAIN, SIZE, ZERO, PatternShape, Span, hats, knots, like
+from .base import GAIN, SIZE, ZERO, Extent, PatternShape, hats, knots, like
 
 KNOTS = 8
 STRETCH = Param("stretch", "mm", "shift of the length by the end", -20.0, 20.0, scale=0.1)
@@ -36,7 +36,7 @@ def _curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return hats(inputs.time, KNOTS)[:, 1:]
 
 
-def _forms(span: Span) -> Sequence[Form]:
+def _forms(span: Extent) -> Sequence[Form]:
     return (
         AddsForce("even", "free curve", knots(KNOTS - 1), _curve),
         ScalesForce("gain", "trend of the force's scale", (GAIN,), _passed),
