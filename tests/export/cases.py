@@ -128,7 +128,7 @@ def cases() -> list[Case]:
 
 CASES = cases()
 BY_NAME = {case.name: case for case in CASES}
-SHORT = {f"{effect.name}_{effect.forms[0].name}" for effect in effects().values()} | {"rich", "geometry"}
+SHORT = {f"{effect.name}_{effect.forms[0].name}" for effect in effects().values()} | {"geometry"}
 EACH_CASE = pytest.mark.parametrize(
     "case",
     [
@@ -136,7 +136,7 @@ EACH_CASE = pytest.mark.parametrize(
         for c in CASES
     ],
 )
-"""The laws, the first form of each effect and a rich model; all forms in the long tier."""
+"""The laws and the first form of each effect; all forms and rich models in the long tier."""
 
 
 class Expected(dict[str, np.ndarray]):

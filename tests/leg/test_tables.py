@@ -12,7 +12,7 @@ pytestmark = pytest.mark.long
 
 def rows_of(text):
     """The numbers of each row of a table in Markdown, by its first cell."""
-    lines = re.findall(r"^\| ([^|]+) \|(.*\d.*)$", text, re.M)
+    lines = re.findall(r"^\| ([^|]+) \|(.*\d\.\d.*)$", text, re.M)
     return {name: [float(x) for x in re.findall(r"\d+\.\d+", rest)] for name, rest in lines}
 
 
