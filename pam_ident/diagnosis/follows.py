@@ -93,7 +93,8 @@ def _rest(inputs: Inputs) -> Array | None:
         return None
     held = time_held(inputs, ~inputs.moving) * ~inputs.moving
     resting = [np.log1p(held / tau) * inputs.direction for tau in (0.3, 10.0)]
-    relaxed = [relax(inputs, inputs.contraction, tau) for tau in (1.0, 10.0, 100.0)]
+    longest = float(np.clip(0.1 * np.ptp(inputs.time), 2.0, 100.0))  # what takes longer is the clock's
+    relaxed = [relax(inputs, inputs.contraction, float(tau)) for tau in np.geomspace(1.0, longest, 3)]
     return np.column_stack(relaxed + resting)
 
 
@@ -222,7 +223,9 @@ def _shares(record: Record, left: Array, gains: _Gains) -> tuple[Follows, ...]:
     while True:
         held = {gains.names[k]: k for k in chosen}
         others = [chosen - {held[name]} for name in held]
-        others += [chosen - {held.get(name, -1)} | {k} for k, name in enumerate(gains.names) if k not in chosen]
+        for gone in (*chosen, None):  # the place of one may be another's: what relaxes slowly is nearly the clock
+            free = chosen - {gone}
+            others += [free - {held.get(name, -1)} | {k} for k, name in enumerate(gains.names) if k not in chosen]
         best = max(others, key=worth)
         if worth(best) <= worth(chosen):
             break
@@ -239,7 +242,7 @@ def _shares(record: Record, left: Array, gains: _Gains) -> tuple[Follows, ...]:
     rest = left - gains.explained(chosen)
     whole = sum(shares.values())
     back = (1.0 - whole) * _comes_back(record, rest)
-    found = [Follows(gains.names[k], share, words[gains.names[k]]) for k, share in shares.items()]
+    found = [Follows(gains.names[k], share, words[gains.names[k]]) for k, share in shares.items() if share > 0.0]
     found += [Follows("repeats", back, "what comes back with every repeat, but follows none of these")] * (back > 0.0)
     found.sort(key=lambda one: -one.share)
     return (*found, Follows("noise", max(1.0 - whole - back, 0.0), "noise"))

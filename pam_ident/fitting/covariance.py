@@ -141,8 +141,8 @@ def joined(n: int, parts: Sequence[tuple[Array, Array]], triangles: Sequence[Arr
     """Sums of n rows from the `grams` of some rows each, in the order of their clusters, which may go on from part to
     part.
 
-    With the `triangles` of the parts (Demmel et al. 2012, SIAM J. Sci. Comput. 34, A206–A239) no digit is lost; without
-    them half of the digits are, and None is returned where that is too many.
+    With the `triangles` of the parts, shape (k, k) each (Demmel et al. 2012, SIAM J. Sci. Comput. 34, A206–A239) no
+    digit is lost; without them half of the digits are, and None is returned where that is too many.
     """
     tables, runs = (np.concatenate(both) for both in zip(*parts, strict=True))
     begins = np.flatnonzero(np.diff(runs, prepend=np.nan) != 0)

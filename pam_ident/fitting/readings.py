@@ -170,7 +170,7 @@ class Readings:
         return [k for k, p in enumerate(self.model.params) if p.name not in self.held]
 
     def values(self, q: Array) -> dict[str, float]:
-        """All parameters by name."""
+        """All parameters by name at the curved ones q, shape (k,)."""
         return {**self.held, **dict(zip([p.name for p in self.curved], q.tolist(), strict=True))}
 
     def at(self, q: Array) -> Reading:
@@ -247,8 +247,8 @@ def least(
     held: Mapping[str, float],
     exact: bool = False,
 ) -> tuple[Readings, Array, Sums, bool]:
-    """What `lead` says of `every` row, by way of samples of the `rows` (indices) of a record, which is all or a part of
-    these. `start` and `held` are as `solve` has them."""
+    """What `lead` says of `every` row, by way of samples of the `rows` (indices, (n,)) of a record, which is all or a
+    part of these. `start` and `held` are as `solve` has them."""
     few, more = (rows[:: len(rows) // most | 1] for most in SAMPLES)
     begin = np.r_[0, few]
     inputs, force = record.inputs.take(begin), record.force[begin]

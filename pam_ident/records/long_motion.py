@@ -16,7 +16,8 @@ KINDS = {"branch": np.int8, "moving": np.bool_, "segment": np.int32, "stroke": n
 def keep_motion(
     on_disk: Columns, n: int, length_mm: float, span: float, level: Callable[[int, int], Array], given: tuple[str, ...]
 ) -> None:
-    """Find strokes, holds, cycles, segments and turns of `n` rows as `build_record` does, and keep them as columns.
+    """Find strokes, holds, cycles, segments and turns of `n` rows as `build_record` does, and keep each as a column
+    (n,).
 
     `span` is the range of the motion in mm, `level` gives the nominal pressures of some rows, begin … end; `given`
     columns stand already.

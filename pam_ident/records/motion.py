@@ -125,8 +125,8 @@ def follow(n: int, read: Read, noise: float, span: float, pause: float) -> Itera
 
 
 def pieces(n: int, read: Read, threshold: float, pause: float) -> Iterator[tuple[bool, Array, Array]]:
-    """Time and position of pieces of no more than PIECE samples each, cut at a turn where a segment is longer, and
-    whether a segment begins with it."""
+    """Time and position, shape (m,), of pieces of no more than PIECE samples each, cut at a turn where a segment is
+    longer, and whether a segment begins with it."""
     most, begin, fresh = turning.PIECE, 0, True
     while begin < n:
         end = min(begin + 2 * most, n)

@@ -7,7 +7,7 @@ import pytest
 LAW = ("--law", "exponential_law")
 DIAGNOSIS = {
     "schema", "record", "law", "n", "rmse_N", "noise_floor_N", "verdict", "selected", "groups", "ranking",
-    "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N", "pattern", "next_experiment",
+    "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N", "follows", "pattern", "next_experiment",
 }  # fmt: skip
 
 
@@ -48,6 +48,8 @@ def test_diagnose_names_the_friction_that_is_there(answer, rubbing):
     assert all(set(group) & set(found["selected"]) == {"coulomb_friction"} for group in found["groups"])
     assert found["rmse_after_N"] == pytest.approx(1.0, abs=0.1) and found["rmse_N"] > 5
     assert found["heldout_rmse_after_N"] < 0.3 * found["heldout_rmse_N"]
+    assert found["follows"][0]["what"] == "direction" and found["follows"][0]["share"] > 0.8
+    assert sum(one["share"] for one in found["follows"]) == pytest.approx(1.0)
     for one in found["ranking"]:
         assert set(one) == {"effect", "status", "probability", "rmse_after_N", "heldout_rmse_after_N"}
         assert one["status"] in ("candidate", "absorbed_by_law", "not_excited")

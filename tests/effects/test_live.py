@@ -26,7 +26,10 @@ REMEMBER = {
     ),
     *(f"presliding_hysteresis:{form}" for form in ("textbook", "dahl", "pressed", "lugre", "maxwell_slip_3", "rested")),
     *(f"force_drift:{form}" for form in ("textbook", "settling", "settling_on", "logarithmic", "swinging")),
-    *(f"thermal_softening:{form}" for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear")),
+    *(
+        f"thermal_softening:{form}"
+        for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear", "free")
+    ),
     "coulomb_friction:stuck",
     "stribeck_friction:bending",
     *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve")),

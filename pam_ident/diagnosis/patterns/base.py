@@ -92,12 +92,13 @@ def hats(values: Array, count: int) -> Array:
 
 
 def like(inputs: Inputs, values: Array | float) -> Array:
-    """Values in the precision of the inputs."""
+    """Values of any shape in the precision of the inputs."""
     return np.asarray(values, inputs.contraction.dtype)
 
 
 def bell(away: Array) -> Array:
-    """Gaussian at so many standard deviations; its tail ends before squares lose digits, which is slow."""
+    """Gaussian at so many standard deviations, of any shape; its tail ends before squares lose digits, which is
+    slow."""
     return np.exp(-0.5 * np.minimum(away * away, FAR**2))
 
 
