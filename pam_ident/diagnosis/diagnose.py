@@ -242,7 +242,7 @@ def _ranking(
 
     Long records are judged linearised around the base model, short ones (up to EXACT rows) by refits.
     """
-    best = trial.data.cheapest()
+    best = trial.data.cheapest(trial.price)
     alone = _alone_exactly if len(trial.record) <= EXACT else _alone_linearised
     found = []
     for effect in suspects:
