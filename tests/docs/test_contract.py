@@ -77,7 +77,7 @@ def written(root, tmp_path_factory):
         ("diagnose", poor, *law),
         ("diagnose", folder / "rub" / "record.csv", *law),
         ("add", ours, *law, "--effect", "pressure_friction"),
-        ("ladder", ours, *law),
+        ("ladder", ours.parents[1] / "nothing_hidden" / "record.csv", *law),
         ("selftest",),
         ("challenge", "--n", 1, "--workers", 1, "--quiet"),
         ("inspect", ours),
