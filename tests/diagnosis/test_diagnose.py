@@ -135,7 +135,8 @@ def test_the_slow_end_of_1_over_f_noise_is_no_drift(tmp_path, seed):
     assert answer.selected == ("pressure_friction",)
 
 
-@pytest.mark.parametrize(("noise", "named"), [("white", True), pytest.param("ar1", False, marks=LONG)])
+@LONG
+@pytest.mark.parametrize(("noise", "named"), [("white", True), ("ar1", False)])
 def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, named):
     """A tenth of the noise's variance: significant in both, but no noise has the colour that it is given exactly."""
     secret = Secret("coulomb_friction", "textbook", 0.3)

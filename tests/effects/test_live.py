@@ -100,7 +100,7 @@ def test_columns_asked_live_are_those_along_the_record(effect, form):
     np.testing.assert_allclose(np.array(found), batch, rtol=1e-9, atol=1e-9 * np.abs(batch).max())
 
 
-@EACH_FORM
+@EACH_FORM_SLOWLY
 def test_a_model_asked_live_has_the_force_along_the_record(effect, form):
     model = model_of(effect, form, "exponential_law")
     values = LAW_VALUES | plausible(effect, form)

@@ -29,10 +29,10 @@ def test_a_scaffold_of_each_role_loads_and_keeps_the_contract(role, tmp_path, re
     path = tmp_path / "spindle_play.py"
     result = ask("new", path, "--" + role.replace("_", "-"))
     assert result.exit_code == 0 and "effects check" in result.stdout, result.output
+    assert [p.name for p in tmp_path.iterdir()] == ["spindle_play.py"]
     (effect,) = load_effect_file(path)
     assert effect.name == "spindle_play" and type(effect.forms[0]) is TYPES[role]
     assert check_effect(effect, record) == []
-    assert [p.name for p in tmp_path.iterdir()] == ["spindle_play.py"]
 
 
 def test_the_example_for_contributors_keeps_the_contract(root, tmp_path):

@@ -89,6 +89,7 @@ def test_a_ladder_gives_its_last_rung(root, tmp_path):
     assert "The range of the record is not known" in text
 
 
+@pytest.mark.long
 def test_the_export_is_the_muscle_that_runs_in_the_leg(root, tmp_path):
     """Along a swing, instant by instant, with the direction that the leg's muscles have."""
     ladder = root / "datasets" / "leg_muscle" / "ladder.json"

@@ -89,6 +89,7 @@ def test_once_installed_the_actuator_pulls_with_the_models_force(name):
         assert -set_state(model, data, e, v, p) == pytest.approx(expected, rel=1e-11, abs=1e-9)
 
 
+@pytest.mark.long
 def test_what_remembers_is_stepped_along_a_run_of_mujoco():
     """The forces that MuJoCo applied in 400 steps, against the model stepped along the motion that they led to."""
     case = BY_NAME["rich"]

@@ -89,6 +89,7 @@ def test_a_batch_beyond_a_chunk_is_its_runs_one_by_one(example, loop, task):
     assert np.ptp(together.flexion[:, -1]) > 1e-3
 
 
+@pytest.mark.long
 def test_one_command_is_a_batch_too(example, loop, task):
     pair, _ = example
     many = Gains(*(np.full(1, g) for g in GAINS))

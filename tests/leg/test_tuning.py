@@ -22,6 +22,7 @@ def automatic(loop, task, by_hand):
     return tune(loop, task, JUDGED, by_hand.gains, seed=1)
 
 
+@pytest.mark.long
 def test_errors_are_those_of_the_plain_plant_a_fifth_off(example, loop, course, task):
     """The same integrator, so that what is compared is which plant got which error."""
     _, plain = example

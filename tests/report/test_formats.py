@@ -50,7 +50,7 @@ def test_markdown_holds_the_same_parts_in_the_same_order(story):
     ("name", "kind", "start"),
     [
         ("a", None, "<!DOCTYPE"),
-        ("a.txt", "md", "# made up"),
+        pytest.param("a.txt", "md", "# made up", marks=pytest.mark.long),
         pytest.param("a.html", None, "<!DOCTYPE", marks=pytest.mark.long),
         pytest.param("a.MD", None, "# made up", marks=pytest.mark.long),
     ],

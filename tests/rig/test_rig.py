@@ -180,7 +180,8 @@ def test_null_leaves_the_noise():
     assert record.rmse_base == pytest.approx(record.noise_rms, rel=0.003)
 
 
-@pytest.mark.parametrize("law", ["exponential_law", pytest.param("modified_chou_hannaford", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("law", list(VISIBLE))
 def test_every_form_can_be_sized(law):
     for i, name in enumerate(VISIBLE[law]):
         for j, form in enumerate(EFFECTS[name]):
