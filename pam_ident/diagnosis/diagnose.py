@@ -87,7 +87,9 @@ def diagnose(
     heldout = heldout_rmse(model, record, base)
     best, after, named = _confirmed(base, heldout, named, verdict)
     shapes = [t for t in verdict.terms if not t.effect.candidate]
-    pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values)) or _followed(base, best)
+    pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
+    if pattern is None and not trial.noise.coloured:  # slow noise follows the clock for a while
+        pattern = _followed(base, best)
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
     ranking = _ranking(trial, suspects, selected, probabilities(trial, classes))
