@@ -1,7 +1,7 @@
 """Which effect is missing, how sure that is, and what is left."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
 from .follows import what_it_follows
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
-from .nouns import Diagnosis, Pattern, Suspect
+from .nouns import Diagnosis, Follows, Pattern, Suspect
 from .patterns import catalogue as catalogue_of_patterns
 from .probability import probabilities
 from .trial import Trial, Verdict
@@ -88,8 +88,9 @@ def diagnose(
     best, after, named = _confirmed(base, heldout, named, verdict)
     shapes = [t for t in verdict.terms if not t.effect.candidate]
     pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
+    follows = what_it_follows(base)
     if pattern is None and not trial.noise.coloured:  # slow noise follows the clock for a while
-        pattern = _followed(base, best)
+        pattern = _followed(base, best, follows if best is base else what_it_follows(best))
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
     ranking = _ranking(trial, suspects, selected, probabilities(trial, classes))
@@ -115,7 +116,7 @@ def diagnose(
         pattern,
         experiment,
         sentence,
-        what_it_follows(base),
+        follows,
     )
 
 
@@ -185,12 +186,11 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
     return Pattern(shape.kind, along, value, unit, float(share), text)
 
 
-def _followed(base: Fit, best: Fit) -> Pattern | None:
-    """What the best model leaves although it follows something, by smooth surfaces that know no catalogue.
+def _followed(base: Fit, best: Fit, follows: Sequence[Follows]) -> Pattern | None:
+    """What the best model leaves although it `follows` something, by smooth surfaces that know no catalogue.
 
     The noise of a court is what no candidate explains, and so holds what none of them could: this finds it.
     """
-    follows = what_it_follows(best)
     noise = next(one.share for one in follows if one.what == "noise")
     first, left = follows[0], 1.0 - noise
     removable = max((base.rmse / best.rmse) ** 2 - noise, 1e-9)

@@ -11,18 +11,20 @@ price; a share is the gain of a driver averaged over all orders of those taken i
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise, permutations
+from itertools import permutations
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from ..core import Inputs
-from ..effects._history import relax, since_first, time_held, way_travelled
+from ..effects._history import relax, runs, since_first, time_held, way_travelled
+from ..effects.base import slip
 from ..fitting import Fit
-from ..fitting.floor import nearest, repeats
+from ..fitting.floor import repeats
 from ..fitting.solve import jacobian
 from ..records import Record, thinned
 from .nouns import Follows
+from .repeats import in_common
 from .search import orthonormal
 
 Array = np.ndarray
@@ -32,8 +34,6 @@ ORDERS = 120
 """Orders of drivers over which shares are averaged, at most."""
 SEEN, RIDGE = 1e-4, 1e-6
 """Share of a column that the model must leave for it to count, and what keeps dependent ones solvable."""
-CERTAIN = 5.0
-"""Standard errors by which what repeats share must differ from none."""
 
 
 @dataclass(frozen=True)
@@ -58,20 +58,14 @@ def _polynomials(values: Array, most: int) -> Array:
     return legendre.legvander((2.0 * values - low - high) / max(high - low, 1e-12), order)
 
 
-def _moves(inputs: Inputs) -> tuple[Array, Array]:
-    """Direction where the muscle moves, and the one before where it rests, (n,) each."""
-    moving = np.ones(len(inputs), bool) if inputs.moving is None else inputs.moving
-    return inputs.direction * moving, inputs.direction * ~moving
-
-
 def _direction(inputs: Inputs) -> Array | None:
-    return np.column_stack(_moves(inputs)) if inputs.has("branch") else None
+    return np.column_stack(slip(inputs)) if inputs.has("branch") else None
 
 
 def _speed(inputs: Inputs) -> Array | None:
     if inputs.velocity is None:
         return None
-    v, (moves, _) = np.abs(inputs.velocity), _moves(inputs)
+    v, (moves, _) = np.abs(inputs.velocity), slip(inputs)
     v = v / max(float(np.median(v[moves != 0.0])) if np.any(moves) else 1.0, 1e-9)
     return np.column_stack([v * moves, np.sqrt(v) * moves, np.log1p(10.0 * v) * moves, v])
 
@@ -80,11 +74,8 @@ def _way(inputs: Inputs) -> Array | None:
     if inputs.moving is None:
         return None
     x = inputs.displacement_mm
-    turns = np.diff(inputs.direction, prepend=inputs.direction[0]) != 0.0
-    if inputs.segment is not None:
-        turns |= np.diff(inputs.segment, prepend=inputs.segment[0]) != 0
-    begins = np.maximum.accumulate(np.where(turns, np.arange(len(x)), 0))
-    way, stroke = np.abs(x - x[begins]), max(float(np.ptp(x)), 1e-9)
+    way = np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
+    stroke = max(float(np.ptp(x)), 1e-9)
     return np.exp(-way[:, None] / (stroke * np.array([0.01, 0.03, 0.1]))) * inputs.direction[:, None]
 
 
@@ -263,14 +254,8 @@ def _memory(noise: Array) -> float:
 
 def _comes_back(record: Record, rest: Array) -> float:
     """Share of the squares of what is left (n,) that neighbouring repeats have in common, 0 where it may be chance."""
-    shared, size = [], 0.0
-    for group in repeats(record, np.ones(len(rest), bool)):
-        for (one, x), (other, y) in pairwise(group):
-            shared.append(float(rest[one] @ rest[other[nearest(x, y)]]))
-            size += float(rest[one] @ rest[one])
-    if len(shared) < 3 or not np.mean(shared) > CERTAIN * np.std(shared) / math.sqrt(len(shared)):
-        return 0.0
-    return min(max(float(np.sum(shared)) / max(size, 1e-300), 0.0), 1.0)
+    common = in_common(repeats(record, np.ones(len(rest), bool)), rest)
+    return min(max(common.shared / max(common.size, 1e-300), 0.0), 1.0) if common.certain else 0.0
 
 
 def told(found: Sequence[Follows]) -> str:

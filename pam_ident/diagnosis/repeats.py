@@ -1,5 +1,7 @@
 """What comes back with every cycle is no noise, whatever its colour."""
 
+from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +10,7 @@ from ..fitting.floor import nearest, repeats
 from ..records import Record
 
 Array = np.ndarray
+Group = list[tuple[Array, Array]]
 SHARE = 0.2
 """Share of a residual's variance that must come back before it counts as no noise: less may be the position's."""
 CERTAIN = 5.0
@@ -28,21 +31,37 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
     flat = residual - trend
     groups = [*repeats(record, rows), *repeats(record, rows, at_rest=True)]
     coarse = _rounding(record.force)
-    shared, size, rounded = [], 0.0, 0.0
-    for group in groups:
-        for (one, x), (other, y) in pairwise(group):
-            shared.append(float(flat[one] @ flat[other[nearest(x, y)]]))
-            size += float(flat[one] @ flat[one])
-            rounded += len(one) * coarse
-    if len(shared) < 3 or not np.sum(shared) > SHARE * size + rounded:
-        return residual
-    if not np.mean(shared) > CERTAIN * np.std(shared) / np.sqrt(len(shared)):
+    common = in_common(groups, flat)
+    if not (common.certain and common.shared > SHARE * common.size + common.n * coarse):
         return residual
     own = residual.copy()
     for group in groups:
         for (one, x), (other, y) in zip(group, [*group[1:], group[0]], strict=True):
             own[one] = changing[one] + (flat[one] - flat[other[nearest(x, y)]]) / np.sqrt(2.0)
     return own
+
+
+@dataclass(frozen=True)
+class Common:
+    """What neighbouring repeats share: the sum of their products `shared` and of their squares `size` over n samples,
+    and whether there are enough of them, sharing more than chance would, to be `certain`."""
+
+    shared: float
+    size: float
+    n: int
+    certain: bool
+
+
+def in_common(groups: Iterable[Group], values: Array) -> Common:
+    """Values (n,) of groups of repeats, as `fitting.floor.repeats` gives them, beside those of the next repeat."""
+    shared, size, n = [], 0.0, 0
+    for group in groups:
+        for (one, x), (other, y) in pairwise(group):
+            shared.append(float(values[one] @ values[other[nearest(x, y)]]))
+            size += float(values[one] @ values[one])
+            n += len(one)
+    certain = len(shared) >= 3 and bool(np.mean(shared) > CERTAIN * np.std(shared) / np.sqrt(len(shared)))
+    return Common(float(np.sum(shared)), size, n, certain)
 
 
 def _rounding(force: Array) -> float:
