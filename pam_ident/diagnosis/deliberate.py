@@ -1,6 +1,6 @@
 """From suspects to the set that explains the record: search, exact refits, and second thoughts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -8,6 +8,8 @@ import numpy as np
 from ..effects import AddsForce, Effect
 from ..fitting import Fit
 from ..model import Term
+from .adequacy import PATTERN_MARGIN, FreeModel, full_cost
+from .follows import Following
 from .ground import Ground, Lead, scan
 from .noise import Noise
 from .patterns import patterns
@@ -33,14 +35,15 @@ EXACT = 500
 NEAR, BENT = 30.0, 0.005
 """Cost within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is to
 be explained, because the law bends."""
-PATTERN_MARGIN = 20.0
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
 adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
 where it takes the place of two names, or of one that leaves something, and has no more parameters than they."""
 
 
-def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[Trial, Verdict]:
+def investigate(
+    base: Fit, suspects: Sequence[Effect], following: Following, tried: Collection[str], most: int = 3
+) -> tuple[Trial, Verdict]:
     """The answer to a record, with the noise and the effects made to agree.
 
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
@@ -50,11 +53,13 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     before a court as well, where none was like it. Nothing of this where no noise could take the place of any name: a
     little colour is what a form leaves that is not exactly right.
     """
-    trial = Trial(base, suspects)
+    trial = Trial(base, suspects, following, tried)
     verdict = _answer(trial, most)
     faint = trial.empty.squares < FAINT * verdict.squares and trial.noise_left_by(trial.empty).coloured
     doubtful = trial.noise_left_by(verdict).coloured or faint
-    if not trial.noise.coloured and (not doubtful or _sure(trial, verdict)):
+    if not trial.noise.coloured and (
+        not doubtful or FreeModel.of(trial).likelier(trial, verdict) or _sure(trial, verdict)
+    ):
         return trial, _weighed(trial, verdict)
     trials = [(trial, verdict)]
 
@@ -63,7 +68,7 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
 
     def judge_again(noise: Noise) -> None:
         if not heard(noise):
-            again = Trial(base, suspects, noise, trial)
+            again = Trial(base, suspects, following, tried, noise, trial)
             trials.append((again, _answer(again, most)))
 
     judge_again(trial.noise_left_by(verdict, white=True))
@@ -77,11 +82,11 @@ def investigate(base: Fit, suspects: Sequence[Effect], most: int = 3) -> tuple[T
     if unheard:
         judge_again(unheard[0])
         _, noise, found = _compared(trials)[0]
-    final = Trial(base, suspects, noise, trial)
+    final = Trial(base, suspects, following, tried, noise, trial)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _weighed(final, final.refit(seen, found.values))
     if len(kept.terms) < len(found.terms):
-        final = Trial(base, suspects, final.noise_left_by(kept), trial)
+        final = Trial(base, suspects, following, tried, final.noise_left_by(kept), trial)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
 
@@ -90,14 +95,14 @@ def _compared(trials: Sequence[tuple[Trial, Verdict]]) -> list[tuple[float, Nois
     """The answers of some courts and all their parts by their full cost, least first, each with the noise it leaves."""
     sets = {labels(terms): (terms, v.values) for _, v in reversed(trials) for terms in _subsets(v.terms)}
     fits = [_likeliest([court for court, _ in trials], terms, start) for terms, start in sets.values()]
-    return sorted(((*_full_cost(court, found), found) for court, found in fits), key=lambda item: item[0])
+    return sorted(((*full_cost(court, found), found) for court, found in fits), key=lambda item: item[0])
 
 
 def _sure(trial: Trial, verdict: Verdict) -> bool:
     """Whether a set is far likelier than without any one of its terms, each with the noise that it leaves."""
-    cost, _ = _full_cost(trial, verdict)
+    cost, _ = full_cost(trial, verdict)
     fewer = [trial.refit(verdict.without(term), verdict.values) for term in verdict.terms]
-    return bool(fewer) and all(_full_cost(trial, rest)[0] > cost + SURE for rest in fewer)
+    return bool(fewer) and all(full_cost(trial, rest)[0] > cost + SURE for rest in fewer)
 
 
 def _likeliest(trials: Sequence[Trial], terms: Sequence[Term], start: Mapping[str, float]) -> tuple[Trial, Verdict]:
@@ -143,16 +148,6 @@ def _beyond_noise(trial: Trial, verdict: Verdict) -> float:
     """Whitened squares that a set leaves beyond those of noise, in their standard deviations."""
     n = len(trial.record)
     return (verdict.squares - n) / float(np.sqrt(2.0 * n))
-
-
-def _full_cost(trial: Trial, verdict: Verdict) -> tuple[float, Noise]:
-    """Deviance of a set with the noise it leaves, plus its price; and that noise."""
-    noise = trial.noise_left_by(verdict)
-    price = 0.0
-    for term in verdict.terms:
-        price += trial.price.per_parameter * len(term.form.params) + trial.price.per_name_alone
-        price += 0.0 if term.effect.candidate else PATTERN_MARGIN
-    return noise.deviance + price, noise
 
 
 def fitted_leaders(trial: Trial, most: int) -> list[Verdict]:

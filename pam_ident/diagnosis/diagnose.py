@@ -1,7 +1,7 @@
 """Which effect is missing, how sure that is, and what is left."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +10,14 @@ from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record, thinned
+from .adequacy import Adequacy, FreeModel
 from .confounding import groups
 from .deliberate import EXACT, investigate
 from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
-from .follows import what_it_follows
+from .follows import Following
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
-from .nouns import Diagnosis, Follows, Pattern, Suspect
+from .nouns import Diagnosis, Pattern, Suspect
 from .patterns import catalogue as catalogue_of_patterns
 from .probability import probabilities
 from .trial import Trial, Verdict
@@ -79,8 +80,18 @@ def diagnose(
         if e.candidate and e.name not in (*model.effect_names, *without) and (not only or e.name in only)
     ]
     steady = thinned(replace(record, inputs=record.steady), MOST)
-    trial, verdict = investigate(fit(model, steady, start=base.values, detail=False), suspects)
+    alone = fit(model, steady, start=base.values, detail=False)
+    following = Following(steady, model, alone.values)
+    seen = [e for e in suspects if not e.missing(record.inputs)]
+    uncovered = following.uncovered([*seen, *(term.effect for term in model.terms)])
+    tried = () if uncovered else [e.name for e in seen if following.supports(e.follows)]
+    trial, verdict = investigate(alone, suspects, following, tried)
     verdict = _likely(trial, verdict)
+    beside = None if record.inputs.time is None else Adequacy(trial, verdict, FreeModel.of(trial))
+    if beside is not None and beside.complete:
+        beside = None
+    if beside is not None:
+        verdict = beside.standing()
     named = [t for t in verdict.terms if t.effect.candidate]
     weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
@@ -88,12 +99,16 @@ def diagnose(
     best, after, named = _confirmed(base, heldout, named, verdict)
     shapes = [t for t in verdict.terms if not t.effect.candidate]
     pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
-    follows = what_it_follows(base)
-    if pattern is None and not trial.noise.coloured:  # slow noise follows the clock for a while
-        pattern = _followed(base, best, follows if best is base else what_it_follows(best))
+    if beside is not None and not shapes:
+        pattern = beside.pattern()
+    follows = following.shares()
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
-    ranking = _ranking(trial, suspects, selected, probabilities(trial, classes))
+    chance = probabilities(trial, classes)
+    if beside is not None:
+        kept = set(selected).union(*classes)
+        chance = {name: chance[name] for name in chance if name in kept}
+    ranking = _ranking(trial, suspects, selected, chance)
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     experiment = after_pattern(pattern, trial, verdict) if pattern else next_experiment(trial, verdict, classes)
     labels = tuple(t.label for t in named)
@@ -186,21 +201,6 @@ def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
     return Pattern(shape.kind, along, value, unit, float(share), text)
 
 
-def _followed(base: Fit, best: Fit, follows: Sequence[Follows]) -> Pattern | None:
-    """What the best model leaves although it `follows` something, by smooth surfaces that know no catalogue.
-
-    The noise of a court is what no candidate explains, and so holds what none of them could: this finds it.
-    """
-    noise = next(one.share for one in follows if one.what == "noise")
-    first, left = follows[0], 1.0 - noise
-    removable = max((base.rmse / best.rmse) ** 2 - noise, 1e-9)
-    if first.what == "noise" or left < REMAINDER * noise or left < OF_ALL * removable:
-        return None
-    size = best.rmse * math.sqrt(left)
-    text = f"about {size:.3g} N rms that no name explains; it follows {first.text}"
-    return Pattern("other", first.what, None, "", min(left / removable, 1.0), text)
-
-
 def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
     n = len(trial.record)
     left, all_of_it = verdict.squares - n, max(trial.empty.squares - n, 1e-9)
@@ -244,7 +244,7 @@ def _ranking(
 
     Long records are judged linearised around the base model, short ones (up to EXACT rows) by refits.
     """
-    best = trial.data.cheapest(trial.price)
+    best = trial.seen.cheapest(trial.price)
     alone = _alone_exactly if len(trial.record) <= EXACT else _alone_linearised
     found = []
     for effect in suspects:
@@ -252,10 +252,10 @@ def _ranking(
             status, why = trial.excluded[effect.name]
             found.append(Suspect(effect.name, effect.name, status, 0.0, why=why))
             continue
-        atom = trial.data.atoms[best[effect.name][1]]
+        atom = trial.seen.atoms[best[effect.name][1]]
         inside, outside = alone(trial, atom)
         heldout = None if math.isnan(outside) else outside
-        found.append(Suspect(effect.name, atom.term.label, "candidate", chance[effect.name], inside, heldout))
+        found.append(Suspect(effect.name, atom.term.label, "candidate", chance.get(effect.name, 0.0), inside, heldout))
     found.sort(
         key=lambda s: (s.status != "candidate", -s.probability, s.effect not in selected, s.rmse_after or math.inf)
     )

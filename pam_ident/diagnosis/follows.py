@@ -9,8 +9,9 @@ price; a share is the gain of a driver averaged over all orders of those taken i
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import permutations
 
 import numpy as np
@@ -18,10 +19,11 @@ from numpy.polynomial import legendre
 
 from ..core import Inputs
 from ..effects._history import relax, runs, since_first, time_held, way_travelled
-from ..effects.base import slip
+from ..effects.base import Effect, slip
 from ..fitting import Fit
 from ..fitting.floor import repeats
 from ..fitting.solve import jacobian
+from ..model import Model
 from ..records import Record, thinned
 from .nouns import Follows
 from .repeats import in_common
@@ -32,6 +34,10 @@ ROWS = 10_000
 """Rows of a record in time that are looked at."""
 ORDERS = 120
 """Orders of drivers over which shares are averaged, at most."""
+EQUAL = 20.0
+"""Twice the log odds up to which drivers could stand in each other's place."""
+BESIDE = 0.01
+"""Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
 SEEN, RIDGE = 1e-4, 1e-6
 """Share of a column that the model must leave for it to count, and what keeps dependent ones solvable."""
 
@@ -124,21 +130,126 @@ DRIVERS = (
 
 
 def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
-    """Shares of a fit's squared error, largest first, noise last; they add to 1, and none is what chance would give.
+    """Shares of a fit's squared error, largest first, noise last; they add to 1, and none is what chance would give."""
+    return Following.of(fit).shares()
 
-    The record's steady inputs are taken: the noise of pressure and length, which the model turns into force, would
-    follow what is measured.
+
+class Following:
+    """What a model leaves, and how much of it smooth surfaces over each set of drivers explain.
+
+    `chosen` are the drivers of the likeliest set, `remainder` (n,) in N what the richest surfaces of all of them leave,
+    `freedom` the degrees of freedom that they take, and `memory` the samples of it that count as one.
     """
-    record = fit.record if fit.rows.all() else fit.record.take(fit.rows)
-    record = thinned(replace(record, inputs=record.steady), ROWS)
-    inputs = record.inputs
-    left = record.force - fit.model.force(inputs, fit.values)
-    law = orthonormal(jacobian(fit.model, inputs, fit.values, record.force))
-    left = left - law @ (law.T @ left)
-    return _shares(record, left, _Gains(inputs, law, left))
+
+    def __init__(self, record: Record, model: Model, values: Mapping[str, float]) -> None:
+        inputs = record.inputs
+        left = record.force - model.force(inputs, values)
+        law = orthonormal(jacobian(model, inputs, values, record.force))
+        self.record, self.left = record, left - law @ (law.T @ left)
+        self.surfaces = Surfaces(inputs, law, self.left)
+        names = self.surfaces.names
+        richest = frozenset({name: k for k, name in enumerate(names)}.values())
+        self.remainder = self.left - self.surfaces.explained(richest)
+        self.freedom = self.surfaces.of(richest)[1]
+        self.variance = float(self.remainder @ self.remainder) / max(len(left) - self.freedom, 1.0)
+        self.memory = _memory(self.remainder)
+        self.best = self.likeliest() if self.left.any() else frozenset[int]()
+        self.chosen = frozenset(names[k] for k in self.best)
+
+    @classmethod
+    def of(cls, fit: Fit) -> "Following":
+        """Of the rows of a fit, by the record's steady inputs.
+
+        The noise of pressure and length, which the model turns into force, would follow what is measured.
+        """
+        record = fit.record if fit.rows.all() else fit.record.take(fit.rows)
+        return cls(thinned(replace(record, inputs=record.steady), ROWS), fit.model, fit.values)
+
+    def evidence(self, groups: frozenset[int]) -> float:
+        """Gain of a set of groups of surfaces, in variances of the noise, less its price.
+
+        The price is the Bayesian information criterion's, and that so many groups were looked at.
+        """
+        gain, freedom = self.surfaces.of(groups)
+        price = freedom * math.log(max(len(self.left) / self.memory, 3.0))
+        return gain / (self.variance * self.memory) - price - 2.0 * len(groups) * math.log(len(self.surfaces.names))
+
+    def likeliest(self, without: Collection[str] = ()) -> frozenset[int]:
+        """The set of groups, at most one a driver, that nothing added, dropped or exchanged makes likelier."""
+        names = self.surfaces.names
+        chosen: frozenset[int] = frozenset()
+        while names:
+            held = {names[k]: k for k in chosen}
+            others = [chosen - {k} for k in chosen]
+            for gone in (*chosen, None):  # the place of one may be another's: what relaxes slowly is nearly the clock
+                free = chosen - {gone}
+                others += [
+                    free - {held.get(name, -1)} | {k}
+                    for k, name in enumerate(names)
+                    if k not in chosen and name not in without
+                ]
+            best = max(others, key=self.evidence, default=chosen)
+            if self.evidence(best) <= self.evidence(chosen):
+                break
+            chosen = best
+        return chosen
+
+    @cached_property
+    def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
+        """For each of the likeliest drivers what is lost without it, and the likeliest then."""
+        found = {}
+        for name in self.chosen:
+            other = self.likeliest({name})
+            loss = self.evidence(self.best) - self.evidence(other)
+            found[name] = loss, frozenset(self.surfaces.names[k] for k in other)
+        return found
+
+    @cached_property
+    def drivers(self) -> frozenset[str]:
+        """The likeliest drivers, and those that could stand in the place of one at odds that are as good."""
+        return self.chosen.union(*(others for loss, others in self._instead.values() if loss < EQUAL))
+
+    def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
+        """Drivers that must be there, and that none of some effects follows; none in a table, which holds few."""
+        if self.record.inputs.time is None or any(not effect.follows for effect in effects):
+            return ()
+        least = max(EQUAL, BESIDE * self.evidence(self.best))
+        covered = {name for effect in effects for name in effect.follows}
+        return tuple(name for name, (loss, _) in self._instead.items() if loss > least and name not in covered)
+
+    def supports(self, follows: Collection[str]) -> bool:
+        """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may."""
+        return not follows or self.record.inputs.time is None or not self.drivers.isdisjoint(follows)
+
+    def shares(self) -> tuple[Follows, ...]:
+        """As `what_it_follows` gives them."""
+        words = {driver.what: driver.text for driver in DRIVERS}
+        surfaces, total = self.surfaces, float(self.left @ self.left)
+        if not total > 0.0:
+            return (Follows("noise", 1.0, "noise"),)
+        shares = dict.fromkeys(sorted(self.best), 0.0)
+        orders = list(permutations(shares)) if len(shares) <= 5 else _drawn_orders(list(shares))
+        for order in orders:
+            taken: frozenset[int] = frozenset()
+            for k in order:
+                more = taken | {k}
+                (gain, freedom), (before, fewer) = surfaces.of(more), surfaces.of(taken)
+                step = gain - before - self.variance * (freedom - fewer)
+                shares[k] += max(step, 0.0) / total / len(orders)
+                taken = more
+        whole = sum(shares.values())
+        back = (1.0 - whole) * _comes_back(self.record, self.left - surfaces.explained(self.best))
+        found = [
+            Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
+        ]
+        found += [Follows("repeats", back, "what comes back with every repeat, but follows none of these")] * (
+            back > 0.0
+        )
+        found.sort(key=lambda one: -one.share)
+        return (*found, Follows("noise", max(1.0 - whole - back, 0.0), "noise"))
 
 
-class _Gains:
+class Surfaces:
     """Gain in squares of sets of groups of columns, free of what the model can follow.
 
     A group is a driver at one degree of detail: some of its states, times polynomials up to some orders.
@@ -192,51 +303,6 @@ class _Gains:
 
     def _sizes(self, which: Array) -> Array:
         return np.linalg.solve(self.gram[np.ix_(which, which)] + RIDGE * np.eye(len(which)), self.product[which])
-
-
-def _shares(record: Record, left: Array, gains: _Gains) -> tuple[Follows, ...]:
-    words = {driver.what: driver.text for driver in DRIVERS}
-    total, n = float(left @ left), len(left)
-    if not gains.names or total <= 0.0:
-        return (Follows("noise", 1.0, "noise"),)
-    richest = frozenset({name: k for k, name in enumerate(gains.names)}.values())
-    noise = left - gains.explained(richest)
-    variance = float(noise @ noise) / max(n - gains.of(richest)[1], 1.0)
-    memory = _memory(noise)
-
-    def worth(groups: frozenset[int]) -> float:
-        """Gain less its price: the Bayesian information criterion, and that so many groups were looked at."""
-        gain, freedom = gains.of(groups)
-        price = freedom * math.log(max(n / memory, 3.0)) + 2.0 * len(groups) * math.log(len(gains.names))
-        return gain - variance * memory * price
-
-    chosen: frozenset[int] = frozenset()
-    while True:
-        held = {gains.names[k]: k for k in chosen}
-        others = [chosen - {held[name]} for name in held]
-        for gone in (*chosen, None):  # the place of one may be another's: what relaxes slowly is nearly the clock
-            free = chosen - {gone}
-            others += [free - {held.get(name, -1)} | {k} for k, name in enumerate(gains.names) if k not in chosen]
-        best = max(others, key=worth)
-        if worth(best) <= worth(chosen):
-            break
-        chosen = best
-    shares = dict.fromkeys(sorted(chosen), 0.0)
-    orders = list(permutations(shares)) if len(shares) <= 5 else _drawn_orders(list(shares))
-    for order in orders:
-        taken: frozenset[int] = frozenset()
-        for k in order:
-            more = taken | {k}
-            step = gains.of(more)[0] - gains.of(taken)[0] - variance * (gains.of(more)[1] - gains.of(taken)[1])
-            shares[k] += max(step, 0.0) / total / len(orders)
-            taken = more
-    rest = left - gains.explained(chosen)
-    whole = sum(shares.values())
-    back = (1.0 - whole) * _comes_back(record, rest)
-    found = [Follows(gains.names[k], share, words[gains.names[k]]) for k, share in shares.items() if share > 0.0]
-    found += [Follows("repeats", back, "what comes back with every repeat, but follows none of these")] * (back > 0.0)
-    found.sort(key=lambda one: -one.share)
-    return (*found, Follows("noise", max(1.0 - whole - back, 0.0), "noise"))
 
 
 def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:

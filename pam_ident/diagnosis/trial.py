@@ -1,7 +1,7 @@
 """The court: a record, a fitted base model, the suspects' signatures and the noise they are judged against."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import groupby
@@ -16,6 +16,7 @@ from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
 from .dictionary import Atom, Slopes, atoms_at, grid, same_around_any, slopes
+from .follows import Following
 from .noise import Noise, estimate_noise
 from .search import Choice, Compressed, FormBlock, Frame, Price, remainder
 
@@ -72,13 +73,20 @@ class Verdict:
 class Trial:
     """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted.
 
-    A trial of the same record against another `noise` takes over from the trial `before` what no noise changes.
+    Of the suspects only those `tried`, by name, may be part of an answer. A trial of the same record against another
+    `noise` takes over from the trial `before` what no noise changes.
     """
 
     def __init__(
-        self, base: Fit, suspects: Sequence[Effect], noise: Noise | None = None, before: "Trial | None" = None
+        self,
+        base: Fit,
+        suspects: Sequence[Effect],
+        following: Following,
+        tried: Collection[str],
+        noise: Noise | None = None,
+        before: "Trial | None" = None,
     ) -> None:
-        self.base = base
+        self.base, self.following = base, following
         self.record: Record = base.record
         self.excluded: dict[str, tuple[str, str]] = {}
         self.suspects: list[Effect] = []
@@ -94,12 +102,14 @@ class Trial:
         else:
             view, atoms = before.law, before.atoms
         self.law, self.atoms = view, atoms
-        self.noise: Noise = noise or self._noise(view, atoms)
+        self.noise: Noise = noise or self._noise(view)
         data = view.compress(atoms, self.noise)
         self._drop_unseen(data)
         self.absorbed = [e for e in self.suspects if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
         self.suspects = [e for e in self.suspects if e.name not in self.excluded]
-        self.data = data.only([k for k, a in enumerate(atoms) if a.effect not in self.excluded])
+        self.seen = data.only([k for k, a in enumerate(atoms) if a.effect not in self.excluded])
+        self.suspects = [e for e in self.suspects if e.name in tried]
+        self.data = data.only([k for k, a in enumerate(atoms) if a.effect in tried])
         self.empty = self._law_alone()
         self.excess = self._excess()
         base_price = 2.0 * np.log(max(len(suspects), 2)) + NAME_MARGIN
@@ -237,9 +247,9 @@ class Trial:
             self.noises[key] = estimate_noise(self.record, view.residual, slope, taken, outlier, white)
         return self.noises[key]
 
-    def _noise(self, view: "View", atoms: Sequence[Atom]) -> Noise:
-        """Noise is what the law, all suspects together and free curves over contraction still leave."""
-        free = [] if self.record.inputs.time is None else [a.columns for a in atoms]
+    def _noise(self, view: "View") -> Noise:
+        """Noise is what the law, surfaces over all drivers and free curves over contraction still leave."""
+        free = [] if self.record.inputs.time is None else [self.following.surfaces.matrix]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
         left, taken = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
         slope = view.around.contraction / self.record.specimen.initial_length_mm

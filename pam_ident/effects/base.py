@@ -64,6 +64,8 @@ class Effect:
     `needs` names what a record must hold (branch, motion, time, cycle, temperature); `levers` what must be
     varied on the rig to see it, in the words of the contract; `special_case_of` the effect one of whose richer
     forms is the same physics, and whose name is preferred where both explain a record alike.
+    `follows` says what its force follows, in the words of `diagnosis.follows`: it is named only where the error follows
+    one of these; an effect that says nothing may follow anything.
     `candidate` False keeps an effect out of the diagnosis. Raises UsageError without a form or a source.
     """
 
@@ -74,6 +76,7 @@ class Effect:
     test: str
     needs: tuple[str, ...] = ()
     levers: tuple[str, ...] = ()
+    follows: tuple[str, ...] = ()
     special_case_of: str = ""
     candidate: bool = True
     warning: str = ""

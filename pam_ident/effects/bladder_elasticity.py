@@ -82,6 +82,7 @@ EFFECT = Effect(
         AddsForce("gent", "−π r0 t G (dI1/dε)/(1 − (I1−3)/J_m)", (G,), _gent, (J_M,)),
         AddsForce("yeoh", "−2π r0 t (dI1/dε)(C10 + 2 C20 (I1−3) + 3 C30 (I1−3)²)", (C10, C20, C30), _yeoh),
     ),
+    follows=("map",),
     test="a sweep at low pressure, down to none: the force that is left is the bladder's",
     levers=("pressure",),
 )

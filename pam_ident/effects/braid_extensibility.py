@@ -42,6 +42,7 @@ EFFECT = Effect(
         AddsForce("spreading", "−4π² r0⁴ p² cosθ (r/r0)^g/(sin⁴θ0 EA)", (SOFTNESS,), _spreading, (SPREAD,)),
         AddsForce("power", "as spreading, × (p/0.3 MPa)^(q − 2)", (SOFTNESS,), _power, (SPREAD, POWER)),
     ),
+    follows=("map",),
     test="high pressures: the loss grows with the square of pressure",
     levers=("pressure",),
 )

@@ -119,6 +119,7 @@ EFFECT = Effect(
         ),
         free_form("−sgn(ε̇)", lambda inputs, shape: -inputs.xp.stack(slip(inputs)).T, 2, pressure=0),
     ),
+    follows=("direction",),
     test="slow reversals at several pressures: the gap between the branches keeps its width",
     needs=("branch",),
     levers=("speed", "pressure"),

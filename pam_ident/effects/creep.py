@@ -76,6 +76,7 @@ EFFECT = Effect(
             "following", "−late · q, q̇ = Ḟ − q/τ", (LATE,), _following, (MIDDLE,), uses_force=True, remembers=True
         ),
     ),
+    follows=("rest",),
     test="holds over three decades of time",
     needs=("motion", "time"),
     levers=("hold", "speed"),

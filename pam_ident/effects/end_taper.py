@@ -24,6 +24,7 @@ EFFECT = Effect(
         TransformsContraction("textbook", "ε → k1 ε", (K1,), _linear),
         TransformsContraction("saturating", "ε → ε + (k1−1) e_s (1 − exp(−ε/e_s))", (K1,), _saturating, (SPAN,)),
     ),
+    follows=("map",),
     test="measure the shape or the length of the cylindrical part apart",
     levers=("pressure",),
 )

@@ -15,6 +15,7 @@ EFFECT = Effect(
     title="Bias of the load cell",
     source="tare error of a load cell, F_b constant",
     forms=(AddsForce("textbook", "+F_b", (BIAS,), _columns),),
+    follows=("map",),
     test="tare before and after",
     levers=("pressure",),
 )

@@ -54,6 +54,7 @@ EFFECT = Effect(
         AddsForce("settling_on", "+F_d (1 − exp(−t/τ)) + rate · t", (LEVEL, RATE), _settling_on, (TAU,)),
         AddsForce("swinging", "+F_sin sin(2πt/T) + F_cos (1 − cos(2πt/T))", SWING, _swinging, (PERIOD,)),
     ),
+    follows=("clock",),
     test="tare before and after; pressures in random order",
     needs=("time",),
     levers=("hold",),

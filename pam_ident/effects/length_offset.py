@@ -15,6 +15,7 @@ EFFECT = Effect(
     title="Offset of the initial length",
     source="ε → ε − ε_off; see Martens & Boblan 2017, Actuators 6(4), 33 on the definition of the initial length",
     forms=(TransformsContraction("textbook", "ε → ε − e_off", (OFFSET,), _constant),),
+    follows=("map",),
     test="a gauge block in place of the muscle's length",
     levers=("pressure",),
 )

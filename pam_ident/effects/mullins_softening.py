@@ -151,6 +151,7 @@ EFFECT = Effect(
         ),
         free_form("exp(−(n−1)/n_0)", lambda inputs, shape: one(_fading(inputs, shape)), shapes=(N0,)),
     ),
+    follows=("cycle",),
     test="at least three cycles, and a re-run of the first after rest",
     needs=("cycle", "time"),
     levers=("cycles",),

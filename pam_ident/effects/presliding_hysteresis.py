@@ -85,6 +85,7 @@ EFFECT = Effect(
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
     ),
+    follows=("way", "direction"),
     test="reversals and minor loops at one slow speed",
     needs=("branch", "motion"),
     levers=("reversal",),

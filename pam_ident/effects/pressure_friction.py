@@ -51,6 +51,7 @@ EFFECT = Effect(
         AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
         free_form("−p/0.3 MPa sgn(ε̇)", _pressed, 2, pressure=0),
     ),
+    follows=("direction",),
     test="pressures over 4:1: the gap between the branches grows in proportion",
     needs=("branch",),
     levers=("pressure",),

@@ -163,6 +163,7 @@ EFFECT = Effect(
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
         TransformsPressure("throttled", "p → p − (T_p p + T_0 · 0.1 MPa) |V̇/V|^n sgn(V̇)", PARTS, _throttled, (N,)),
     ),
+    follows=("speed",),
     test="a pressure sensor at the muscle, at several speeds",
     needs=("branch", "motion", "time"),
     levers=("speed", "pressure"),

@@ -33,6 +33,7 @@ EFFECT = Effect(
         ),
         TransformsContraction("contact", "ε → ε + (F/1000 N)^n/(K L0)", (COMPLIANCE,), _contact, (N,), uses_force=True),
     ),
+    follows=("map",),
     test="a steel bar in place of the muscle",
     levers=("pressure",),
 )

@@ -46,6 +46,7 @@ EFFECT = Effect(
             remembers=True,
         ),
     ),
+    follows=("speed", "direction"),
     test="at least four speeds over two decades: the gap narrows with speed",
     needs=("branch", "motion"),
     levers=("speed",),

@@ -62,6 +62,7 @@ EFFECT = Effect(
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
         free_form("−ΔT/10 K", lambda inputs, shape: one(-0.1 * warming(inputs))),
     ),
+    follows=("temperature",),
     test="temperature logged and varied while the protocol is repeated",
     needs=("temperature",),
     levers=("temperature",),

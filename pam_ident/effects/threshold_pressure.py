@@ -33,6 +33,7 @@ EFFECT = Effect(
         TransformsPressure("stretching", "p → max(p − p_th (1 + g ε), 0)", (P_TH,), _stretching, (GROWTH,)),
         TransformsPressure("soft", "p → p − p_th (1 − exp(−p/w))", (P_TH,), _soft, (WIDTH,)),
     ),
+    follows=("map",),
     test="low pressures in small steps, and the pressure gauge against a second one",
     levers=("pressure",),
 )

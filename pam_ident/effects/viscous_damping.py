@@ -55,6 +55,7 @@ EFFECT = Effect(
         AddsForce("pressure", "−(B + B_p p) |ẋ|^n sgn(ẋ)", (B, B_P), _pressure, (N,)),
         free_form("−|ẋ/10 mm/s|^n sgn(ẋ)", _powers, contraction=1, shapes=(N,)),
     ),
+    follows=("speed",),
     test="at least two speeds: the gap between the branches grows with speed",
     needs=("branch", "motion"),
     levers=("speed",),

@@ -42,6 +42,7 @@ EFFECT = Effect(
         AddsForce("thinning", "the same with t = t0 L0 r0/(L r)", (SHARE,), _thinning),
         AddsForce("parts", "π p [w D90 t (2 sinθ − 1/sinθ) − w_e t²]", (SHARE, ENDS), _parts),
     ),
+    follows=("map",),
     test="an independent measurement of the radius",
     levers=("pressure",),
 )

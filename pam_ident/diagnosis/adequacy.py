@@ -1,0 +1,105 @@
+"""Whether an answer accounts for what the error follows, asked without the catalogue.
+
+The rival of every answer is the free model: the law and smooth surfaces over the likeliest drivers, with the noise that
+they leave. It has a likelihood and a price as a set of names has, and no name.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .follows import EQUAL, Following
+from .noise import Noise, estimate_noise
+from .nouns import Pattern
+from .trial import Trial, Verdict
+
+PATTERN_MARGIN = 20.0
+"""What a pattern costs more than a name."""
+MATTERS = 0.04
+"""Excess over the variance of the free model's noise from which a remainder matters."""
+INEXACT = 0.005
+"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right."""
+
+
+def full_cost(trial: Trial, verdict: Verdict) -> tuple[float, Noise]:
+    """Deviance of a set with the noise it leaves, plus its price; and that noise."""
+    noise = trial.noise_left_by(verdict)
+    price = 0.0
+    for term in verdict.terms:
+        price += trial.price.per_parameter * len(term.form.params) + trial.price.per_name_alone
+        price += 0.0 if term.effect.candidate else PATTERN_MARGIN
+    return noise.deviance + price, noise
+
+
+@dataclass(frozen=True)
+class FreeModel:
+    """The free model's `cost`, as `full_cost` has it, and its `noise`."""
+
+    cost: float
+    noise: Noise
+
+    @classmethod
+    def of(cls, trial: Trial) -> "FreeModel":
+        """For the record, law and likeliest drivers of a trial."""
+        following = trial.following
+        surfaces, best = following.surfaces, following.best
+        _, freedom = surfaces.of(best)
+        slope = trial.law.around.contraction / trial.record.specimen.initial_length_mm
+        left = following.left - surfaces.explained(best)
+        noise = estimate_noise(trial.record, left, slope, freedom + len(trial.base.values), trial.noise.outlier)
+        return cls(noise.deviance + trial.price.per_parameter * freedom, noise)
+
+    def likelier(self, trial: Trial, verdict: Verdict) -> bool:
+        """Than a set with whatever noise that leaves."""
+        return self.cost + EQUAL < full_cost(trial, verdict)[0]
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """A set beside the free model."""
+
+    trial: Trial
+    verdict: Verdict
+    free: FreeModel
+
+    @cached_property
+    def left(self) -> Following:
+        """What the set leaves, and what that follows."""
+        return Following(self.trial.record, self.trial.base.model.adding(*self.verdict.terms), self.verdict.values)
+
+    @cached_property
+    def unexplained(self) -> tuple[float, float]:
+        """Squares that the set leaves beyond noise: as a share of the noise's, and of what is to be explained."""
+        left, alone = (
+            float(np.mean(one.left[~self.free.noise.outlier] ** 2)) for one in (self.left, self.trial.following)
+        )
+        noise = self.free.noise.whole**2
+        return (left - noise) / noise, (left - noise) / max(alone - noise, 1e-9 * noise)
+
+    @property
+    def complete(self) -> bool:
+        """Whether what is left is noise, or what an effect may leave whose form is not exactly right.
+
+        Of effects that follow the same, two that come near prove nothing: together they can come near to much.
+        """
+        if not self.free.likelier(self.trial, self.verdict):
+            return True
+        followed = [name for term in self.verdict.terms for name in term.effect.follows]
+        beyond, share = self.unexplained
+        return len(set(followed)) == len(followed) and (beyond < MATTERS or (bool(followed) and share < INEXACT))
+
+    def standing(self) -> Verdict:
+        """The set with those of its names alone that may stand: what is left follows nothing that they follow."""
+        left = self.left.drivers
+        kept = [t for t in self.verdict.terms if not t.effect.candidate or left.isdisjoint(t.effect.follows)]
+        return self.trial.refit(kept, self.verdict.values)
+
+    def pattern(self) -> Pattern:
+        """What is left, in the words of the contract."""
+        first = self.left.shares()[0]
+        beyond, share = self.unexplained
+        size = math.sqrt(max(beyond, 0.0)) * self.free.noise.whole
+        text = f"about {size:.3g} N rms that no name explains; it follows {first.text}"
+        return Pattern("other", first.what, None, "", min(max(share, 0.0), 1.0), text)
