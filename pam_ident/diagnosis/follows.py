@@ -16,6 +16,7 @@ from itertools import permutations
 
 import numpy as np
 from numpy.polynomial import legendre
+from scipy.linalg.lapack import dposv
 
 from ..core import Inputs
 from ..effects._history import relax, runs, since_first, time_held, way_travelled
@@ -91,7 +92,7 @@ def _rest(inputs: Inputs) -> Array | None:
     held = time_held(inputs, ~inputs.moving) * ~inputs.moving
     resting = [np.log1p(held / tau) * inputs.direction for tau in (0.3, 10.0)]
     longest = float(np.clip(0.1 * np.ptp(inputs.time), 2.0, 100.0))  # what takes longer is the clock's
-    relaxed = [relax(inputs, inputs.contraction, float(tau)) for tau in np.geomspace(1.0, longest, 3)]
+    relaxed = [relax(inputs, inputs.contraction, float(tau)) for tau in np.geomspace(0.5, longest, 6)]
     return np.column_stack(relaxed + resting)
 
 
@@ -106,7 +107,9 @@ def _cycle(inputs: Inputs) -> Array | None:
 def _clock(inputs: Inputs) -> Array | None:
     if inputs.time is None or np.ptp(inputs.time) <= 0.0:
         return None
-    return _polynomials(inputs.time, 4)[:, 1:]
+    since = (inputs.time - inputs.time[0]) / np.ptp(inputs.time)
+    settling = [np.exp(-since / tau) for tau in (0.01, 0.04, 0.15)]
+    return np.column_stack([_polynomials(inputs.time, 4)[:, 1:], *settling])
 
 
 def _temperature(inputs: Inputs) -> Array | None:
@@ -117,14 +120,16 @@ def _temperature(inputs: Inputs) -> Array | None:
 
 MAP = ((1, 2), (0, 5), (2, 2), (1, 4), (3, 4), (2, 7), (4, 7))
 ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
+RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (0, 1, 2, 3, 4, 5, 6, 7))
+DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 DRIVERS = (
     Driver("map", "pressure and contraction, alike on both branches", lambda i: np.ones((len(i), 1)), orders=MAP),
     Driver("direction", "the direction of motion", _direction, ((0,), (0, 1))),
     Driver("speed", "the speed", _speed, ((0,), (0, 1, 2), (0, 1, 2, 3))),
     Driver("way", "the way since the last reversal", _way, ONE_OR_ALL),
-    Driver("rest", "rest and relaxation", _rest, ((0, 1, 2), (3, 4), (0, 1, 2, 3, 4))),
+    Driver("rest", "rest and relaxation", _rest, RELAXED),
     Driver("cycle", "the cycle and the distance travelled", _cycle, ONE_OR_ALL),
-    Driver("clock", "the clock", _clock, ((0,), (0, 1), (0, 1, 2, 3)), ((0, 0), (0, 1))),
+    Driver("clock", "the clock", _clock, DRIFTED, ((0, 0), (0, 1))),
     Driver("temperature", "the temperature", _temperature),
 )
 
@@ -174,32 +179,35 @@ class Following:
         price = freedom * math.log(max(len(self.left) / self.memory, 3.0))
         return gain / (self.variance * self.memory) - price - 2.0 * len(groups) * math.log(len(self.surfaces.names))
 
-    def likeliest(self, without: Collection[str] = ()) -> frozenset[int]:
+    def likeliest(self, without: Collection[str] = (), start: frozenset[int] = frozenset()) -> frozenset[int]:
         """The set of groups, at most one a driver, that nothing added, dropped or exchanged makes likelier."""
-        names = self.surfaces.names
-        chosen: frozenset[int] = frozenset()
-        while names:
-            held = {names[k]: k for k in chosen}
-            others = [chosen - {k} for k in chosen]
-            for gone in (*chosen, None):  # the place of one may be another's: what relaxes slowly is nearly the clock
-                free = chosen - {gone}
-                others += [
-                    free - {held.get(name, -1)} | {k}
-                    for k, name in enumerate(names)
-                    if k not in chosen and name not in without
-                ]
-            best = max(others, key=self.evidence, default=chosen)
+        free = [k for k, name in enumerate(self.surfaces.names) if name not in without]
+        chosen = start
+        while True:
+            best = max(self._near(chosen, free), key=self.evidence, default=chosen)
             if self.evidence(best) <= self.evidence(chosen):
-                break
+                # The place of one may be another's: what relaxes slowly is nearly the clock.
+                exchanged = (chosen - {gone} for gone in chosen)
+                best = max((s for rest in exchanged for s in self._near(rest, free)), key=self.evidence, default=chosen)
+            if self.evidence(best) <= self.evidence(chosen):
+                return chosen
             chosen = best
-        return chosen
+
+    def _near(self, chosen: frozenset[int], free: Sequence[int]) -> list[frozenset[int]]:
+        """A set less one of its groups, or with one more, in the place of its driver's own where that has one."""
+        names = self.surfaces.names
+        held = {names[k]: k for k in chosen}
+        return [chosen - {k} for k in chosen] + [
+            chosen - {held.get(names[k], -1)} | {k} for k in free if k not in chosen
+        ]
 
     @cached_property
     def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
         """For each of the likeliest drivers what is lost without it, and the likeliest then."""
         found = {}
-        for name in self.chosen:
-            other = self.likeliest({name})
+        for k in self.best:
+            name = self.surfaces.names[k]
+            other = self.likeliest({name}, self.best - {k})
             loss = self.evidence(self.best) - self.evidence(other)
             found[name] = loss, frozenset(self.surfaces.names[k] for k in other)
         return found
@@ -302,7 +310,11 @@ class Surfaces:
         return np.concatenate([np.empty(0, int), *(self.columns[k] for k in sorted(groups))])
 
     def _sizes(self, which: Array) -> Array:
-        return np.linalg.solve(self.gram[np.ix_(which, which)] + RIDGE * np.eye(len(which)), self.product[which])
+        if not len(which):
+            return np.empty(0)
+        gram = self.gram[np.ix_(which, which)]
+        gram.flat[:: len(which) + 1] += RIDGE
+        return dposv(gram, self.product[which])[1]
 
 
 def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
