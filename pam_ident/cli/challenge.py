@@ -16,6 +16,10 @@ def challenge(
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="Same seed, same set.")] = 1,
     out: Annotated[str | None, options.option("--out", "DIR", "Folder for the set, the answers and pictures.")] = None,
     only: Annotated[str | None, options.option("--only", "KIND", "Cases of one kind only.")] = None,
+    holdout: Annotated[
+        str | None,
+        options.option("--holdout", "effects|forms", "Leave what is hidden out of the catalogue: effects, or forms."),
+    ] = None,
     answers: Annotated[
         str | None, options.option("--answers", "FILE.jsonl", "Score these answers to the set in --out.")
     ] = None,
@@ -43,7 +47,7 @@ def challenge(
             found = score_answers(str(out), answers)
         else:
             executor = Executor.of_cores(workers, scheduler)
-            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, executor)
+            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, executor, holdout)
         pictures = _draw(found) if out is not None else []
     options.give_json(json, lambda: challenge_json(found))
     text.say(*describe(found))
@@ -107,6 +111,8 @@ def _apart(found: "Challenge") -> str:
             words.append(f"false alarms {t.n - t.right} of {t.n}")
         elif t.kind == "unknown":
             words.append(f"unknown recognised {t.right} of {t.n}, with its kind {t.exact}")
+        elif t.kind == "held out":
+            words.append(f"left out and said to be unknown {t.right} of {t.n}, with no name beside it {t.exact}")
         elif t.kind == "blunt":
             words.append(f"one speed: group named {t.right} of {t.n}, with the test that splits it {t.exact}")
         elif t.kind == "pair" and t.grouped > t.right:

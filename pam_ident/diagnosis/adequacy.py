@@ -91,9 +91,12 @@ class Adequacy:
         return len(set(followed)) == len(followed) and (beyond < MATTERS or (bool(followed) and share < INEXACT))
 
     def standing(self) -> Verdict:
-        """The set with those of its names alone that may stand: what is left follows nothing that they follow."""
-        left = self.left.drivers
-        kept = [t for t in self.verdict.terms if not t.effect.candidate or left.isdisjoint(t.effect.follows)]
+        """The set with those of its names alone that may stand.
+
+        What they follow must be there, whatever else is, and what is left must follow nothing of it.
+        """
+        sure = set(self.trial.following.needed) - self.left.drivers
+        kept = [t for t in self.verdict.terms if not t.effect.candidate or sure.issuperset(t.effect.follows[:1])]
         return self.trial.refit(kept, self.verdict.values)
 
     def pattern(self) -> Pattern:

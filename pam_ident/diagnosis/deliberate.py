@@ -57,9 +57,9 @@ def investigate(
     verdict = _answer(trial, most)
     faint = trial.empty.squares < FAINT * verdict.squares and trial.noise_left_by(trial.empty).coloured
     doubtful = trial.noise_left_by(verdict).coloured or faint
-    if not trial.noise.coloured and (
-        not doubtful or FreeModel.of(trial).likelier(trial, verdict) or _sure(trial, verdict)
-    ):
+    free = FreeModel.of(trial)
+    no_colour = all(free.cost + SURE < full_cost(trial, v)[0] for v in (verdict, trial.empty))
+    if not trial.noise.coloured and (not doubtful or no_colour or _sure(trial, verdict)):
         return trial, _weighed(trial, verdict)
     trials = [(trial, verdict)]
 

@@ -53,7 +53,7 @@ def diagnose(
         model: a law, with the effects that are known already.
         record: what it is held against.
         extra: effects of the user's own, tried beside the catalogue's.
-        without: names of effects that are not tried, because the rig cannot have them.
+        without: names of effects, or of forms (`name:form`), that are not tried, because the rig cannot have them.
         only: names of the only effects that are tried; all where none is named.
 
     Raises:
@@ -71,14 +71,7 @@ def diagnose(
         missing_effect: ('pressure_friction',), 5.8 → 2.1 N
     """
     base = fit(model, record)
-    known = catalogue(extra)
-    for name in (*without, *only):
-        get_effect(name, extra)
-    suspects = [
-        e
-        for e in known.values()
-        if e.candidate and e.name not in (*model.effect_names, *without) and (not only or e.name in only)
-    ]
+    suspects = [e for e in _allowed(extra, without, only) if e.candidate and e.name not in model.effect_names]
     steady = thinned(replace(record, inputs=record.steady), MOST)
     alone = fit(model, steady, start=base.values, detail=False)
     following = Following(steady, model, alone.values)
@@ -133,6 +126,18 @@ def diagnose(
         sentence,
         follows,
     )
+
+
+def _allowed(extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[str, ...]) -> list[Effect]:
+    """The catalogue less effects and forms (`name:form`). Raises UsageError for an unknown one."""
+    for name in (*without, *only):
+        get_effect(name, extra)
+    fewer = []
+    for effect in catalogue(extra).values():
+        forms = tuple(form for form in effect.forms if f"{effect.name}:{form.name}" not in without)
+        if forms and effect.name not in without and (not only or effect.name in only):
+            fewer.append(replace(effect, forms=forms))
+    return fewer
 
 
 def _likely(trial: Trial, verdict: Verdict) -> Verdict:

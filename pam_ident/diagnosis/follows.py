@@ -13,9 +13,11 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
+from scipy.linalg import solve_triangular
 from scipy.linalg.lapack import dposv
 
 from ..core import Inputs
@@ -158,7 +160,7 @@ class Following:
         self.freedom = self.surfaces.of(richest)[1]
         self.variance = float(self.remainder @ self.remainder) / max(len(left) - self.freedom, 1.0)
         self.memory = _memory(self.remainder)
-        self.best = self.likeliest() if self.left.any() else frozenset[int]()
+        self.best = self._found() if self.left.any() else frozenset[int]()
         self.chosen = frozenset(names[k] for k in self.best)
 
     @classmethod
@@ -175,31 +177,45 @@ class Following:
 
         The price is the Bayesian information criterion's, and that so many groups were looked at.
         """
-        gain, freedom = self.surfaces.of(groups)
+        return self._worth(self.surfaces.of(groups)[0], sum(len(self.surfaces.columns[k]) for k in groups), len(groups))
+
+    def _worth(self, gain: Any, freedom: Any, count: int) -> Any:
         price = freedom * math.log(max(len(self.left) / self.memory, 3.0))
-        return gain / (self.variance * self.memory) - price - 2.0 * len(groups) * math.log(len(self.surfaces.names))
+        return gain / (self.variance * self.memory) - price - 2.0 * count * math.log(max(len(self.surfaces.names), 1))
 
     def likeliest(self, without: Collection[str] = (), start: frozenset[int] = frozenset()) -> frozenset[int]:
-        """The set of groups, at most one a driver, that nothing added, dropped or exchanged makes likelier."""
-        free = [k for k, name in enumerate(self.surfaces.names) if name not in without]
-        chosen = start
+        """The set of groups, at most one a driver, that nothing added, dropped or exchanged makes likelier.
+
+        The place of one may be another's: what relaxes slowly is nearly the clock.
+        """
+        surfaces, chosen = self.surfaces, start
+        freedom = np.array([len(columns) for columns in surfaces.columns])
         while True:
-            best = max(self._near(chosen, free), key=self.evidence, default=chosen)
-            if self.evidence(best) <= self.evidence(chosen):
-                # The place of one may be another's: what relaxes slowly is nearly the clock.
-                exchanged = (chosen - {gone} for gone in chosen)
-                best = max((s for rest in exchanged for s in self._near(rest, free)), key=self.evidence, default=chosen)
-            if self.evidence(best) <= self.evidence(chosen):
+            best, most = chosen, self.evidence(chosen)
+            for rest in (chosen, *(chosen - {k} for k in chosen)):
+                if self.evidence(rest) > most:
+                    best, most = rest, self.evidence(rest)
+                taken = {surfaces.names[k] for k in rest}.union(without)
+                free = [k for k, name in enumerate(surfaces.names) if name not in taken]
+                if free:
+                    gains = surfaces.of(rest)[0] + surfaces.beyond(rest)[free]
+                    worth = self._worth(gains, freedom[free] + sum(freedom[k] for k in rest), len(rest) + 1)
+                    k = int(np.argmax(worth))
+                    if worth[k] > most + 1e-6:
+                        best, most = rest | {free[k]}, float(worth[k])
+            if best == chosen:
                 return chosen
             chosen = best
 
-    def _near(self, chosen: frozenset[int], free: Sequence[int]) -> list[frozenset[int]]:
-        """A set less one of its groups, or with one more, in the place of its driver's own where that has one."""
-        names = self.surfaces.names
-        held = {names[k]: k for k in chosen}
-        return [chosen - {k} for k in chosen] + [
-            chosen - {held.get(names[k], -1)} | {k} for k in free if k not in chosen
-        ]
+    def _found(self) -> frozenset[int]:
+        """The likeliest set, sought anew from what is likeliest without each of its drivers as long as that helps."""
+        best = self.likeliest()
+        while True:
+            others = [self.likeliest(start=self.likeliest({self.surfaces.names[k]}, best - {k})) for k in best]
+            better = max(others, key=self.evidence, default=best)
+            if self.evidence(better) <= self.evidence(best):
+                return best
+            best = better
 
     @cached_property
     def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
@@ -217,13 +233,20 @@ class Following:
         """The likeliest drivers, and those that could stand in the place of one at odds that are as good."""
         return self.chosen.union(*(others for loss, others in self._instead.values() if loss < EQUAL))
 
-    def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
-        """Drivers that must be there, and that none of some effects follows; none in a table, which holds few."""
-        if self.record.inputs.time is None or any(not effect.follows for effect in effects):
+    @cached_property
+    def needed(self) -> tuple[str, ...]:
+        """Drivers that must be there; none in a table, which holds few of them."""
+        if self.record.inputs.time is None:
             return ()
         least = max(EQUAL, BESIDE * self.evidence(self.best))
+        return tuple(name for name, (loss, _) in self._instead.items() if loss > least)
+
+    def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
+        """Drivers that must be there, and that none of some effects follows."""
+        if any(not effect.follows for effect in effects):
+            return ()
         covered = {name for effect in effects for name in effect.follows}
-        return tuple(name for name, (loss, _) in self._instead.items() if loss > least and name not in covered)
+        return tuple(name for name in self.needed if name not in covered)
 
     def supports(self, follows: Collection[str]) -> bool:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may."""
@@ -293,6 +316,7 @@ class Surfaces:
         self.gram, self.product = self.matrix.T @ self.matrix, self.matrix.T @ left
         self.columns = [which[seen[which]] for which in self.columns]
         self.known: dict[frozenset[int], tuple[float, int]] = {}
+        self.added: dict[frozenset[int], Array] = {}
 
     def of(self, groups: frozenset[int]) -> tuple[float, int]:
         """Gain of a set of groups, and the degrees of freedom that it takes."""
@@ -300,6 +324,18 @@ class Surfaces:
             which = self._which(groups)
             self.known[groups] = float(self.product[which] @ self._sizes(which)), len(which)
         return self.known[groups]
+
+    def beyond(self, groups: frozenset[int]) -> Array:
+        """What each group gains beyond a set of others, (number of groups,)."""
+        if groups not in self.added:
+            gram, product = self.gram, self.product
+            which = self._which(groups)
+            if len(which):
+                root = np.linalg.cholesky(gram[np.ix_(which, which)] + RIDGE * np.eye(len(which)))
+                seen = solve_triangular(root, np.column_stack([gram[which], product[which]]), lower=True)
+                gram, product = gram - seen[:, :-1].T @ seen[:, :-1], product - seen[:, :-1].T @ seen[:, -1]
+            self.added[groups] = np.array([product[own] @ _solved(gram, product, own) for own in self.columns])
+        return self.added[groups]
 
     def explained(self, groups: frozenset[int]) -> Array:
         """What a set of groups explains of what is left, (n,)."""
@@ -310,11 +346,16 @@ class Surfaces:
         return np.concatenate([np.empty(0, int), *(self.columns[k] for k in sorted(groups))])
 
     def _sizes(self, which: Array) -> Array:
-        if not len(which):
-            return np.empty(0)
-        gram = self.gram[np.ix_(which, which)]
-        gram.flat[:: len(which) + 1] += RIDGE
-        return dposv(gram, self.product[which])[1]
+        return _solved(self.gram, self.product, which)
+
+
+def _solved(gram: Array, product: Array, which: Array) -> Array:
+    """Sizes of some columns by their Gram matrix, with a ridge."""
+    if not len(which):
+        return np.empty(0)
+    own = gram[which[:, None], which]
+    own.flat[:: len(which) + 1] += RIDGE
+    return dposv(own, product[which])[1]
 
 
 def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:

@@ -108,15 +108,18 @@ def free_form(
     contraction: int = 2,
     shapes: tuple[Param, ...] = (),
     remembers: bool = False,
-) -> AddsForce:
+    role: type[Form] = AddsForce,
+    unit: tuple[str, float] = ("N", 10.0),
+) -> Form:
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
 
-    `pressure` and `contraction` are the surface's orders; `text` says the states in the formula.
+    `pressure` and `contraction` are the surface's orders; `text` says the states in the formula, `unit` that of the
+    coefficients with their usual size.
     """
     orders = [(i, j) for i in range(pressure + 1) for j in range(contraction + 1)]
     sizes = tuple(
-        Param(f"f_{k}{i}{j}", "N", f"coefficient of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", scale=10.0)
+        Param(f"f_{k}{i}{j}", unit[0], f"coefficient of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", scale=unit[1])
         for k in range(count)
         for i, j in orders
     )
@@ -127,7 +130,7 @@ def free_form(
         return (states(inputs, shape)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
 
     formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j"
-    return AddsForce("free", formula, sizes, columns, shapes, remembers=remembers)
+    return role("free", formula, sizes, columns, shapes, remembers=remembers)
 
 
 def one(values: Array) -> Array:

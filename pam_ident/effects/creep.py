@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import Inputs, Param
 from ._history import relax
-from .base import AddsForce, Array, Effect, Shape, one, with_pressure
+from .base import AddsForce, Array, Effect, Shape, free_form, one, with_pressure
 from .bladder_elasticity import hoop_force
 
 G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
@@ -74,6 +74,13 @@ EFFECT = Effect(
         AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True, remembers=True),
         AddsForce(
             "following", "−late · q, q̇ = Ḟ − q/τ", (LATE,), _following, (MIDDLE,), uses_force=True, remembers=True
+        ),
+        free_form(
+            "−q, q̇ = ε̇ − q/τ",
+            lambda inputs, shape: _single(inputs, shape, inputs.contraction),
+            shapes=(TAU,),
+            remembers=True,
+            unit=("N", 100.0),
         ),
     ),
     follows=("rest",),

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import Inputs, Param
 from ._history import dahl_operator, stop_operator
-from .base import AddsForce, Array, Effect, Shape, one, with_pressure
+from .base import AddsForce, Array, Effect, Shape, free_form, one, with_pressure
 from .coulomb_friction import V_S
 from .stribeck_friction import PEAK, bending
 
@@ -84,6 +84,12 @@ EFFECT = Effect(
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
+        free_form(
+            "−clip(Δx/x_s, ±1)",
+            lambda inputs, shape: _single(inputs, shape, inputs.contraction),
+            shapes=(WIDTH,),
+            remembers=True,
+        ),
     ),
     follows=("way", "direction"),
     test="reversals and minor loops at one slow speed",

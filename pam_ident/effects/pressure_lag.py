@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from ..core import Inputs, Param
 from ._history import relax
-from .base import Array, Effect, Shape, TransformsPressure, one
+from .base import Array, Effect, Shape, TransformsPressure, free_form, one
 
 ATMOSPHERE_MPA, BARE_MPA = 0.101325, 0.1
 
@@ -162,6 +162,9 @@ EFFECT = Effect(
         ),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
         TransformsPressure("throttled", "p → p − (T_p p + T_0 · 0.1 MPa) |V̇/V|^n sgn(V̇)", PARTS, _throttled, (N,)),
+        free_form(
+            "p → p − p_abs V̇/V", lambda inputs, shape: one(-_rate(inputs)), role=TransformsPressure, unit=("s", 0.1)
+        ),
     ),
     follows=("speed",),
     test="a pressure sensor at the muscle, at several speeds",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.progress import steps
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
-from .record import Plan, Secret, make_record, write_case
+from .record import Plan, RigRecord, Secret, make_record, write_case
 
 EXPONENTIAL = (
     "coulomb_friction",
@@ -55,6 +55,8 @@ SHARES = {
     "unknown": 0.08,
     "blunt": 0.07,
 }
+SINGLE = {"tier1": 0.5, "tier2": 0.5}
+"""What is asked where the catalogue lacks the hidden effect, or its form: one effect in white noise."""
 COLOURED = ("ar1", "ou", "slow")
 SHARP = (
     "standard",
@@ -153,27 +155,34 @@ class _Drawer:
         return replace(plan, unknown=Secret(effect, form, _ratio(self.rng, 1.0)), tier=1 if form == "textbook" else 2)
 
 
-def quotas(n: int, only: str | None = None) -> list[str]:
-    """Kinds of n cases by the largest remainders of SHARES, or all of one kind."""
+def quotas(n: int, only: str | None = None, shares: Mapping[str, float] = SHARES) -> list[str]:
+    """Kinds of n cases by the largest remainders of `shares`, or all of one kind."""
     if n < 1:
         raise ValueError(f"n = {n}: a set needs a case")
     if only is not None:
         if only not in SHARES:
             raise ValueError(f"only {only!r}: one of {', '.join(SHARES)}")
         return [only] * n
-    counts = {k: int(n * s) for k, s in SHARES.items()}
-    for kind in sorted(SHARES, key=lambda k: counts[k] - n * SHARES[k])[: n - sum(counts.values())]:
+    counts = {k: int(n * s) for k, s in shares.items()}
+    for kind in sorted(shares, key=lambda k: counts[k] - n * shares[k])[: n - sum(counts.values())]:
         counts[kind] += 1
     return [k for k, c in counts.items() for _ in range(c)]
 
 
-def make_challenge(folder: str | Path, n: int = 60, seed: int = 1, only: str | None = None) -> list[dict[str, object]]:
+def make_challenge(
+    folder: str | Path,
+    n: int = 60,
+    seed: int = 1,
+    only: str | None = None,
+    left_out: Callable[[Path, RigRecord], Sequence[str]] | None = None,
+) -> list[dict[str, object]]:
     """Writes n cases cNNN into a folder, questions.json (case and law of each) and truth.json; returns the truth.
 
-    A draw whose effect cannot be as large as asked is drawn anew.
+    A draw whose effect cannot be as large as asked is drawn anew. `left_out` says, by a case's folder and record, which
+    effects or forms its question forbids; there each case hides one effect.
     """
     folder = Path(folder)
-    kinds = quotas(n, only)
+    kinds = quotas(n, only, SHARES if left_out is None else SINGLE)
     drawer = _Drawer(seed)
     truth: list[dict[str, object]] = []
     for i, at in enumerate(steps(drawer.rng.permutation(n), "writing cases")):
@@ -185,8 +194,11 @@ def make_challenge(folder: str | Path, n: int = 60, seed: int = 1, only: str | N
                 break
             except TooSmall:
                 continue
-        truth.append(write_case(folder / f"c{i:03d}", record))
-    questions = [{"case": one["case"], "law": one["law"]} for one in truth]
+        case = folder / f"c{i:03d}"
+        truth.append(write_case(case, record))
+        if left_out is not None:
+            truth[-1]["without"] = list(left_out(case, record))
+    questions = [{key: one[key] for key in ("case", "law", "without") if key in one} for one in truth]
     (folder / "questions.json").write_text(json.dumps(questions, indent=1) + "\n", encoding="utf-8")
     (folder / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
     return truth

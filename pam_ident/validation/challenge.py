@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from ..schema.diagnosis import diagnosis_json
 from ..tasks.diagnose import diagnose_records
 from ..tasks.setup import Setup
 from .calibration import Reliability, reliability
+from .holdout import left_out
 from .score import Score, Tally, confusion, score, tally
 
 Json = dict[str, Any]
@@ -48,13 +49,17 @@ class Challenge:
         return reliability([p for p, _ in pairs], [true for _, true in pairs])
 
 
-def write_challenge(folder: str, n: int = 60, seed: int = 1, only: str | None = None) -> int:
+def write_challenge(
+    folder: str, n: int = 60, seed: int = 1, only: str | None = None, holdout: str | None = None
+) -> int:
     """Write `n` cases and their answers (truth.json) into `folder`; how many were written.
 
-    `only` asks for cases of one kind. Raises UsageError for an unknown kind or a count below 1.
+    `only` asks for cases of one kind; `holdout` leaves the hidden "effects", or their "forms", out of the catalogue.
+    Raises UsageError for an unknown kind or holdout, or a count below 1.
     """
+    leaves = None if holdout is None else left_out(holdout)
     try:
-        return len(make_challenge(folder, n, seed, only))
+        return len(make_challenge(folder, n, seed, only, leaves))
     except ValueError as error:
         raise UsageError(str(error)) from None
 
@@ -65,6 +70,7 @@ def sit_challenge(
     seed: int = 1,
     only: str | None = None,
     executor: Executor | None = None,
+    holdout: str | None = None,
 ) -> Challenge:
     """Write a set into `folder`, let the program answer (answers.jsonl), then open the envelope and score.
 
@@ -75,7 +81,7 @@ def sit_challenge(
         raise UsageError(
             f"{folder}: holds a set already; name another folder, or score your answers to it by --answers"
         )
-    write_challenge(str(folder), n, seed, only)
+    write_challenge(str(folder), n, seed, only, holdout)
     start = time.perf_counter()
     answers = answer_all(folder, executor)
     seconds = time.perf_counter() - start
@@ -92,9 +98,10 @@ def score_answers(folder: str | Path, answers: str | Path) -> Challenge:
     return open_envelope(folder, read_answers(answers, questions(folder)), None)
 
 
-def questions(folder: Path) -> dict[str, str]:
-    """Law by case, from questions.json. Raises DataError where there is none."""
-    return {one["case"]: one["law"] for one in _read(folder, "questions.json")}
+def questions(folder: Path) -> dict[str, Setup]:
+    """What is asked by case, from questions.json. Raises DataError where there is none."""
+    asked = _read(folder, "questions.json")
+    return {one["case"]: Setup(one["law"], without=tuple(one.get("without", ()))) for one in asked}
 
 
 def answer_all(folder: Path, executor: Executor | None = None) -> dict[str, Json]:
@@ -107,12 +114,12 @@ def answer_all(folder: Path, executor: Executor | None = None) -> dict[str, Json
     seen = folder if executor.scheduler is None else folder.resolve()
     found = executor.in_order(partial(_answer, seen), asked, "cases")
     return {
-        case: _none(str(seen / case / "record.csv"), law, one) if isinstance(one, WorkerLost) else one
-        for (case, law), one in zip(asked, found, strict=True)
+        case: _none(str(seen / case / "record.csv"), setup.law, one) if isinstance(one, WorkerLost) else one
+        for (case, setup), one in zip(asked, found, strict=True)
     }
 
 
-def _answer(folder: Path, question: tuple[str, str]) -> Json:
+def _answer(folder: Path, question: tuple[str, Setup]) -> Json:
     return answer_case(folder, *question)
 
 
@@ -121,16 +128,16 @@ def _none(path: str, law: str, error: PamError) -> Json:
     return {"record": path, "law": law, "verdict": "none", "error": str(error)}
 
 
-def answer_case(folder: Path, case: str, law: str) -> Json:
+def answer_case(folder: Path, case: str, setup: Setup) -> Json:
     """One case; a diagnosis that breaks down is an answer too, and a wrong one."""
     path = str(folder / case / "record.csv")
-    ((_, found),) = diagnose_records([path], Setup(law))
+    ((_, found),) = diagnose_records([path], setup)
     if isinstance(found, PamError):
-        return _none(path, law, found)
+        return _none(path, setup.law, found)
     return diagnosis_json(path, found)
 
 
-def read_answers(path: str | Path, asked: Mapping[str, str]) -> dict[str, Json]:
+def read_answers(path: str | Path, asked: Collection[str]) -> dict[str, Json]:
     """Answers by case; each line names its case by "case", or by the folder of its "record".
 
     Raises DataError naming the line that is no answer, and the cases without one.

@@ -21,6 +21,7 @@ KINDS = {
     "null": "nothing hidden",
     "unknown": "outside the catalogue",
     "blunt": "one speed only",
+    "held out": "left out of the catalogue",
 }
 PATTERN = {"screw_ripple": "periodic", "rub": "local", "mount_slip": "step", "wandering_sensor": "trend"}
 CROWD = 4
@@ -32,9 +33,9 @@ class Score:
     """How one case was answered.
 
     `right`: the first name, or one it is grouped with, is hidden there; both names of two; the verdict where nothing
-    or something unknown is hidden; the group of friction and damping in a record of one speed. `exact`: no other
-    family is named besides; no other effect besides two; the unknown's kind; the test that splits the group.
-    `grouped`: right, if each name stands for its whole group. `removed` is the share of the removable squared error
+    or something unknown is hidden, or an effect that the question left out; the group of friction and damping in a
+    record of one speed. `exact`: no other family is named besides; no other effect besides two; the unknown's kind; no
+    name beside what was left out; the test that splits the group. `grouped`: right, if each name stands for its whole group. `removed` is the share of the removable squared error
     that was removed, None where nothing known is hidden. `statements` are probabilities with whether they were true.
     """
 
@@ -72,6 +73,8 @@ def kind_of(truth: Json) -> str:
     """The kind of a case, by what is hidden in it."""
     if truth["unknown"]:
         return "unknown"
+    if any(name in truth["truth"] for name in truth.get("without", ())):
+        return "held out"
     if not truth["truth"]:
         return "null"
     if truth["blunt"]:
@@ -90,6 +93,9 @@ def score(truth: Json, answer: Json) -> Score:
     elif kind == "unknown":
         right = answer["verdict"] == "unknown_effect"
         exact = right and (answer.get("pattern") or {}).get("kind") == PATTERN[truth["unknown"]]
+    elif kind == "held out":
+        right = answer["verdict"] == "unknown_effect"
+        exact = right and not named
     elif kind == "blunt":
         both = {"coulomb_friction", "viscous_damping"}
         right = answer["verdict"] == "missing_effect" and any(both <= group for group in groups)

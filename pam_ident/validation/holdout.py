@@ -1,0 +1,68 @@
+"""Hidden physics that the catalogue lacks: what is left out of it for a case, so that no file foresees the answer."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from ..core import UsageError
+from ..effects import catalogue
+from ..fitting import fit
+from ..model import Model, Term
+from ..records import read_record
+from ..rig.challenge import FAMILY
+from ..rig.record import RigRecord
+
+SAME = 0.05
+"""Share of what is hidden that a form may leave and still count as the very form that is hidden."""
+
+
+def kin(name: str) -> tuple[str, ...]:
+    """An effect with all that are of its family, or that follow what it follows: the statics apart, as all of them do.
+
+    Example:
+        >>> kin("viscous_damping")
+        ('pressure_lag', 'stribeck_friction', 'viscous_damping')
+    """
+    known = catalogue()
+    own = set(known[name].follows) - {"map"}
+    return tuple(
+        sorted(
+            e.name
+            for e in known.values()
+            if FAMILY.get(e.name, e.name) == FAMILY.get(name, name) or not own.isdisjoint(e.follows)
+        )
+    )
+
+
+def effects_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:
+    """The hidden effects with their kin."""
+    return tuple(sorted({other for one in hidden.hidden for other in kin(one.name)}))
+
+
+def forms_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:
+    """All written forms, `name:form`, that can follow what is hidden without noise, to the share SAME of it."""
+    record = read_record(case / "record.csv")
+    model = Model.build(hidden.plan.law)
+    clean = model.force(record.inputs, fit(model, record, detail=False).values) + hidden.added
+    clean_record = replace(record, force=clean)
+    alone = fit(model, clean_record, detail=False).rmse
+    effects = [catalogue()[one.name] for one in hidden.hidden]
+    return tuple(
+        f"{effect.name}:{form.name}"
+        for effect in effects
+        for form in effect.forms
+        if form.name != "free" and fit(model.adding(Term(effect, form)), clean_record, detail=False).rmse < SAME * alone
+    )
+
+
+LEFT_OUT: dict[str, Callable[[Path, RigRecord], tuple[str, ...]]] = {
+    "effects": effects_left_out,
+    "forms": forms_left_out,
+}
+
+
+def left_out(what: str) -> Callable[[Path, RigRecord], tuple[str, ...]]:
+    """What says what is left out for a case. Raises UsageError for an unknown word."""
+    if what not in LEFT_OUT:
+        raise UsageError(f"--holdout {what}: expected one of {', '.join(LEFT_OUT)}")
+    return LEFT_OUT[what]
