@@ -42,7 +42,11 @@ where it takes the place of two names, or of one that leaves something, and has 
 
 
 def investigate(
-    base: Fit, suspects: Sequence[Effect], following: Following, tried: Collection[str], most: int = 3
+    base: Fit,
+    suspects: Sequence[Effect],
+    following: Following | None = None,
+    tried: Collection[str] | None = None,
+    most: int = 3,
 ) -> tuple[Trial, Verdict]:
     """The answer to a record, with the noise and the effects made to agree.
 
@@ -57,9 +61,7 @@ def investigate(
     verdict = _answer(trial, most)
     faint = trial.empty.squares < FAINT * verdict.squares and trial.noise_left_by(trial.empty).coloured
     doubtful = trial.noise_left_by(verdict).coloured or faint
-    free = FreeModel.of(trial)
-    no_colour = all(free.cost + SURE < full_cost(trial, v)[0] for v in (verdict, trial.empty))
-    if not trial.noise.coloured and (not doubtful or no_colour or _sure(trial, verdict)):
+    if not trial.noise.coloured and (not doubtful or _no_colour(trial, verdict) or _sure(trial, verdict)):
         return trial, _weighed(trial, verdict)
     trials = [(trial, verdict)]
 
@@ -68,7 +70,7 @@ def investigate(
 
     def judge_again(noise: Noise) -> None:
         if not heard(noise):
-            again = Trial(base, suspects, following, tried, noise, trial)
+            again = Trial(base, suspects, trial.following, tried, noise, trial)
             trials.append((again, _answer(again, most)))
 
     judge_again(trial.noise_left_by(verdict, white=True))
@@ -82,13 +84,21 @@ def investigate(
     if unheard:
         judge_again(unheard[0])
         _, noise, found = _compared(trials)[0]
-    final = Trial(base, suspects, following, tried, noise, trial)
+    final = Trial(base, suspects, trial.following, tried, noise, trial)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _weighed(final, final.refit(seen, found.values))
     if len(kept.terms) < len(found.terms):
-        final = Trial(base, suspects, following, tried, final.noise_left_by(kept), trial)
+        final = Trial(base, suspects, trial.following, tried, final.noise_left_by(kept), trial)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
+
+
+def _no_colour(trial: Trial, verdict: Verdict) -> bool:
+    """Whether what a set, or the law alone, leaves is no slow noise: the free model is far likelier than either."""
+    if trial.record.inputs.time is None:
+        return False
+    free = FreeModel.of(trial)
+    return all(free.cost + SURE < full_cost(trial, v)[0] for v in (verdict, trial.empty))
 
 
 def _compared(trials: Sequence[tuple[Trial, Verdict]]) -> list[tuple[float, Noise, Verdict]]:

@@ -73,7 +73,7 @@ class Verdict:
 class Trial:
     """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted.
 
-    Of the suspects only those `tried`, by name, may be part of an answer. A trial of the same record against another
+    Of the suspects only those `tried`, by name, may be part of an answer, all where that is None. A trial of the same record against another
     `noise` takes over from the trial `before` what no noise changes.
     """
 
@@ -81,12 +81,13 @@ class Trial:
         self,
         base: Fit,
         suspects: Sequence[Effect],
-        following: Following,
-        tried: Collection[str],
+        following: Following | None = None,
+        tried: Collection[str] | None = None,
         noise: Noise | None = None,
         before: "Trial | None" = None,
     ) -> None:
-        self.base, self.following = base, following
+        self.base = base
+        self.following: Following = following or Following(base.record, base.model, base.values)
         self.record: Record = base.record
         self.excluded: dict[str, tuple[str, str]] = {}
         self.suspects: list[Effect] = []
@@ -108,8 +109,9 @@ class Trial:
         self.absorbed = [e for e in self.suspects if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
         self.suspects = [e for e in self.suspects if e.name not in self.excluded]
         self.seen = data.only([k for k, a in enumerate(atoms) if a.effect not in self.excluded])
-        self.suspects = [e for e in self.suspects if e.name in tried]
-        self.data = data.only([k for k, a in enumerate(atoms) if a.effect in tried])
+        self.suspects = [e for e in self.suspects if tried is None or e.name in tried]
+        names = {e.name for e in self.suspects}
+        self.data = data.only([k for k, a in enumerate(atoms) if a.effect in names])
         self.empty = self._law_alone()
         self.excess = self._excess()
         base_price = 2.0 * np.log(max(len(suspects), 2)) + NAME_MARGIN
