@@ -73,8 +73,8 @@ class Verdict:
 class Trial:
     """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted.
 
-    Of the suspects only those `tried`, by name, may be part of an answer, all where that is None. A trial of the same record against another
-    `noise` takes over from the trial `before` what no noise changes.
+    Of the suspects only those `tried`, by name, may be part of an answer, all where that is None. A trial of the same
+    record against another `noise` takes over from the trial `before` what no noise changes.
     """
 
     def __init__(
