@@ -8,7 +8,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from . import turning
-from .turning import pivots, quantile, thinned_holds
+from .turning import pivots, quantile, thinned_holds, without_spikes
 
 Array = np.ndarray
 Read = Callable[[int, int], tuple[Array, Array, Array]]
@@ -153,7 +153,7 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     """Find the strokes and holds of a piece (n,) of a track, number them from `count` + 1, and write them into `into`,
     whose arrays (n,) are zero and x; the number of the last. `noise` and `span` in mm are those of the whole track."""
     direction, moving, stroke, speed = into.direction, into.moving, into.stroke, into.stroke_speed
-    turns = pivots(x, reversal(noise, span)) if span else [0, len(x) - 1]
+    turns = without_spikes(x, pivots(x, reversal(noise, span)), span) if span else [0, len(x) - 1]
     held = thinned_holds(time, x, turns, noise, span)
     for begin, end in pairwise(turns):
         inside = np.arange(begin, end + 1)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ...core import DataError
-from ...core.units import split_header
+from ..heading import with_unit
 from ..mapping import Mapping
 from ..quantities import quantity_of
 from ..table import Table, table_in_memory
@@ -48,8 +48,7 @@ def _table(place: str, channels: list) -> Table:
     columns = {}
     for channel in channels:
         unit = str(channel.properties.get("unit_string", "")).strip()
-        bare = unit and split_header(channel.name)[1] is None
-        header = f"{channel.name} [{unit}]" if bare else channel.name
+        header = with_unit(channel.name, unit, f"{place}, channel {channel.name!r}")
         if len(channel) != n and quantity_of(header) is not None:
             raise DataError(f"{place}, channel {channel.name!r}: {len(channel)} samples, others {n}; expected as many")
         if len(channel) == n:
