@@ -66,8 +66,8 @@ def read_pieces(
             if rows.any():
                 first.setdefault(key, block.rows[int(rows.argmax())])
         block, values = _without(table, block, sources, values, empty, "empty_cells", notes)
-        block, values = _without(table, block, sources, values, frozen_rows(values), "frozen_sensor", notes)
         check_ranges(table, block, sources, values, length_mm)
+        block, values = _without(table, block, sources, values, frozen_rows(values), "frozen_sensor", notes)
         cuts = _cuts(table, block, sources, values, last)
         for begin, end in pairwise([0, *cuts, len(block)]):
             begins = begins or begin in cuts

@@ -29,8 +29,8 @@ ENTRY = {"column", "value", "factor", "offset"}
 @dataclass(frozen=True)
 class Mapping:
     """What a columns.toml says: `columns` maps a quantity with its unit (`force_N`) to an entry (empty: columns are
-    found by name), `layout` is the optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part (a
-    sheet or group); `runs` what differs from file to file."""
+    found by name), `layout` is the optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part
+    (a sheet or group); `runs` what differs from file to file."""
 
     path: str
     columns: Dict[str, Dict[str, Any]]

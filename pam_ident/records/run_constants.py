@@ -29,11 +29,11 @@ class Runs:
         for name in self.constants:
             if not (folder / name).is_file():
                 raise DataError(f"{self.path}: [runs.{name!r}], but {folder} has no such file; mend the name")
-        needed = {key for name in names for key in self.constants.get(name, ())}
-        for name in names:
-            for key in sorted(needed - set(self.constants.get(name, ()))):
-                if split_header(key)[0] not in elsewhere:
-                    raise DataError(f"{self.path}: {key} is given for other runs and not for {name!r}; add it")
+        given = {name: {_what(key): key for key in self.constants.get(name, ())} for name in names}
+        needed = {what: key for keys in given.values() for what, key in keys.items() if what not in elsewhere}
+        for name, keys in given.items():
+            if lacking := sorted(set(needed) - set(keys)):
+                raise DataError(f"{self.path}: {needed[lacking[0]]} is given for other runs, not for {name!r}; add it")
 
     def sources(self, name: str, has_force: bool) -> dict[str, Source]:
         """The quantities that are constant in a run; its load is the force where no column is."""
@@ -64,6 +64,11 @@ class Runs:
                     )
             return own.initial_length_mm
         return float(given.get(LENGTH, specimen.initial_length_mm))
+
+
+def _what(key: str) -> str:
+    """What a key says, whatever its unit."""
+    return "initial length" if key in (LENGTH, SPECIMEN) else "load" if key in LOADS else split_header(key)[0]
 
 
 def read_runs(path: str | Path, table: object) -> Runs:
