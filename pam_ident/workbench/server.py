@@ -1,6 +1,7 @@
 """The workbench as a page for the browser of this machine."""
 
 import asyncio
+import secrets
 import socket
 import warnings
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from panel.io.server import get_server
 from tornado.websocket import WebSocketClosedError
 
 from ..core import UsageError
+from .guard import guard
 from .page import Workbench
 
 HOST = "127.0.0.1"
@@ -30,6 +32,7 @@ def serve(
     port = _free(port)
     address = f"http://{HOST}:{port}"
     pn.extension(loading_indicator=False)
+    secret, hosts = secrets.token_urlsafe(32), [f"{HOST}:{port}", f"localhost:{port}"]
     server = get_server(
         lambda: _page(make()),
         port=port,
@@ -38,10 +41,13 @@ def serve(
         start=False,
         title="pam-ident workbench",
         verbose=False,
-        websocket_origin=[f"{HOST}:{port}", f"localhost:{port}"],
+        websocket_origin=hosts,
+        sign_sessions=True,
+        secret_key=secret.encode(),
         websocket_max_message_size=MOST_BYTES,
         http_server_kwargs={"max_buffer_size": MOST_BYTES},
     )
+    guard(server._tornado, hosts, secret)
     server.io_loop.add_callback(lambda: asyncio.get_running_loop().set_exception_handler(_unless_gone))
     warnings.filterwarnings("ignore", "reference already known")  # Bokeh, when a button is pressed; nothing is amiss
     ready(address)
