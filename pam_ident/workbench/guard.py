@@ -19,7 +19,8 @@ def guard(app: Application, hosts: Collection[str], secret: str) -> None:
     find = app.find_handler
 
     def find_guarded(request: HTTPServerRequest, **more: Any) -> Any:
-        if request.host not in hosts or not all(_ours(token, secret) for token in _tokens(request)):
+        fair = request.host in hosts and "%00" not in request.path
+        if not fair or not all(_ours(token, secret) for token in _tokens(request)):
             return app.get_handler_delegate(request, ErrorHandler, {"status_code": 403})
         return find(request, **more)
 

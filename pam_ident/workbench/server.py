@@ -1,6 +1,8 @@
 """The workbench as a page for the browser of this machine."""
 
 import asyncio
+import logging
+import os
 import secrets
 import socket
 import warnings
@@ -20,6 +22,9 @@ PAGE = "{% extends base %}{% block contents %}<main>{{ embed(roots.bench) }}</ma
 MOST_BYTES = 256 * 1024 * 1024
 """Largest message from the browser: the files that are dropped there."""
 
+LOG_LINE = 300
+"""Characters of a line in the log that tells of an error."""
+
 
 def serve(
     make: Callable[[], Workbench], port: int = 5006, show: bool = True, ready: Callable[[str], None] = print
@@ -32,6 +37,7 @@ def serve(
     port = _free(port)
     address = f"http://{HOST}:{port}"
     pn.extension(loading_indicator=False)
+    logging.setLogRecordFactory(_in_one_line(logging.getLogRecordFactory()))
     secret, hosts = secrets.token_urlsafe(32), [f"{HOST}:{port}", f"localhost:{port}"]
     server = get_server(
         lambda: _page(make()),
@@ -67,6 +73,20 @@ def _unless_gone(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> No
     """A tab that was closed while something was on its way to it is no fault."""
     if not isinstance(context.get("exception"), WebSocketClosedError):
         loop.default_exception_handler(context)
+
+
+def _in_one_line(make: Callable[..., logging.LogRecord]) -> Callable[..., logging.LogRecord]:
+    """Log records without the tracebacks, and the files in them, that whatever a page sends would leave there;
+    PAM_IDENT_DEBUG keeps them."""
+
+    def record(*args: Any, **more: Any) -> logging.LogRecord:
+        made = make(*args, **more)
+        if made.exc_info and made.exc_info[0] and not os.environ.get("PAM_IDENT_DEBUG"):
+            told = f"{made.getMessage().partition(chr(10))[0]} ({made.exc_info[0].__name__}: {made.exc_info[1]})"
+            made.msg, made.args, made.exc_info = " ".join(told.split())[:LOG_LINE], (), None
+        return made
+
+    return record
 
 
 def _free(port: int) -> int:
