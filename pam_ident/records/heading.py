@@ -102,5 +102,5 @@ def plain_unit(cell: str) -> str:
 
 def _is_units(row: Sequence[str]) -> bool:
     cells = [plain_unit(cell) for cell in row if cell.strip()]
-    short = all(len(cell) <= 12 and not count_numbers([cell]) for cell in cells)
-    return short and any(is_unit(cell) for cell in cells)
+    short = all(len(cell) <= 12 and (cell == "1" or not count_numbers([cell])) for cell in cells)
+    return short and any(is_unit(cell) and cell != "1" for cell in cells)

@@ -77,8 +77,9 @@ def _distances(x: Array, time: Array | None) -> Array:
                 apart = t[j : j + n] - t[k : k + n]
                 share *= np.divide(t[2 : 2 + n] - t[k : k + n], apart, out=np.full(n, np.nan), where=apart != 0.0)
         shares.append(share)
-    off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
-    return np.abs(off) / np.sqrt(1.0 + sum(share**2 for share in shares))
+    with np.errstate(over="ignore", invalid="ignore"):  # steps of a spoilt clock; what is not finite is left out
+        off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
+        return np.where(np.isfinite(off), np.abs(off), np.nan) / np.sqrt(1.0 + sum(share**2 for share in shares))
 
 
 def find_motion(time: Array, x: Array, level: Array) -> Motion:

@@ -197,11 +197,14 @@ def good_binary(name, folder):
 
 
 def changed_bytes(rng, data):
-    """Bytes flipped, cut off, doubled, zeroed."""
+    """Bytes flipped, cut off, and once at most taken out or put in: two such changes can make up for each other, which
+    no format without checksums can tell."""
     data = bytearray(data)
-    flips = int(rng.integers(1, 4))
+    flips, shifted = int(rng.integers(1, 4)), False
     for _ in range(flips):
         at, kind = int(rng.integers(len(data))), int(rng.integers(6))
+        kind = 0 if kind in (3, 4) and shifted else kind
+        shifted |= kind in (3, 4)
         if kind < 3:
             data[at] = int(rng.choice([0, 1, 127, 128, 255, rng.integers(256)]))
         elif kind == 3:
