@@ -72,7 +72,7 @@ def numbers_in(cells: "pd.Series | Array", dimension: str, decimal: str, clock: 
     kind = cells.dtype.kind
     if kind in "fiu":
         values = np.asarray(cells, dtype=float)
-        empty = np.isnan(values)
+        empty = done if np.isfinite(values).all() else np.isnan(values)
         if dimension == "time" and clock.first is not None:
             values = np.full(n, np.nan)
         return Numbers(values, done, empty)

@@ -136,12 +136,10 @@ def _column(
         return _directions(table, block, source), empty
     cells = block.cells[source.position]
     found = numbers_in(cells, QUANTITIES[key], table.decimal, clock)
-    wrong = ~np.isfinite(found.values)
+    finite = np.isfinite(found.values)
     if key in SENSORS:
         empty = found.empty
-        wrong &= ~empty
-    if wrong.any():
-        bad = np.flatnonzero(wrong)
+    if not finite.all() and len(bad := np.flatnonzero(~finite & ~empty)):
         cell = np.asarray(cells)[bad[0]]
         what = "is empty or NaN" if found.empty[bad[0]] else f"holds {str(cell)[:40]!r}"
         more = f" (and {len(bad) - 1} more rows)" if len(bad) > 1 else ""

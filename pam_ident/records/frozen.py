@@ -29,8 +29,8 @@ def _frozen(x: Array) -> Array:
     ends in a step that is far larger than those before and behind.
     """
     hung = np.zeros(len(x), bool)
-    repeats = np.diff(x) == 0.0
-    if not repeats.any():
+    repeats = x[1:] == x[:-1]
+    if not LEAST <= np.count_nonzero(repeats) <= (MOST + RARE) * len(x):
         return hung
     runs = [(b, e) for b, e in _runs(repeats) if e - b >= LEAST]
     inside = sum(e - b for b, e in runs)
