@@ -279,7 +279,7 @@ GOOD_FILES = {
     "r.xlsx": lambda path: workbook(path, ("1", [HEADERS, *values().tolist()])),
     "r.mat": lambda path: savemat(path, **COLUMNS),
     "r.tdms": lambda path: tdms(path, {"run": [(name, None, column) for name, column in COLUMNS.items()]}),
-    "r.parquet": lambda path: pd.DataFrame(COLUMNS).to_parquet(path),
+    "r.parquet": lambda path: pd.DataFrame(COLUMNS).to_parquet(path, write_page_checksum=True),
     "r.lvm": lambda path: path.write_text(lvm([values()])),
     "r.csv.gz": lambda path: path.write_bytes(gzip.compress(as_text().encode())),
 }
