@@ -18,12 +18,13 @@ def add(
     free_geometry: options.FreeGeometry = False,
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
+    where: options.Where = None,
 ) -> None:
     """Add effects: the error before and after.
 
     Both are shown on held-out data, too.
     """
-    setup = options.Asked(effect, effect_file, free_geometry, specimen).setup(law)
+    setup = options.Asked(effect, effect_file, free_geometry, specimen, where=where).setup(law)
     from ..schema.diagnosis import addition_json
     from ..tasks.add import add_effects
 

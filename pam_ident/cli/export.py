@@ -41,8 +41,10 @@ def export(
     check_export(to, out)
     if law is not None:
         found = export_record(source, to, out, asked.setup(law), branch)
-    elif asked.effect or asked.free_geometry or branch != "together":
-        raise UsageError("--effect, --branch and --free-geometry are for a record that is fitted now; add --law LAW")
+    elif asked.effect or asked.free_geometry or asked.where is not None or branch != "together":
+        raise UsageError(
+            "--effect, --branch, --where and --free-geometry are for a record that is fitted now; add --law LAW"
+        )
     else:
         found = export_fit(source, to, out, tuple(asked.effect_file or ()), asked.specimen)
     files = [str(path) for path in found.paths]

@@ -8,13 +8,18 @@ if TYPE_CHECKING:
     from ..records.inspection import Inspection
 
 
-def inspect(record: options.Record, specimen: options.SpecimenFile = None, json: options.JsonFile = None) -> None:
+def inspect(
+    record: options.Record,
+    specimen: options.SpecimenFile = None,
+    json: options.JsonFile = None,
+    where: options.Where = None,
+) -> None:
     """What was read of a record, and advice on the rig."""
     from ..records.inspection import inspect_record
     from ..schema.catalogue import inspection_json
     from ..tasks.setup import load
 
-    found = inspect_record(load(record, specimen))
+    found = inspect_record(load(record, specimen, where))
     options.give_json(json, lambda: inspection_json(record, found))
     text.say(text.title(record, found.record), "", *_columns(found), *_motion(found))
     rows = [
@@ -43,7 +48,7 @@ def _columns(found: "Inspection") -> list[str]:
     ]
     if record.masked:
         lines.append(f"masked      {record.masked} rows marked as slack")
-    return lines
+    return lines + [f"noted       {note.text}" for note in record.notes]
 
 
 def _files(found: "Inspection") -> list[str]:

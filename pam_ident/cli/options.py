@@ -56,6 +56,9 @@ FreeGeometry = Annotated[
 SpecimenFile = Annotated[
     str | None, option("--specimen", "FILE", "Specimen file; default: specimen.toml beside the record.")
 ]
+Where = Annotated[
+    str | None, option("--where", "CONDITION", "Only rows for which this holds, such as 'pressure_MPa > 0.1'.")
+]
 JsonFile = Annotated[str | None, option("--json", "FILE", "Write the answer as JSON; - for stdout, alone there.")]
 Workers = Annotated[
     int | None, option("--workers", "N", "So many processes at a time; same answer. Default: the cores; for fit: 1.")
@@ -74,13 +77,14 @@ class Asked:
     free_geometry: FreeGeometry = False
     specimen: SpecimenFile = None
     json: JsonFile = None
+    where: Where = None
 
     def setup(self, law: str) -> "Setup":
         """What is asked for, with the names looked up."""
         from ..tasks.setup import Setup
 
         effects, files = tuple(self.effect or ()), tuple(self.effect_file or ())
-        found = Setup(law, effects, files, self.free_geometry, self.specimen)
+        found = Setup(law, effects, files, self.free_geometry, self.specimen, where=self.where)
         _ = found.model
         return found
 

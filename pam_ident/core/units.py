@@ -27,7 +27,12 @@ TO_INTERNAL: dict[str, dict[str, tuple[float, float]]] = {
 }
 """Dimension → unit → (factor, offset): internal = factor · value + offset."""
 
-_BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*)\s*[\])]\s*$")
+ATMOSPHERE_MPA = 0.101325
+"""What is taken off an absolute pressure."""
+_BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)\s*[\])]\s*$")
+_AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge|rel|relative)\)?\.?$", re.IGNORECASE)
+"""A unit of pressure with what it counts from: `bara`, `bar abs`, `bar(g)`, `kPa_gauge`."""
+_AGAINST_SUFFIX = re.compile(r"^(?P<name>.+)_(?P<unit>[A-Za-z]+_(?:abs|absolute|gauge|rel|relative))$", re.IGNORECASE)
 
 
 def split_header(header: str) -> tuple[str, str | None]:
@@ -36,10 +41,17 @@ def split_header(header: str) -> tuple[str, str | None]:
     found = _BRACKETS.match(text)
     if found:
         return _snake(found["name"]), found["unit"].replace("°", "") or None
+    found = _AGAINST_SUFFIX.match(text)
+    if found and is_unit(found["unit"]):
+        return _snake(found["name"]), found["unit"]
     name, _, last = text.rpartition("_")
-    if name and any(last.lower() in map(str.lower, units) for units in TO_INTERNAL.values()):
-        return _snake(name), last
-    return _snake(text), None
+    return (_snake(name), last) if name and is_unit(last) else (_snake(text), None)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit, in whatever case."""
+    known = {unit.lower() for units in TO_INTERNAL.values() for unit in units}
+    return text.lower() in known or _against(text) is not None
 
 
 def conversion(dimension: str, unit: str | None, where: str) -> tuple[float, float]:
@@ -56,10 +68,35 @@ def conversion(dimension: str, unit: str | None, where: str) -> tuple[float, flo
     folded |= {"mpa": table["MPa"]} if dimension == "pressure" else {}
     if unit is not None and unit.lower() in folded:
         return folded[unit.lower()]
+    if unit is not None and dimension == "pressure" and (found := _against(unit)):
+        return found
     given = "no unit given" if unit is None else f"unknown unit {unit!r}"
     raise DataError(
         f"{where}: {given}; expected one of {', '.join(table)} for a {dimension} (as suffix or in brackets)"
     )
+
+
+def known_scale(dimension: str, unit: str | None) -> tuple[float, float] | None:
+    """Factor and offset of a unit, None for none and for one that is not of that dimension."""
+    try:
+        return None if unit is None or dimension not in TO_INTERNAL else conversion(dimension, unit, "")
+    except DataError:
+        return None
+
+
+def is_absolute(unit: str | None) -> bool:
+    """Whether a unit of pressure counts from vacuum."""
+    return unit is not None and (found := _against(unit)) is not None and found[1] != 0.0
+
+
+def _against(unit: str) -> tuple[float, float] | None:
+    """Factor and offset of a unit of pressure that says what it counts from; None for any other."""
+    table = TO_INTERNAL["pressure"]
+    found = None if unit in table or unit.lower() in map(str.lower, table) else _AGAINST.match(unit)
+    named = [factor for name, (factor, _) in table.items() if found and name == found["unit"]] or [
+        factor for name, (factor, _) in table.items() if found and name.lower() == found["unit"].lower()
+    ]
+    return (named[0], -ATMOSPHERE_MPA if found and found["air"] else 0.0) if named else None
 
 
 def _snake(text: str) -> str:

@@ -1,28 +1,32 @@
 """The columns of a table in internal units, checked block by block: every refusal names file, row and column."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from ..core import DataError
-from .quantities import SHAPES, Source
-from .table import Table, TableRows, number_of
+from ..core.units import ATMOSPHERE_MPA, conversion
+from .cells import Clock, numbers_in
+from .frozen import frozen_rows
+from .notes import Notes
+from .quantities import QUANTITIES, SHAPES, Source
+from .ranges import Values, check_empty, check_ranges, place_of
+from .table import Table, TableRows
 
 Array = np.ndarray
-MOST_MPA = 10.0
-MOST_CONTRACTION = 0.95
+SENSORS = {"time", "pressure", "pressure_set", *SHAPES, "force", "temperature", "cycle"}
+"""Quantities whose empty cells cost a row; branch and slack must be said in each."""
 
 
-Values = dict[str, Array]
-"""Quantity → array of shape (n,) in internal units."""
-
-
-def read_columns(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[Values]:
-    """Each run of a table, whole; what a run is, and what is raised, as `read_pieces` says."""
+def read_columns(
+    table: Table, sources: dict[str, Source], length_mm: float, notes: Notes | None = None
+) -> Iterator[Values]:
+    """Each run of a table, whole; what a run is, what is noted, and what is raised, as `read_pieces` says."""
     run: Values = {}
     n = 0
-    for begins, values in read_pieces(table, sources, length_mm):
+    for begins, values in read_pieces(table, sources, length_mm, notes):
         if begins and run:
             yield {key: column[:n] for key, column in run.items()}
             run, n = {}, 0
@@ -36,18 +40,34 @@ def read_columns(table: Table, sources: dict[str, Source], length_mm: float) -> 
         yield {key: column[:n] for key, column in run.items()}
 
 
-def read_pieces(table: Table, sources: dict[str, Source], length_mm: float) -> Iterator[tuple[bool, Values]]:
+def read_pieces(
+    table: Table, sources: dict[str, Source], length_mm: float, notes: Notes | None = None
+) -> Iterator[tuple[bool, Values]]:
     """The rows of a table piece by piece, and whether a run begins with each: a file whose header comes again, or whose
     clock begins anew with another pressure_set, holds several.
 
-    `length_mm` is the muscle's initial length. Raises DataError for what is no number, for time that runs backwards,
-    and for values beyond reason.
+    `length_mm` is the muscle's initial length. Rows with an empty cell of a sensor, or with a sensor that hangs, are
+    left out and counted in `notes`, where all else stands that was assumed. Raises DataError for what is no number, for
+    a column that is empty in most rows, for time that runs backwards, and for values beyond reason.
     """
+    notes = Notes() if notes is None else notes
     last: dict[str, float] = {}
-    begins = True
+    begins, seen = True, 0
+    clock, gone = Clock(), dict.fromkeys(sources, 0)
+    first: dict[str, int] = {}
+    _note_table(table, sources, notes)
     for block in table.read([s.position for s in sources.values() if s.position is not None]):
-        values = {key: _column(table, block, source, key) for key, source in sources.items()}
-        _check_ranges(table, block, sources, values, length_mm)
+        seen += len(block)
+        values, empty = {}, {}
+        for key, source in sources.items():
+            values[key], empty[key] = _column(table, block, source, key, clock, notes)
+        for key, rows in empty.items():
+            gone[key] += int(rows.sum())
+            if rows.any():
+                first.setdefault(key, block.rows[int(rows.argmax())])
+        block, values = _without(table, block, sources, values, empty, "empty_cells", notes)
+        check_ranges(table, block, sources, values, length_mm)
+        block, values = _without(table, block, sources, values, frozen_rows(values), "frozen_sensor", notes)
         cuts = _cuts(table, block, sources, values, last)
         for begin, end in pairwise([0, *cuts, len(block)]):
             begins = begins or begin in cuts
@@ -56,8 +76,45 @@ def read_pieces(table: Table, sources: dict[str, Source], length_mm: float) -> I
                 begins = False
         if len(block):
             last = {key: float(values[key][-1]) for key in ("time", "pressure_set") if key in values}
+    check_empty(table, sources, gone, first, seen)
     if begins and not last:
         raise DataError(f"{table.place}: a header but no rows of numbers; expected one row a sample")
+
+
+def _note_table(table: Table, sources: dict[str, Source], notes: Notes) -> None:
+    """What is known before a row is read."""
+    for position, cell in table.doubtful.items():
+        for source in sources.values():
+            if source.position == position:
+                notes.add("decimal_point", source.header, repr(cell))
+    for source in sources.values():
+        if source.absolute:
+            notes.add("absolute_pressure", source.header, f"{ATMOSPHERE_MPA:g} MPa")
+
+
+def _without(
+    table: Table,
+    block: TableRows,
+    sources: dict[str, Source],
+    values: Values,
+    bad: dict[str, Array],
+    code: str,
+    notes: Notes,
+) -> tuple[TableRows, Values]:
+    """The block less the rows of any of the masks `bad`, each noted."""
+    drop = np.zeros(len(block), bool)
+    for key, rows in bad.items():
+        if fresh := int(np.count_nonzero(rows & ~drop)):
+            row = block.rows[int(np.argmax(rows & ~drop))]
+            notes.add(code, sources[key].header, f"{table.place}, row {row}", fresh)
+        drop |= rows
+    if not drop.any():
+        return block, values
+    keep = ~drop
+    left = np.r_[0, np.cumsum(keep)]
+    starts = tuple(int(left[start]) for start in block.starts)
+    rows = np.asarray(block.rows)[keep].tolist()
+    return replace(block, rows=rows, starts=starts), {key: column[keep] for key, column in values.items()}
 
 
 def _with_room(column: Array, n: int, needed: int) -> Array:
@@ -68,27 +125,35 @@ def _with_room(column: Array, n: int, needed: int) -> Array:
     return wider
 
 
-def _column(table: Table, block: TableRows, source: Source, key: str) -> Array:
+def _column(
+    table: Table, block: TableRows, source: Source, key: str, clock: Clock, notes: Notes
+) -> tuple[Array, Array]:
+    """A column in internal units, and the mask of its empty cells, both (n,)."""
+    empty = np.zeros(len(block), bool)
     if source.position is None:
-        return np.full(len(block), source.value)
+        return np.full(len(block), source.value), empty
     if key == "branch":
-        return _directions(table, block, source)
+        return _directions(table, block, source), empty
     cells = block.cells[source.position]
-    if cells.dtype.kind in "fiu":
-        numbers = np.asarray(cells, dtype=float)
-    else:
-        numbers = np.array([number_of(cell, table.decimal) for cell in cells])
-    finite = np.isfinite(numbers)
-    if not finite.all():
-        bad = np.flatnonzero(~finite)
+    found = numbers_in(cells, QUANTITIES[key], table.decimal, clock)
+    finite = np.isfinite(found.values)
+    if key in SENSORS:
+        empty = found.empty
+    if not finite.all() and len(bad := np.flatnonzero(~finite & ~empty)):
         cell = np.asarray(cells)[bad[0]]
-        what = "is empty or NaN" if cell is None or cell != cell else f"holds {str(cell)[:40]!r}"
+        what = "is empty or NaN" if found.empty[bad[0]] else f"holds {str(cell)[:40]!r}"
         more = f" (and {len(bad) - 1} more rows)" if len(bad) > 1 else ""
         mark = " with a decimal comma, as elsewhere" if table.decimal == "," else ""
+        other = ", hh:mm:ss or an ISO time, the same in all rows" if key == "time" else ""
         raise DataError(
-            f"{_where(table, block, bad[0], source)}: {what}{more}; expected a number{mark}. Mend or delete the row"
+            f"{place_of(table, block, bad[0], source)}: {what}{more}; expected a number{mark}{other}. Mend or "
+            "delete the row"
         )
-    return numbers if (source.factor, source.offset) == (1.0, 0.0) else numbers * source.factor + source.offset
+    if source.unit_missing and not (found.done | empty).all():
+        conversion(QUANTITIES[key], None, f"{table.place}, column {source.header!r}")
+    if key == "time" and clock.midnight is not None:
+        notes.add("midnight", source.header, f"{table.place}, row {block.rows[clock.midnight]}")
+    return found.scaled(source.factor, source.offset), empty
 
 
 def _directions(table: Table, block: TableRows, source: Source) -> Array:
@@ -99,13 +164,10 @@ def _directions(table: Table, block: TableRows, source: Source) -> Array:
     bad = np.flatnonzero(np.isnan(numbers))
     if len(bad):
         raise DataError(
-            f"{_where(table, block, bad[0], source)}: holds {words[int(bad[0])][:40]!r}; expected {' or '.join(signs)}"
+            f"{place_of(table, block, bad[0], source)}: holds {words[int(bad[0])][:40]!r}; expected "
+            f"{' or '.join(signs)}"
         )
     return numbers
-
-
-def _where(table: Table, block: TableRows, index: int, source: Source) -> str:
-    return f"{table.place}, row {block.rows[int(index)]}, column {source.header!r}"
 
 
 def _cuts(
@@ -123,37 +185,10 @@ def _cuts(
         if wrong:
             then, now = before["time"][wrong[0]], values["time"][wrong[0]]
             raise DataError(
-                f"{_where(table, block, wrong[0], sources['time'])}: time runs backwards "
+                f"{place_of(table, block, wrong[0], sources['time'])}: time runs backwards "
                 f"({then:g} s, then {now:g} s); sort the rows or mend the clock"
             )
     return sorted(cuts)
-
-
-def contraction_of(values: Values, length_mm: float) -> Array:
-    """Contraction ratio, shape (n,), from whichever of the three the values hold."""
-    if "contraction" in values:
-        return values["contraction"]
-    if "displacement" in values:
-        return values["displacement"] / length_mm
-    return 1.0 - values["length"] / length_mm
-
-
-def _check_ranges(table: Table, block: TableRows, sources: dict[str, Source], values: Values, length_mm: float) -> None:
-    contraction = contraction_of(values, length_mm)
-    wild = np.flatnonzero(np.abs(contraction) >= MOST_CONTRACTION)
-    if len(wild):
-        key = next(k for k in SHAPES if k in values)
-        raise DataError(
-            f"{_where(table, block, wild[0], sources[key])}: contraction ratio {contraction[wild[0]]:.3g}; "
-            f"expected within -{MOST_CONTRACTION} to {MOST_CONTRACTION}. Check the unit of the column and "
-            "initial_length_mm of the specimen"
-        )
-    high = np.flatnonzero(np.abs(values["pressure"]) > MOST_MPA)
-    if len(high):
-        raise DataError(
-            f"{_where(table, block, high[0], sources['pressure'])}: {values['pressure'][high[0]]:g} MPa; "
-            f"expected a gauge pressure below {MOST_MPA:g} MPa. Check the unit of the column"
-        )
 
 
 def same_quantities(first: Iterable[str], other: Iterable[str], place: str) -> None:

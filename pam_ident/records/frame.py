@@ -1,10 +1,12 @@
 """A record from a table of pandas."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..core import DataError, Specimen
 from .columns import join_runs, read_columns
 from .load import build_loaded
+from .notes import Notes
 from .quantities import find_sources
 from .record import Record
 from .table import table_in_memory
@@ -38,6 +40,9 @@ def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "")
         raise DataError(f"{place}: has no rows; expected one row a sample")
     table = table_in_memory(place, place, frame.reset_index(drop=True), 0)
     sources = find_sources(table)
-    values = join_runs(read_columns(table, sources, specimen.initial_length_mm), place)
+    notes = Notes()
+    values = join_runs(read_columns(table, sources, specimen.initial_length_mm, notes), place)
     where = {key: source.header for key, source in sources.items()}
-    return build_loaded(name or specimen.name, name or "table", "", specimen, values, where)
+    return replace(
+        build_loaded(name or specimen.name, name or "table", "", specimen, values, where), notes=notes.told()
+    )

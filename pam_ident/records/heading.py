@@ -4,10 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ..core import DataError
-from ..core.units import TO_INTERNAL, split_header
+from ..core.units import is_unit, split_header
 from .table import count_numbers
 
-UNITS = {unit.lower() for table in TO_INTERNAL.values() for unit in table} | {"°c"}
 Known = Callable[[str], str | None]
 """Header → the quantity it names, or None."""
 
@@ -29,14 +28,21 @@ class Heading:
         """The names with the units of the row of units. Raises DataError where the two say different units."""
         found = []
         for name, cell in zip(self.names, [*self.units, *[""] * len(self.names)], strict=False):
-            unit, written = cell.strip(" []()").replace("°", ""), split_header(name)[1]
-            if not unit or written == unit or not name:
-                found.append(name)
-            elif written is None:
-                found.append(f"{name} [{unit}]")
-            else:
-                raise DataError(f"{place}, column {name!r}: the row of units below it says {unit!r}; mend one of them")
+            found.append(with_unit(name, plain_unit(cell), f"{place}, column {name!r}") if name else name)
         return tuple(found)
+
+
+def with_unit(name: str, unit: str, place: str) -> str:
+    """A header with the unit that stands beside it. Raises DataError where the header says another."""
+    written = split_header(name)[1]
+    if written is not None and unit and same_unit(written) != same_unit(unit):
+        raise DataError(f"{place}: the unit beside it is {unit!r}; mend one of them")
+    return name if written is not None or not unit else f"{name} [{unit}]"
+
+
+def same_unit(unit: str) -> str:
+    """A unit without what may be written in several ways: degrees, blanks."""
+    return unit.replace("°", "").replace("deg", "").strip()
 
 
 def find_heading(rows: Sequence[Sequence[str]], known: Known, enough: int = 2) -> Heading:
@@ -62,7 +68,9 @@ def find_heading(rows: Sequence[Sequence[str]], known: Known, enough: int = 2) -
     names = tuple(plain(cell) for cell in rows[header])
     if first < len(rows) and _is_units(rows[first]):
         return Heading(header, _next(rows, first + 1), best, names, tuple(rows[first]))
-    return Heading(header, first, best, names)
+    above = next((row for row in reversed(rows[:header]) if any(cell.strip() for cell in row)), ())
+    units = tuple(above) if len(above) == len(names) > 1 and _is_units(above) else ()
+    return Heading(header, first, best, names, units)
 
 
 def plain(cell: str) -> str:
@@ -86,7 +94,13 @@ def of_numbers(row: Sequence[str]) -> bool:
     return max(count_numbers(row, "."), count_numbers(row, ",")) >= 2
 
 
+def plain_unit(cell: str) -> str:
+    """A cell of a row of units without its brackets."""
+    text = cell.strip().replace("°", "")
+    return text[1:-1].strip() if text[:1] + text[-1:] in ("[]", "()") else text
+
+
 def _is_units(row: Sequence[str]) -> bool:
-    cells = [cell.strip().strip("[]() ") for cell in row if cell.strip()]
-    short = all(len(cell) <= 12 and not count_numbers([cell]) for cell in cells)
-    return short and any(cell.lower() in UNITS for cell in cells)
+    cells = [plain_unit(cell) for cell in row if cell.strip()]
+    short = all(len(cell) <= 12 and (cell == "1" or not count_numbers([cell])) for cell in cells)
+    return short and any(is_unit(cell) and cell != "1" for cell in cells)

@@ -2,14 +2,18 @@
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from ..core import DataError, Specimen
-from .columns import Values, contraction_of, join_runs, read_columns
+from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
 from .mapping import Mapping, read_mapping
+from .notes import Notes
 from .quantities import Source, find_sources
+from .ranges import Values, contraction_of
 from .record import Record, build_record
+from .run_constants import on_length
 from .specimen_file import read_specimen
 from .table import Table
 
@@ -42,12 +46,15 @@ def read_record(
     specimen = specimen_of(files, specimen)
     where: dict[str, str] = {}
     runs: list[Values] = []
-    for table, sources in tables_of(files, columns):
-        runs += read_columns(table, sources, specimen.initial_length_mm)
+    notes = Notes()
+    for table, sources, length_mm in tables_of(files, columns, specimen, notes):
+        for values in read_columns(table, sources, length_mm, notes):
+            runs.append(on_length(values, length_mm, specimen.initial_length_mm))
         where = where or headers(sources)
     values = join_runs(runs, str(path))
     del runs
-    return build_loaded(record_name(files, specimen), files.given, files_sha256(files), specimen, values, where)
+    record = build_loaded(record_name(files, specimen), files.given, files_sha256(files), specimen, values, where)
+    return replace(record, notes=notes.told())
 
 
 def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
@@ -57,11 +64,30 @@ def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
     return read_specimen(given if given is not None else files.folder / "specimen.toml", Path(files.given))
 
 
-def tables_of(files: Files, columns: str | Path | None) -> Iterator[tuple[Table, dict[str, Source]]]:
-    """The tables of a record's files with their columns, as `columns` or `columns.toml` says. Raises DataError."""
+def tables_of(
+    files: Files, columns: str | Path | None, specimen: Specimen, notes: Notes
+) -> Iterator[tuple[Table, dict[str, Source], float]]:
+    """The tables of a record's files with their columns, as `columns` or `columns.toml` says, and the initial length in
+    mm of each run's muscle. Raises DataError."""
     mapping = read_mapping(columns) if columns is not None else files.mapping
+    names, lengths = [file.name for file in files.paths], []
+    if mapping is not None:
+        mapping.runs.check(files.folder, names, set(mapping.for_all))
+        for quantity, told in mapping.for_all.items():
+            alike = [name for name in names if quantity not in mapping.runs.sources(name, has_force=False)]
+            if len(alike) > 1:
+                key, _, value = told.partition(" = ")
+                notes.add("one_for_all_runs", key, value, len(alike))
     for file in files.paths:
-        yield from _chosen(read_tables(file, mapping), mapping)
+        length_mm = specimen.initial_length_mm
+        if mapping is not None:
+            length_mm = mapping.runs.initial_length_mm(file.name, files.folder, specimen)
+        lengths += [length_mm] if length_mm != specimen.initial_length_mm else []
+        for table, sources in _chosen(read_tables(file, mapping), mapping, file.name):
+            yield table, sources, length_mm
+    if lengths:
+        span = f"{min(lengths):g} to {max(lengths):g} mm, the specimen's {specimen.initial_length_mm:g}"
+        notes.add("run_lengths", "initial_length_mm", span, len(lengths))
 
 
 def headers(sources: dict[str, Source]) -> dict[str, str]:
@@ -108,12 +134,12 @@ def build_loaded(
     )
 
 
-def _chosen(tables: list[Table], mapping: Mapping | None) -> list[tuple[Table, dict[str, Source]]]:
+def _chosen(tables: list[Table], mapping: Mapping | None, run: str) -> list[tuple[Table, dict[str, Source]]]:
     """The tables of a file that hold a record, with their columns. Raises what is wrong with the first if none does."""
     found, wrong = [], []
     for table in tables:
         try:
-            found.append((table, mapping.sources(table) if mapping else find_sources(table)))
+            found.append((table, mapping.sources(table, run) if mapping else find_sources(table)))
         except DataError as error:
             wrong.append(error)
     if not found:

@@ -6,7 +6,7 @@ motion, the clock's usual step, the isobars) is found exactly before the motion 
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,12 +14,15 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from ..core import Inputs, Specimen
-from .columns import Values, contraction_of, pause_between, read_pieces, same_quantities
+from .columns import pause_between, read_pieces, same_quantities
 from .columns_on_disk import STRETCH, Columns
 from .files import Files, find_files
 from .load import files_sha256, headers, nothing_left, record_name, specimen_of, tables_of
 from .long_motion import KINDS, keep_motion
+from .notes import Note, Notes
+from .ranges import Values, contraction_of
 from .record import Record, nominal
+from .run_constants import on_length
 
 Array = np.ndarray
 CHUNK = 1 << 16
@@ -41,6 +44,7 @@ class LongRecord:
     pressures: Array
     nominal: Array
     on_disk: Columns
+    notes: tuple[Note, ...] = ()
 
     def __len__(self) -> int:
         return self.n
@@ -123,7 +127,8 @@ class LongRecord:
         )
         level = self._nominal(read(self._by, np.float64))
         origin = (self.source, self.sha256, self.columns)
-        return Record(self.name, inputs, force, level, stroke, none, inputs, *origin, masked=self.masked), turn
+        facts = {"masked": self.masked, "notes": self.notes}
+        return Record(self.name, inputs, force, level, stroke, none, inputs, *origin, **facts), turn
 
 
 @contextmanager
@@ -139,11 +144,12 @@ def open_long(
     with TemporaryDirectory(prefix="pam-ident-") as folder:
         spill = _Spill(files, geometry, Columns(Path(folder)))
         where: dict[str, str] = {}
-        for table, sources in tables_of(files, columns):
-            for begins, values in read_pieces(table, sources, geometry.initial_length_mm):
-                spill.put(begins, values)
+        notes = Notes()
+        for table, sources, length_mm in tables_of(files, columns, geometry, notes):
+            for begins, values in read_pieces(table, sources, length_mm, notes):
+                spill.put(begins, on_length(values, length_mm, geometry.initial_length_mm))
             where = where or headers(sources)
-        yield spill.record(where)
+        yield replace(spill.record(where), notes=notes.told())
 
 
 @dataclass

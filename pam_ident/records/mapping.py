@@ -7,8 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from ..core import DataError
-from ..core.units import TO_INTERNAL, split_header
-from .quantities import BRANCHES, QUANTITIES, SHAPES, Source, check_complete, quantity_of, scale_of
+from ..core.units import is_absolute, known_scale, split_header
+from .quantities import (
+    BRANCHES,
+    QUANTITIES,
+    SHAPES,
+    Source,
+    check_complete,
+    check_shape,
+    find_sources,
+    quantity_of,
+    scale_of,
+)
+from .run_constants import Runs, read_runs
 from .table import Table
 
 LAYOUT = {"delimiter": str, "decimal": str, "encoding": str, "header_row": int, "part": str}
@@ -17,12 +28,19 @@ ENTRY = {"column", "value", "factor", "offset"}
 
 @dataclass(frozen=True)
 class Mapping:
-    """What a columns.toml says: `columns` maps a quantity with its unit (`force_N`) to an entry, `layout` is the
-    optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part (a sheet or group)."""
+    """What a columns.toml says: `columns` maps a quantity with its unit (`force_N`) to an entry (empty: columns are
+    found by name), `layout` is the optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part
+    (a sheet or group); `runs` what differs from file to file."""
 
     path: str
     columns: Dict[str, Dict[str, Any]]
     layout: Dict[str, Any]
+    runs: Runs
+
+    @property
+    def for_all(self) -> dict[str, str]:
+        """Quantity → value and unit of the constants of all runs, as written."""
+        return {split_header(k)[0]: f"{k} = {e['value']:g}" for k, e in self.columns.items() if "value" in e}
 
     def known(self, header: str) -> str | None:
         """The header itself where a column is given by it; all quantities are known where columns are numbered."""
@@ -35,9 +53,12 @@ class Mapping:
         names = {entry["column"] for entry in self.columns.values() if isinstance(entry.get("column"), str)}
         return len(names) or 2
 
-    def sources(self, table: Table) -> dict[str, Source]:
-        """The columns that are named here; no others are read. Raises DataError where one is not in the table."""
-        found = {}
+    def sources(self, table: Table, run: str = "") -> dict[str, Source]:
+        """The columns that are named here, no others, and the constants of the file `run`. Raises DataError where
+        one is not in the table."""
+        if not self.columns:
+            return find_sources(table, self.runs.sources(run, any(quantity_of(h) == "force" for h in table.headers)))
+        found: dict[str, Source] = {}
         for key, entry in self.columns.items():
             name, unit = split_header(key)
             factor, offset = scale_of(name, unit, f"{self.path}, {key}")
@@ -46,17 +67,24 @@ class Mapping:
                 found[name] = Source(f"{entry['value']:g} by {self.path}", None, value=entry["value"] * factor + offset)
                 continue
             position = self._position(table, key, entry["column"])
-            self._check_unit(table.headers[position], key, name, factor, "factor" in entry)
+            self._check_unit(table.headers[position], key, name, (factor, offset), entry)
             words = tuple((str(entry.get(word, word)).strip().lower(), sign) for word, sign in BRANCHES.items())
             header = table.headers[position] if table.headers[position] else f"column {position + 1}"
-            found[name] = Source(header, position, *scale, words=words)
-        return found
+            found[name] = Source(header, position, *scale, words=words, absolute=is_absolute(unit))
+        own = self.runs.sources(run, "force" in found)
+        for name in own:
+            if name in found and found[name].position is not None:
+                raise DataError(f"{self.path}: {name} is a column and a constant of {run!r}; keep one")
+        return check_shape(found | own, f"{self.path}: [columns]")
 
-    def _check_unit(self, header: str, key: str, name: str, factor: float, told: bool) -> None:
-        """Refuse a unit against the one that the file states, unless a factor says that it is meant."""
+    def _check_unit(self, header: str, key: str, name: str, scale: tuple[float, float], entry: Dict[str, Any]) -> None:
+        """Refuse a unit against the one that the file states, unless a factor or an offset says that it is meant."""
         unit = split_header(header)[1]
-        known = TO_INTERNAL.get(QUANTITIES[name], {})
-        if not told and unit in known and known[unit][0] != factor:
+        known = known_scale(QUANTITIES[name], unit)
+        if known is None:
+            return
+        other = known[0] != scale[0] and "factor" not in entry
+        if other or (known[1] != scale[1] and not {"factor", "offset"} & set(entry)):
             raise DataError(
                 f"{self.path}: {key}, but the column's header is {header!r}, in {unit}; mend the unit, or give a factor"
             )
@@ -81,10 +109,12 @@ def read_mapping(path: str | Path) -> Mapping:
         content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise DataError(f"{path}: not a readable TOML file ({error})") from None
-    strange = set(content) - {"columns", "file"}
-    table, layout = content.get("columns"), content.get("file", {})
-    if strange or not isinstance(table, dict) or not table or not isinstance(layout, dict):
-        raise DataError(f"{path}: expected a table [columns], such as force_N = 'Load', and perhaps [file]")
+    strange = set(content) - {"columns", "file", "runs"}
+    runs = read_runs(path, content.get("runs", {}))
+    table, layout = content.get("columns", {}), content.get("file", {})
+    empty = not table and not runs.constants
+    if strange or not isinstance(table, dict) or empty or not isinstance(layout, dict):
+        raise DataError(f"{path}: expected a table [columns], such as force_N = 'Load', and perhaps [file] and [runs]")
     for key, value in layout.items():
         if not isinstance(value, LAYOUT.get(key, ())) or isinstance(value, bool):
             raise DataError(f"{path}: [file] {key} = {value!r}; expected of {', '.join(LAYOUT)}, text or a row number")
@@ -96,8 +126,9 @@ def read_mapping(path: str | Path) -> Mapping:
         raise DataError(f"{path}: [columns] gives a quantity twice; keep one")
     if len(set(quantities) & set(SHAPES)) > 1:
         raise DataError(f"{path}: [columns] gives more than one of {', '.join(SHAPES)}; keep one")
-    check_complete(quantities, f"{path}: [columns]", list(columns))
-    return Mapping(str(path), columns, layout)
+    if not runs.constants:
+        check_complete(quantities, f"{path}: [columns]", list(columns))
+    return Mapping(str(path), columns, layout, runs)
 
 
 def _entry(path: str | Path, key: str, value: object) -> dict[str, Any]:

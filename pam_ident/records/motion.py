@@ -8,7 +8,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from . import turning
-from .turning import pivots, quantile, thinned_holds
+from .turning import pivots, quantile, thinned_holds, without_spikes
 
 Array = np.ndarray
 Read = Callable[[int, int], tuple[Array, Array, Array]]
@@ -77,8 +77,9 @@ def _distances(x: Array, time: Array | None) -> Array:
                 apart = t[j : j + n] - t[k : k + n]
                 share *= np.divide(t[2 : 2 + n] - t[k : k + n], apart, out=np.full(n, np.nan), where=apart != 0.0)
         shares.append(share)
-    off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
-    return np.abs(off) / np.sqrt(1.0 + sum(share**2 for share in shares))
+    with np.errstate(over="ignore", invalid="ignore"):  # steps of a spoilt clock; what is not finite is left out
+        off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
+        return np.where(np.isfinite(off), np.abs(off), np.nan) / np.sqrt(1.0 + sum(share**2 for share in shares))
 
 
 def find_motion(time: Array, x: Array, level: Array) -> Motion:
@@ -153,7 +154,7 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     """Find the strokes and holds of a piece (n,) of a track, number them from `count` + 1, and write them into `into`,
     whose arrays (n,) are zero and x; the number of the last. `noise` and `span` in mm are those of the whole track."""
     direction, moving, stroke, speed = into.direction, into.moving, into.stroke, into.stroke_speed
-    turns = pivots(x, reversal(noise, span)) if span else [0, len(x) - 1]
+    turns = without_spikes(x, pivots(x, reversal(noise, span)), span) if span else [0, len(x) - 1]
     held = thinned_holds(time, x, turns, noise, span)
     for begin, end in pairwise(turns):
         inside = np.arange(begin, end + 1)

@@ -1,11 +1,11 @@
 """What a record is made of, and which column holds it."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..core import DataError
-from ..core.units import TO_INTERNAL, conversion, split_header
+from ..core.units import TO_INTERNAL, conversion, is_absolute, split_header
 from .table import Table
 
 QUANTITIES = {
@@ -24,6 +24,8 @@ QUANTITIES = {
 """Quantity → dimension of its unit."""
 SHAPES = ("displacement", "contraction", "length")
 _LETTER = re.compile(r"[^\W\d_]")
+_CLOCK = re.compile(r"[hms:.,0fdyYMDHTZ \-]*:[hms:.,0fzTZ ]*", re.IGNORECASE)
+"""What stands for a unit above clock times: `hh:mm:ss.000`, `YYYY-MM-DD hh:mm:ss`."""
 BRANCHES = {"contraction": 1.0, "extension": -1.0}
 
 
@@ -31,7 +33,8 @@ BRANCHES = {"contraction": 1.0, "extension": -1.0}
 class Source:
     """Where a quantity is from: the column at `position`, or `value` for all rows where that is None.
 
-    internal = factor · cell + offset; `words` are the branches' names in lower case with their signs.
+    internal = factor · cell + offset; `words` are the branches' names in lower case with their signs. `absolute`
+    pressure has the air's in its offset. A column of time whose `unit_missing` can hold clock times only.
     """
 
     header: str
@@ -40,6 +43,8 @@ class Source:
     offset: float = 0.0
     value: float = 0.0
     words: tuple[tuple[str, float], ...] = tuple(BRANCHES.items())
+    absolute: bool = False
+    unit_missing: bool = False
 
 
 def quantity_of(header: str) -> str | None:
@@ -56,8 +61,9 @@ def scale_of(quantity: str, unit: str | None, where: str) -> tuple[float, float]
     return (1.0, 0.0) if dimension == "text" else conversion(dimension, unit, where)
 
 
-def find_sources(table: Table) -> dict[str, Source]:
-    """The columns of a table by name and unit. Raises DataError where one is missing, doubled, or of unknown unit."""
+def find_sources(table: Table, constants: Mapping[str, Source] | None = None) -> dict[str, Source]:
+    """The columns of a table by name and unit, and the `constants` of its run. Raises DataError where one is missing,
+    doubled, or of unknown unit."""
     found: dict[str, int] = {}
     for position, header in enumerate(table.headers):
         name = quantity_of(header)
@@ -70,15 +76,29 @@ def find_sources(table: Table) -> dict[str, Source]:
             raise DataError(f"{table.place}: columns {first!r} and {header!r} are both {name}; keep one")
         found[name] = position
     _refuse_unknown_units(table, found)
-    check_complete(found, table.head, table.headers)
-    shapes = [table.headers[found[key]] for key in SHAPES if key in found]
-    if len(shapes) > 1:
-        raise DataError(f"{table.head}: columns {' and '.join(shapes)} say the same thing; keep one")
-    sources = {}
+    constants = constants or {}
+    check_complete([*found, *constants], table.head, table.headers)
+    sources: dict[str, Source] = {}
     for name, position in found.items():
         header = table.headers[position]
         unit = split_header(header)[1]
-        sources[name] = Source(header, position, *scale_of(name, unit, f"{table.place}, column {header!r}"))
+        if name == "time" and (unit is None or _CLOCK.fullmatch(unit)):
+            sources[name] = Source(header, position, unit_missing=True)
+            continue
+        scale = scale_of(name, unit, f"{table.place}, column {header!r}")
+        sources[name] = Source(header, position, *scale, absolute=is_absolute(unit))
+    for name, source in constants.items():
+        if name in sources:
+            raise DataError(f"{table.head}: {name} is a column, and {source.header}; keep one")
+    return check_shape(sources | dict(constants), table.head)
+
+
+def check_shape(sources: dict[str, Source], head: str) -> dict[str, Source]:
+    """The sources. Raises DataError where pressure, force or shape is missing, or the shape is there twice."""
+    check_complete(sources, head, [source.header for source in sources.values()])
+    shapes = [sources[key].header for key in SHAPES if key in sources]
+    if len(shapes) > 1:
+        raise DataError(f"{head}: columns {' and '.join(shapes)} say the same thing; keep one")
     return sources
 
 
@@ -93,7 +113,7 @@ def _refuse_unknown_units(table: Table, found: dict[str, int]) -> None:
             )
 
 
-def check_complete(found: Sequence[str] | dict[str, int], head: str, headers: Sequence[str]) -> None:
+def check_complete(found: Sequence[str] | Mapping[str, object], head: str, headers: Sequence[str]) -> None:
     """Raise DataError where pressure, force or the muscle's shape is missing."""
     there = f"among {', '.join(map(repr, headers))[:300]}"
     cure = "or say in a columns.toml beside the file which it is"

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core import DataError, Inputs, Specimen
 from .motion import find_motion
+from .notes import Note
 
 Array = np.ndarray
 SHORT_LIST = 200
@@ -34,6 +35,7 @@ class Record:
         source, sha256, columns: where the record came from, its hash, and what was read as what.
         block_kind: `cycle`, `length` or `isobar`.
         masked: how many slack rows were left out.
+        notes: what else was left out, or assumed, while it was read.
 
     Example:
         >>> from pam_ident import read_record
@@ -55,6 +57,7 @@ class Record:
     columns: dict[str, str] = field(default_factory=dict)
     block_kind: str = "cycle"
     masked: int = 0
+    notes: tuple[Note, ...] = ()
 
     def __len__(self) -> int:
         return len(self.force)
@@ -142,7 +145,8 @@ def build_record(
         temperature=temperature,
         segment=segment,
     )
-    _, block = np.unique(segment * 100_000 + cycle.astype(int), return_inverse=True)
+    _, number = np.unique(cycle.astype(int), return_inverse=True)
+    _, block = np.unique(segment * (number.max() + 1) + number, return_inverse=True)
     calm = replace(
         inputs,
         pressure=_calm_pressure(pressure, segment),

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,7 +30,8 @@ class Table:
     """A table of a file. `place` names it in errors (the file, and the sheet or group in it), `head` its header there.
 
     `names` are the headers as written, `headers` those with the units of a row of units. `read` takes the positions of
-    the columns that are wanted and gives the rows block by block. `decimal` is the decimal mark of cells that are text.
+    the columns that are wanted and gives the rows block by block. `decimal` is the decimal mark of cells that are text;
+    `doubtful` maps a column's position to a cell whose point may as well part thousands, where nothing else tells.
     """
 
     place: str
@@ -39,38 +40,19 @@ class Table:
     headers: tuple[str, ...]
     read: Callable[[Sequence[int]], Iterable[TableRows]]
     decimal: str = "."
+    doubtful: Mapping[int, str] = field(default_factory=dict)
 
 
 def table_in_memory(
     place: str, head: str, frame: "pd.DataFrame", first_row: int, names: Sequence[str] = (), decimal: str = "."
 ) -> Table:
-    """A table whose columns are read already; `frame`'s columns are the headers, its first row is `first_row`.
-
-    Clock times become seconds since the first.
-    """
-    columns, headers = [], []
-    for position, header in enumerate(map(str, frame.columns)):
-        column = frame.iloc[:, position]
-        if len(column) and (seconds := _clock(column)) is not None:
-            column, header = seconds, f"{header} [s]"
-        columns.append(column)
-        headers.append(header)
+    """A table whose columns are read already; `frame`'s columns are the headers, its first row is `first_row`."""
 
     def read(wanted: Sequence[int]) -> Iterator[TableRows]:
-        yield TableRows({k: columns[k] for k in wanted}, range(first_row, first_row + len(frame)))
+        yield TableRows({k: frame.iloc[:, k] for k in wanted}, range(first_row, first_row + len(frame)))
 
-    return Table(place, head, tuple(names) or tuple(map(str, frame.columns)), tuple(headers), read, decimal)
-
-
-def _clock(column: "pd.Series") -> "pd.Series | None":
-    """Seconds since the first of a column of clock times or of time spans; None for any other."""
-    if column.dtype == object and hasattr(column.iloc[0], "isoformat"):
-        import pandas as pd
-
-        column = pd.to_datetime(column, errors="coerce")
-    if column.dtype.kind == "M":
-        column = column - column.iloc[0]
-    return column.dt.total_seconds() if column.dtype.kind == "m" else None
+    headers = tuple(map(str, frame.columns))
+    return Table(place, head, tuple(names) or headers, headers, read, decimal)
 
 
 def number_of(cell: object, decimal: str = ".") -> float:

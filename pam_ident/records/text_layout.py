@@ -3,12 +3,12 @@
 import codecs
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..core import DataError
 from .heading import Heading, find_heading, of_numbers
-from .mapping import Mapping
+from .mapping import Mapping as Told
 from .quantities import quantity_of
 from .table import count_numbers
 
@@ -38,9 +38,11 @@ class Layout:
     headers: tuple[str, ...]
     repeated: tuple[str, ...]
     """Header and row of units as written, stripped: they may come again further down."""
+    doubtful: Mapping[int, str]
+    """Position of a column → a cell whose point may part thousands, where no cell of the file says that it does not."""
 
 
-def find_layout(place: str, head: bytes, mapping: Mapping | None = None) -> Layout:
+def find_layout(place: str, head: bytes, mapping: Told | None = None) -> Layout:
     """The layout of a text file from its first bytes. Raises DataError where they are no table."""
     told = mapping.layout if mapping else {}
     encoding, skip = _encoding(place, head, told.get("encoding"))
@@ -81,12 +83,18 @@ def find_layout(place: str, head: bytes, mapping: Mapping | None = None) -> Layo
     repeated = tuple(lines[k].strip() for k in range(where - 1, heading.first) if lines[k].strip()) if where else ()
     headers = heading.headers(f"{place}, row {where}")
     decimal = told.get("decimal") or _decimal(place, data, delimiter, names)
-    return Layout(encoding, skip, delimiter, decimal, where, line, width, names, headers, repeated)
+    doubtful = _doubtful(data) if decimal == "." and delimiter != "," and "decimal" not in told else {}
+    return Layout(encoding, skip, delimiter, decimal, where, line, width, names, headers, repeated, doubtful)
 
 
 def cells_of(line: str, delimiter: str) -> list[str]:
-    """The cells of a line."""
-    return line.split() if delimiter == " " else next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    """The cells of a line. One that csv takes for too long is cut as if it held no quotation marks."""
+    if delimiter == " ":
+        return line.split()
+    try:
+        return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    except csv.Error:
+        return line.split(delimiter)
 
 
 def _encoding(place: str, head: bytes, told: str | None) -> tuple[str, int]:
@@ -110,7 +118,7 @@ def _encoding(place: str, head: bytes, told: str | None) -> tuple[str, int]:
     return "utf-8", 0
 
 
-def _heading(lines: list[str], mapping: Mapping | None) -> tuple[str, list[list[str]], Heading]:
+def _heading(lines: list[str], mapping: Told | None) -> tuple[str, list[list[str]], Heading]:
     """Delimiter, rows and heading: the delimiter under which most names are known, else most cells are numbers."""
     told = mapping.layout if mapping else {}
     best: tuple[tuple[int, int], str, list[list[str]], Heading] | None = None
@@ -127,7 +135,7 @@ def _heading(lines: list[str], mapping: Mapping | None) -> tuple[str, list[list[
     return best[1:]
 
 
-def _one_heading(rows: list[list[str]], mapping: Mapping | None) -> Heading:
+def _one_heading(rows: list[list[str]], mapping: Told | None) -> Heading:
     if mapping is None:
         return find_heading(rows, quantity_of)
     line = mapping.layout.get("header_row")
@@ -152,6 +160,19 @@ def _fit_width(place: str, names: tuple[str, ...], row: Sequence[str], line: int
             "or the header"
         )
     return names
+
+
+def _doubtful(rows: Sequence[Sequence[str]]) -> dict[int, str]:
+    """The columns of rows in which each point could part thousands (`1.167`), with such a cell; none where any other
+    number of the rows has a point that cannot."""
+    found: dict[int, str] = {}
+    for row in rows:
+        for position, cell in enumerate(row):
+            if "." in cell and count_numbers([cell]):
+                if not _THOUSANDS.fullmatch(cell.replace(".", ",")):
+                    return {}
+                found.setdefault(position, cell.strip())
+    return found
 
 
 def _decimal(place: str, rows: Sequence[Sequence[str]], delimiter: str, names: Sequence[str]) -> str:

@@ -6,6 +6,7 @@ import io
 import warnings
 import zlib
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 BLOCK_BYTES = 1 << 24
+MOST_LINE = 1 << 26
+"""Bytes of a line beyond which nothing more of it is read: a small compressed file may hold gigabytes of it."""
 SMALL_BYTES = 1 << 20
 """Text up to which numbers are parsed sooner by NumPy than pandas is imported."""
 
@@ -34,7 +37,7 @@ def read_text(path: Path, mapping: Mapping | None = None) -> list[Table]:
             yield from _blocks(str(path), file, layout, wanted)
 
     row = layout.header_line or layout.first_line
-    return [Table(str(path), f"{path}, row {row}", layout.names, layout.headers, read, layout.decimal)]
+    return [Table(str(path), f"{path}, row {row}", layout.names, layout.headers, read, layout.decimal, layout.doubtful)]
 
 
 def read_layout(path: Path, mapping: Mapping | None = None) -> Layout:
@@ -88,6 +91,10 @@ def _pieces(place: str, file: BinaryIO, layout: Layout) -> Iterator[bytes]:
             chunk = decoder.decode(chunk).encode()
         cut = chunk.rfind(b"\n") + 1
         if not cut:
+            if len(rest) > MOST_LINE:
+                raise DataError(
+                    f"{place}: a line of more than {MOST_LINE >> 20} MiB; expected a table, a row a sample. Check it"
+                )
             chunk, rest = rest + chunk, b""
             # Not the last byte: its \n may come with the next chunk.
             cut = chunk.rfind(b"\r", 0, len(chunk) - 1) + 1
@@ -126,7 +133,7 @@ def _plain(text: bytes, first: int, layout: Layout, wanted: Sequence[int]) -> Ta
     if len(text) <= SMALL_BYTES and (numbers := _numbers(text, layout, wanted)) is not None and len(numbers) == n:
         return TableRows(dict(zip(wanted, numbers.T, strict=True)), rows)
     frame = _frame(text, layout, wanted)
-    if len(frame) != n or frame.iloc[:, 0].isna().any():
+    if frame is None or len(frame) != n or frame.iloc[:, 0].isna().any():
         return None
     return TableRows(_cells(frame, wanted), rows)
 
@@ -140,7 +147,7 @@ def _mended(place: str, text: bytes, first: int, layout: Layout, wanted: Sequenc
     if not rows:
         return TableRows({k: np.empty(0) for k in wanted}, rows, starts)
     frame = _frame(text, layout, wanted)
-    if len(frame) != len(rows):
+    if frame is None or len(frame) != len(rows):
         raise DataError(f"{place}: not a readable CSV file (quotation marks around line ends?); write it without them")
     return TableRows(_cells(frame, wanted), rows, starts)
 
@@ -157,11 +164,12 @@ def _numbers(text: bytes, layout: Layout, wanted: Sequence[int]) -> np.ndarray |
     return found if np.isfinite(found).all() else None
 
 
-def _frame(text: bytes, layout: Layout, wanted: Sequence[int]) -> "pd.DataFrame":
-    """The wanted columns, by their positions, of lines that have as many cells as the header."""
+def _frame(text: bytes, layout: Layout, wanted: Sequence[int]) -> "pd.DataFrame | None":
+    """The wanted columns, by their positions, of lines that have as many cells as the header; None where pandas finds
+    other cells in them than a count of delimiters does."""
     import pandas as pd
 
-    with warnings.catch_warnings():
+    with suppress(ValueError), warnings.catch_warnings():
         warnings.simplefilter("ignore", pd.errors.DtypeWarning)  # of a bad cell, which is named later
         return pd.read_csv(
             io.BytesIO(text),
@@ -174,6 +182,7 @@ def _frame(text: bytes, layout: Layout, wanted: Sequence[int]) -> "pd.DataFrame"
             skipinitialspace=b" " in text,
             skip_blank_lines=False,
         )
+    return None
 
 
 def _cells(frame: "pd.DataFrame", wanted: Sequence[int]) -> "dict[int, pd.Series]":

@@ -10,6 +10,8 @@ BLOCK = 64
 """Samples that are passed over at once where none of them can be a turn."""
 PIECE = 1 << 20
 """Samples of a run that are looked at together at most; a longer run is parted at a turn past its half."""
+SPIKE = 0.1
+"""Share of the range below which a way of one step is no stroke."""
 FEW, FAR = 3, 20.0
 """Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
 
@@ -53,6 +55,18 @@ def pivots(x: Array, threshold: float) -> list[int]:
     if found[-1] != len(x) - 1:
         found.append(len(x) - 1)
     return found
+
+
+def without_spikes(x: Array, turns: list[int], span: float) -> list[int]:
+    """The turning points of x (n,) but those of lone samples off the track: a way back of one step, small beside the
+    range `span`, is a sensor's spike. Each such spike would count as a reversal, and two of them as a cycle."""
+    kept: list[int] = []
+    for turn in turns:
+        if len(kept) > 1 and turn - kept[-1] == 1 and turn < len(x) - 1 and abs(x[turn] - x[kept[-1]]) < SPIKE * span:
+            kept.pop()
+        else:
+            kept.append(turn)
+    return kept
 
 
 def thinned_holds(time: Array, x: Array, turns: list[int], noise: float, span: float) -> Array:

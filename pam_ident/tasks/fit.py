@@ -160,7 +160,7 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
             for name in branches
         }
     else:
-        _check_chunked(record, wishes)
+        _check_chunked(record, setup, wishes)
         with open_long(record, setup.specimen) as on_disk:
             fits = {name: fit_long(setup.model, on_disk, name, wishes.held) for name in branches}
         record = fits[branches[0]].record
@@ -179,8 +179,10 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
     return FitAnswer(record, fits, wishes, checks, isobars, straight, profiles, methods)
 
 
-def _check_chunked(path: str | Path, wishes: FitOptions) -> None:
+def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:
     """Raises UsageError for a wish that a record in chunks cannot be given."""
+    if setup.where is not None:
+        raise UsageError(f"{path} is read in chunks: --where needs all of it in memory; fit a part of the record")
     plain = FitOptions(wishes.branch, held=wishes.held)
     for name in ("method", "weights", "loss", "intervals"):
         if getattr(wishes, name) != getattr(plain, name):

@@ -11,14 +11,17 @@ from ..effects import Effect, load_effect_files
 from ..model import Model
 from ..records import Record, read_record, read_specimen
 from ..records.files import share_of_memory
+from ..records.where import rows_where
 
 MOST_OF_MEMORY = 0.5
 """Share of the free memory from which a record's text will not fit into it as numbers."""
 
 
-def load(record: str | Path, specimen: str | Path | Specimen | None = None) -> Record:
-    """Read a record: a file, a folder or a pattern. Raises DataError."""
-    return read_record(record, specimen)
+def load(record: str | Path, specimen: str | Path | Specimen | None = None, where: str | None = None) -> Record:
+    """Read a record: a file, a folder or a pattern; of its rows those for which `where` holds. Raises DataError, and
+    UsageError for a condition that is none."""
+    found = read_record(record, specimen)
+    return found if where is None else rows_where(found, where)
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,7 @@ class Setup:
         free_geometry: whether radius and braid angle are fitted, too.
         specimen: file of the muscle; without it each record takes the `specimen.toml` beside it.
         without, only: names of effects that a diagnosis does not try, or the only ones that it tries.
+        where: condition on the rows of a record that are taken, such as `pressure_MPa > 0.1`.
 
     Example:
         >>> from pam_ident.tasks.setup import Setup
@@ -47,6 +51,7 @@ class Setup:
     specimen: str | None = None
     without: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
+    where: str | None = None
 
     @cached_property
     def extra(self) -> tuple[Effect, ...]:
@@ -74,7 +79,7 @@ class Setup:
                 f"{record}: its text is more than half of the memory that is free, and only `fit` reads a record in "
                 "chunks; take a part of it, or a larger machine"
             )
-        return load(record, self._specimen)
+        return load(record, self._specimen, self.where)
 
     def bare(self) -> "Setup":
         """The same for another process: files of effects by absolute path, nothing loaded from them."""
@@ -91,6 +96,8 @@ class Setup:
             words.append("--free-geometry")
         if self.specimen is not None:
             words += ["--specimen", self.specimen]
+        if self.where is not None:
+            words += ["--where", self.where]
         if verb in ("diagnose", "ladder"):
             words += [word for name in self.without for word in ("--without", name)]
             words += [word for name in self.only for word in ("--only", name)]

@@ -6,10 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ..core import DataError, Specimen, UsageError
+from ..core import PamError, Specimen, UsageError
 from ..records import Record, read_record
+from ..records.unpacked import check_unpacked
 
 COMPANIONS = ("specimen.toml", "columns.toml")
+MOST_UNPACKED = 1 << 30
+"""Bytes that a file may have behind its compression."""
 UNSAFE = re.compile(r"[^\w.\- ]|^[.\s]+", re.ASCII)
 
 
@@ -22,7 +25,7 @@ def read_dropped(files: Mapping[str, bytes], specimen: Specimen | None) -> tuple
     """The record of one or several files, and its name; specimen.toml and columns.toml may be among them.
 
     `specimen` is taken where the files bring none. Raises UsageError without a record among them, DataError as
-    `read_record` does.
+    `read_record` does and for a file that is far larger than it looks.
     """
     named = {safe_name(name): content for name, content in files.items()}
     if len(named) < len(files):
@@ -36,8 +39,17 @@ def read_dropped(files: Mapping[str, bytes], specimen: Specimen | None) -> tuple
             Path(place, name.lower() if name.lower() in COMPANIONS else name).write_bytes(content)
         path = Path(place, runs[0]) if len(runs) == 1 else Path(place)
         try:
+            for name in runs:
+                check_unpacked(Path(place, name), MOST_UNPACKED)
             record = read_record(path, None if given else specimen)
-        except DataError as error:
-            raise DataError(str(error).replace(f"{place}/", "").replace(place, "the files")) from None
+        except PamError as error:
+            raise type(error)(_here(str(error), place)) from None
     known_as = runs[0] if len(runs) == 1 else "the files"
-    return replace(record, source=known_as), known_as
+    notes = tuple(replace(note, text=_here(note.text, place)) for note in record.notes)
+    columns = {key: _here(header, place) for key, header in record.columns.items()}
+    return replace(record, source=known_as, notes=notes, columns=columns), known_as
+
+
+def _here(text: str, place: str) -> str:
+    """A text without the folder of this machine in which the files lay for a moment."""
+    return text.replace(f"{place}/", "").replace(place, "the files")

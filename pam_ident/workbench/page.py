@@ -160,7 +160,11 @@ class Workbench(Viewer):
     def _on_drop(self, _: Any) -> None:
         if not self.side.drop.value:
             return
-        named = dict(zip(self.side.drop.filename, self.side.drop.value, strict=True))
+        names, contents = self.side.drop.filename, self.side.drop.value
+        if not isinstance(names, list) or not isinstance(contents, list) or len(names) != len(contents):
+            self._complain("the files did not arrive whole; drop them again")
+            return
+        named = dict(zip(names, contents, strict=True))
         try:
             given = self.side.given_specimen(self.record[0].specimen.name if self.record else "specimen")
         except PamError as error:

@@ -1,6 +1,9 @@
 """The workbench as a page for the browser of this machine."""
 
 import asyncio
+import logging
+import os
+import secrets
 import socket
 import warnings
 from collections.abc import Callable
@@ -11,12 +14,16 @@ from panel.io.server import get_server
 from tornado.websocket import WebSocketClosedError
 
 from ..core import UsageError
+from .guard import guard
 from .page import Workbench
 
 HOST = "127.0.0.1"
 PAGE = "{% extends base %}{% block contents %}<main>{{ embed(roots.bench) }}</main>{% endblock %}"
 MOST_BYTES = 256 * 1024 * 1024
 """Largest message from the browser: the files that are dropped there."""
+
+LOG_LINE = 300
+"""Characters of a line in the log that tells of an error."""
 
 
 def serve(
@@ -30,6 +37,8 @@ def serve(
     port = _free(port)
     address = f"http://{HOST}:{port}"
     pn.extension(loading_indicator=False)
+    logging.setLogRecordFactory(_in_one_line(logging.getLogRecordFactory()))
+    secret, hosts = secrets.token_urlsafe(32), [f"{HOST}:{port}", f"localhost:{port}"]
     server = get_server(
         lambda: _page(make()),
         port=port,
@@ -38,10 +47,13 @@ def serve(
         start=False,
         title="pam-ident workbench",
         verbose=False,
-        websocket_origin=[f"{HOST}:{port}", f"localhost:{port}"],
+        websocket_origin=hosts,
+        sign_sessions=True,
+        secret_key=secret.encode(),
         websocket_max_message_size=MOST_BYTES,
         http_server_kwargs={"max_buffer_size": MOST_BYTES},
     )
+    guard(server._tornado, hosts, secret)
     server.io_loop.add_callback(lambda: asyncio.get_running_loop().set_exception_handler(_unless_gone))
     warnings.filterwarnings("ignore", "reference already known")  # Bokeh, when a button is pressed; nothing is amiss
     ready(address)
@@ -61,6 +73,20 @@ def _unless_gone(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> No
     """A tab that was closed while something was on its way to it is no fault."""
     if not isinstance(context.get("exception"), WebSocketClosedError):
         loop.default_exception_handler(context)
+
+
+def _in_one_line(make: Callable[..., logging.LogRecord]) -> Callable[..., logging.LogRecord]:
+    """Log records without the tracebacks, and the files in them, that whatever a page sends would leave there;
+    PAM_IDENT_DEBUG keeps them."""
+
+    def record(*args: Any, **more: Any) -> logging.LogRecord:
+        made = make(*args, **more)
+        if made.exc_info and made.exc_info[0] and not os.environ.get("PAM_IDENT_DEBUG"):
+            told = f"{made.getMessage().partition(chr(10))[0]} ({made.exc_info[0].__name__}: {made.exc_info[1]})"
+            made.msg, made.args, made.exc_info = " ".join(told.split())[:LOG_LINE], (), None
+        return made
+
+    return record
 
 
 def _free(port: int) -> int:

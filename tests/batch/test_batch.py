@@ -1,6 +1,8 @@
 """A batch is resumed where it was killed, does nothing twice, and its table hangs on nothing but its answers."""
 
+import contextlib
 import os
+import random
 import resource
 import shutil
 import signal
@@ -115,6 +117,32 @@ def test_killed_in_mid_run_it_goes_on_and_does_nothing_twice(tree, undisturbed, 
     assert code == 0 and f"({len(before)} from an earlier run)" in stdout, stderr
     assert before.items() <= answers(out).items() and len(answers(out)) == COUNT + 1
     assert same(out, undisturbed)
+
+
+@pytest.mark.long
+def test_twenty_kills_at_random_moments_lose_nothing_and_leave_nothing(tree, undisturbed, tmp_path):
+    out, rng, kept = tmp_path / "killed", random.Random(11), {}
+    for _ in range(20):
+        process = start(tree, out, "--branch", "separate", "--workers", 2, start_new_session=True)
+        time.sleep(rng.uniform(0.3, 3.0))
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        assert kept.items() <= answers(out).items(), "what was answered stays, to the byte"
+        kept = answers(out)
+    code, _, stderr = finish(start(tree, out, "--branch", "separate", "--workers", 2))
+    assert code == 0, stderr
+    assert kept.items() <= answers(out).items() and same(out, undisturbed)
+
+
+@pytest.mark.long
+def test_two_batches_on_one_output_give_the_table_of_one(tree, undisturbed, tmp_path):
+    out = tmp_path / "both"
+    both = [start(tree, out, "--branch", "separate", "--workers", 2) for _ in range(2)]
+    ends = [finish(process) for process in both]
+    assert [code for code, *_ in ends] == [0, 0], ends
+    assert len(answers(out)) == COUNT + 1 and same(out, undisturbed)
+    assert not list(out.rglob(".*"))
 
 
 @pytest.mark.long

@@ -65,7 +65,10 @@ def test_samples_come_back_as_the_record_they_were(record, table):
 def test_what_is_wrong_with_a_table_is_told_with_its_row_and_column(record):
     frame = to_frame(record)
     frame.loc[12, "force_N"] = np.nan
-    with pytest.raises(DataError, match=r"table 'mine', row 12, column 'force_N': is empty or NaN"):
+    left = record_from_frame(frame, record.specimen, "mine")
+    assert len(left) == len(record) - 1 and "table 'mine', row 12" in left.notes[0].text
+    frame.loc[12, "force_N"] = np.inf
+    with pytest.raises(DataError, match=r"table 'mine', row 12, column 'force_N': holds 'inf'"):
         record_from_frame(frame, record.specimen, "mine")
     with pytest.raises(DataError, match="no force column"):
         record_from_frame(frame.drop(columns="force_N"), record.specimen)

@@ -82,7 +82,8 @@ def test_a_bad_cell_of_a_sheet_is_named(folder):
     path = workbook(folder / "r.xlsx", ("run 1", [("Rig 3",), HEADERS, *rows]))
     refusal(path, "sheet 'run 1'", "row 7", "'force_N'", "'12,5'")
     rows[4][3] = None
-    refusal(workbook(path, ("run 1", [HEADERS, *rows])), "row 6", "'force_N'", "empty")
+    (note,) = read_record(workbook(path, ("run 1", [HEADERS, *rows]))).notes
+    assert note.code == "empty_cells" and note.rows == 1 and "row 6" in note.text and "'force_N'" in note.text
 
 
 def test_a_sheet_can_be_chosen_and_its_columns_numbered(put, folder):
@@ -106,7 +107,7 @@ def test_parquet(folder):
     pd.DataFrame(COLUMNS).to_parquet(folder / "r.parquet")
     assert_right(read_record(folder / "r.parquet"))
     pd.DataFrame({**COLUMNS, "force_N": np.where(TIME > 0.35, np.nan, FORCE)}).to_parquet(folder / "r.parquet")
-    refusal(folder / "r.parquet", "row 5", "'force_N'", "19 more")
+    refusal(folder / "r.parquet", "row 5", "'force_N'", "20 of 24")
     pd.DataFrame(COLUMNS)[:0].to_parquet(folder / "r.parquet")
     refusal(folder / "r.parquet", "no rows")
 
@@ -278,7 +279,7 @@ GOOD_FILES = {
     "r.xlsx": lambda path: workbook(path, ("1", [HEADERS, *values().tolist()])),
     "r.mat": lambda path: savemat(path, **COLUMNS),
     "r.tdms": lambda path: tdms(path, {"run": [(name, None, column) for name, column in COLUMNS.items()]}),
-    "r.parquet": lambda path: pd.DataFrame(COLUMNS).to_parquet(path),
+    "r.parquet": lambda path: pd.DataFrame(COLUMNS).to_parquet(path, write_page_checksum=True),
     "r.lvm": lambda path: path.write_text(lvm([values()])),
     "r.csv.gz": lambda path: path.write_bytes(gzip.compress(as_text().encode())),
 }

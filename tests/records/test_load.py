@@ -171,19 +171,35 @@ def test_a_unit_of_another_dimension_is_refused(write):
 
 
 @pytest.mark.parametrize("column", ["time_s", "pressure_MPa", "displacement_mm", "force_N"])
-@pytest.mark.parametrize("cell", ["abc", "1,5", "NaN", "", "inf", "12 N"])
+@pytest.mark.parametrize("cell", ["abc", "1,5", "inf", "12 N"])
 def test_a_cell_that_is_no_number_is_named_by_row_and_column(write, column, cell):
     lines = [line.split(",") for line in GOOD.splitlines()]
     lines[7][lines[0].index(column)] = f'"{cell}"' if "," in cell else cell
     path = write("\n".join(",".join(line) for line in lines) + "\n")
     message = refusal(path)
-    assert str(path) in message and "row 8," in message and repr(column) in message
-    assert (cell or "empty") in message or "NaN" in message
+    assert str(path) in message and "row 8," in message and repr(column) in message and cell in message
+
+
+@pytest.mark.parametrize("column", ["time_s", "pressure_MPa", "displacement_mm", "force_N"])
+@pytest.mark.parametrize("cell", ["NaN", "", "-", "N/A"])
+def test_a_row_with_an_empty_cell_is_left_out_and_counted(write, column, cell):
+    lines = [line.split(",") for line in GOOD.splitlines()]
+    lines[7][lines[0].index(column)] = cell
+    record = read_record(write("\n".join(",".join(line) for line in lines) + "\n"))
+    np.testing.assert_allclose(record.force, np.delete(900.0 - 10.0 * np.arange(12), 6))
+    (note,) = record.notes
+    assert (note.code, note.column, note.rows) == ("empty_cells", column, 1) and "row 8)" in note.text
+
+
+def test_a_column_with_nothing_in_it_is_bad_data(write):
+    lines = [line.split(",") for line in GOOD.splitlines()]
+    path = write("\n".join(",".join([*line[:3], "" if k else line[3]]) for k, line in enumerate(lines)) + "\n")
+    assert "'force_N': holds nothing" in refusal(path)
 
 
 def test_further_bad_cells_are_counted(write):
-    message = refusal(write(GOOD.replace("890", "x").replace("850", "y").replace("840", "")))
-    assert "row 3," in message and "'x'" in message and "2 more" in message
+    message = refusal(write(GOOD.replace("890", "x").replace("850", "y")))
+    assert "row 3," in message and "'x'" in message and "1 more" in message
 
 
 def test_an_empty_file_is_refused(write):

@@ -93,7 +93,7 @@ def test_runs_in_several_files_are_joined_alike(text, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("row", "cell", "words"), [(900, "x", "row 900, column 'force_N'"), (800, "", "row 800, column 'force_N'")]
+    ("row", "cell", "words"), [(900, "x", "row 900, column 'force_N'"), (800, "-.", "row 800, column 'force_N'")]
 )
 def test_a_bad_cell_of_a_later_block_is_named_by_its_row(text, monkeypatch, row, cell, words):
     folder, content = text

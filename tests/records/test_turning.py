@@ -107,3 +107,16 @@ def test_isobars_are_found_where_noise_makes_many_pressures(name):
     found = build_record("r", Specimen(initial_length_mm=length), *given, time=column("time_s"))
     np.testing.assert_allclose(found.levels, PROTOCOLS[name].pressures_MPa, atol=2e-4)
     np.testing.assert_allclose(found.level, column("pressure_set_MPa"), atol=2e-4)
+
+
+def test_lone_samples_off_the_track_are_no_strokes():
+    x = np.concatenate([np.linspace(0, 40, 200), np.linspace(40, 0, 200)] * 3)
+    pivots = turning.pivots
+    turns = pivots(x, 0.2)
+    spiked = x.copy()
+    for k in (50, 333, 335, 700, 1010):
+        spiked[k] += 0.5 * np.sign(x[k - 1] - x[k])
+    assert len(pivots(spiked, 0.2)) > len(turns)
+    assert turning.without_spikes(spiked, pivots(spiked, 0.2), 40.0) == turning.without_spikes(x, turns, 40.0) == turns
+    zigzag = np.tile([0.0, 40.0], 20)
+    assert turning.without_spikes(zigzag, pivots(zigzag, 0.2), 40.0) == pivots(zigzag, 0.2)

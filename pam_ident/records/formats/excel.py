@@ -15,10 +15,11 @@ HEAD_ROWS = 200
 
 def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
     """The sheets that hold anything. Raises DataError where there are none, UsageError without openpyxl."""
-    with reading(path, "openpyxl", "Excel workbook", "save it again as .xlsx"):
+    # Opened here: openpyxl leaves the file open where it breaks off.
+    with path.open("rb") as file, reading(path, "openpyxl", "Excel workbook", "save it again as .xlsx"):
         import openpyxl
 
-        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+        book = openpyxl.load_workbook(file, read_only=True, data_only=True)
         sheets = {sheet.title: [list(row) for row in sheet.iter_rows(values_only=True)] for sheet in book.worksheets}
         book.close()
     wanted = mapping.layout.get("part") if mapping else None

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ...core import DataError
-from ...core.units import split_header
+from ..heading import with_unit
 from ..mapping import Mapping
 from ..quantities import quantity_of
 from ..table import Table, number_of, table_in_memory
@@ -73,7 +73,7 @@ def _segment(place: str, head: Entries, lines: list[str], row: int, separator: s
                 columns[name] = _x_values(head, [cut[k] for cut in cells])
             continue
         unit = next(units, "")
-        header = f"{name} [{unit}]" if unit and split_header(name)[1] is None else name
+        header = with_unit(name, unit, f"{place}, row {row}, channel {name!r}")
         if header in columns:
             raise DataError(f"{place}, row {row}: two columns are called {header!r}; keep one")
         columns[header] = [cut[k].strip() for cut in cells]

@@ -13,7 +13,7 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
     with reading(path, "pyarrow", "Parquet file", "write it again"):
         import pyarrow.parquet
 
-        content = pyarrow.parquet.ParquetFile(path).read().replace_schema_metadata()
+        content = pyarrow.parquet.ParquetFile(path, page_checksum_verification=True).read().replace_schema_metadata()
         frame = content.to_pandas()
     if frame.empty:
         raise DataError(f"{path}: columns but no rows; expected one row a sample")

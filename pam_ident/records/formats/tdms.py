@@ -6,11 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from ...core import DataError
-from ...core.units import split_header
+from ..heading import with_unit
 from ..mapping import Mapping
 from ..quantities import quantity_of
 from ..table import Table, table_in_memory
 from .base import Format, reading
+
+LEAD = 28
+"""Bytes of a segment before its own: tag, contents, version, length, length of what is not data."""
 
 
 def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
@@ -24,8 +27,8 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
         log_manager.set_level(logging.CRITICAL)  # what it would print of a broken file is an error here
         file = nptdms.TdmsFile.read(path)
         groups = {group.name: group.channels() for group in file.groups()}
-    if file.file_status.incomplete_final_segment:
-        raise DataError(f"{path}: the file breaks off within its last segment; copy it again from the rig")
+    if file.file_status.incomplete_final_segment or not _ends_with_a_segment(path):
+        raise DataError(f"{path}: the file breaks off, or goes on, within its last segment; copy it again from the rig")
     wanted = mapping.layout.get("part") if mapping else None
     tables = [
         _table(f"{path}, group {name!r}", channels)
@@ -38,6 +41,17 @@ def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
     return tables
 
 
+def _ends_with_a_segment(path: Path) -> bool:
+    """Whether the segments fill the file: bytes too many are nobody's samples, and shift all that follow them."""
+    at, size = 0, path.stat().st_size
+    with path.open("rb") as file:
+        while at < size:
+            file.seek(at)
+            lead = file.read(LEAD)
+            at += LEAD + int.from_bytes(lead[12:20], "little")
+    return at == size
+
+
 def _table(place: str, channels: list) -> Table:
     import pandas as pd
 
@@ -48,8 +62,7 @@ def _table(place: str, channels: list) -> Table:
     columns = {}
     for channel in channels:
         unit = str(channel.properties.get("unit_string", "")).strip()
-        bare = unit and split_header(channel.name)[1] is None
-        header = f"{channel.name} [{unit}]" if bare else channel.name
+        header = with_unit(channel.name, unit, f"{place}, channel {channel.name!r}")
         if len(channel) != n and quantity_of(header) is not None:
             raise DataError(f"{place}, channel {channel.name!r}: {len(channel)} samples, others {n}; expected as many")
         if len(channel) == n:

@@ -1,0 +1,51 @@
+"""Sensors that hang: one reading again and again, and a jump when it wakes."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+Array = np.ndarray
+SENSORS = ("pressure", "displacement", "contraction", "length", "force")
+LEAST = 5
+"""Repeats of a reading from which it may hang."""
+RARE = 0.01
+"""Share of repeats among the other readings up to which a repeat is none of a coarse sensor or of a simulation."""
+MOST = 0.2
+"""Share of a column up to which its long repeats are faults; more are the protocol's rests."""
+JUMP = 4.0
+"""How many of its usual steps, and of those just behind it, a sensor jumps by when it wakes."""
+
+
+def frozen_rows(values: Mapping[str, Array]) -> dict[str, Array]:
+    """Quantity → mask (n,) of the rows in which its sensor hangs, for those in which any does."""
+    found = {key: _frozen(values[key]) for key in SENSORS if key in values}
+    return {key: rows for key, rows in found.items() if rows.any()}
+
+
+def _frozen(x: Array) -> Array:
+    """Mask (n,) of repeats of a reading after its first, in runs that end in a jump.
+
+    A clipped sensor, a rest and a noiseless hold repeat readings too. The first is at an end of the range, and none
+    ends in a step that is far larger than those before and behind.
+    """
+    hung = np.zeros(len(x), bool)
+    repeats = x[1:] == x[:-1]
+    if not LEAST <= np.count_nonzero(repeats) <= (MOST + RARE) * len(x):
+        return hung
+    runs = [(b, e) for b, e in _runs(repeats) if e - b >= LEAST]
+    inside = sum(e - b for b, e in runs)
+    if not runs or inside > MOST * len(x) or repeats.sum() - inside > RARE * len(x):
+        return hung
+    steps = np.abs(np.diff(x))
+    usual = float(np.median(steps[steps > 0.0])) if inside < len(steps) else 0.0
+    for begin, end in runs:
+        behind = steps[end + 1 : end + 4]
+        wakes = len(behind) == 3 and steps[end] > JUMP * max(float(behind.max()), usual)
+        hung[begin + 1 : end + 1] = wakes and x.min() < x[begin] < x.max()
+    return hung
+
+
+def _runs(mask: Array) -> Iterable[tuple[int, int]]:
+    """Begin and end of the runs of a mask (n,) that are true."""
+    edges = np.flatnonzero(np.diff(np.r_[False, mask, False].astype(np.int8)))
+    return zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)

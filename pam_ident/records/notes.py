@@ -1,0 +1,65 @@
+"""What was assumed or left out while a record was read: facts for whoever shows the record."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
+    "empty_cells": lambda n, column, where: f"{_rows(n)} left out: column {column!r} is empty there (first {where})",
+    "frozen_sensor": lambda n, column, where: (
+        f"{_rows(n)} left out: column {column!r} repeats one reading there and jumps when it wakes (first {where})"
+    ),
+    "decimal_point": lambda _, column, where: (
+        f"column {column!r}: {where} was read with a decimal point, but nothing in the file says that the point does "
+        "not part thousands. Say decimal = '.' or ',' under [file] in a columns.toml"
+    ),
+    "absolute_pressure": lambda _, column, where: (
+        f"column {column!r} is absolute pressure; the air's {where} were taken off"
+    ),
+    "midnight": lambda _, column, where: f"column {column!r}: the clock passes midnight at {where}; it was let run on",
+    "one_for_all_runs": lambda n, column, where: (
+        f"{column} = {where} was taken for {n} runs alike; where they differ, say so in columns.toml: "
+        f"[runs.'FILE'] {column} = …"
+    ),
+    "run_lengths": lambda n, column, where: (
+        f"{n} runs have an initial length of their own ({where}); their contraction is by it, and ways in mm are told "
+        "of the specimen's"
+    ),
+    "rows_chosen": lambda n, column, where: f"{_rows(n)} left out: {where} does not hold there",
+}
+"""Code → its text from the number of rows (or runs), the column, and the place or the cell."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something that a reader of the record's results should know; `rows` were left out for it."""
+
+    code: str
+    column: str | None
+    text: str
+    rows: int = 0
+
+
+@dataclass
+class Notes:
+    """Notes as they are gathered, one for a code and column however many files and rows it is of."""
+
+    found: dict[tuple[str, str | None], tuple[int, str]] = field(default_factory=dict)
+
+    def add(self, code: str, column: str | None, where: str, n: int = 0) -> None:
+        """Something in `n` rows (or runs) of a column; the first `where` is kept."""
+        before, first = self.found.get((code, column), (0, where))
+        self.found[code, column] = (before + n, first)
+
+    def told(self) -> tuple[Note, ...]:
+        """The notes so far."""
+        return tuple(
+            Note(code, column, TEXTS[code](n, column, where), n if code in LEAVE_OUT else 0)
+            for (code, column), (n, where) in self.found.items()
+        )
+
+
+LEAVE_OUT = ("empty_cells", "frozen_sensor", "rows_chosen")
+
+
+def _rows(n: int) -> str:
+    return "1 row is" if n == 1 else f"{n} rows are"

@@ -1,0 +1,36 @@
+"""Files changed by chance, by class: read rightly, or refused in one sentence."""
+
+import json
+
+import faults
+import pytest
+
+
+@pytest.mark.parametrize("kind", [*faults.TEXTS, "lvm", "csv.gz"])
+def test_some_of_each_class(kind, tmp_path, capsys):
+    faults.run(kind, 60, 7, tmp_path)
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line for line in lines if line["fault"]] == []
+    assert {line["end"] for line in lines} == {"read", "refused"}
+
+
+@pytest.mark.long
+def test_all_of_them_with_a_fresh_seed(capsys):
+    assert faults.main() == 0, capsys.readouterr().out
+
+
+def test_the_judges_see_what_is_wrong(tmp_path, monkeypatch, capsys):
+    """With forces off by a hundredth each class has failures."""
+    real = faults.read_record
+
+    def wrong(*args):
+        record = real(*args)
+        record.force[:] *= 1.01
+        record.inputs.time[-1] += 0.05
+        return record
+
+    monkeypatch.setattr(faults, "read_record", wrong)
+    for kind in (*faults.TEXTS, "lvm"):
+        faults.run(kind, 80, 7, tmp_path)
+        lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert all(line["fault"] for line in lines if line["end"] == "read"), kind
