@@ -81,7 +81,7 @@ class Asked:
 
         effects, files = tuple(self.effect or ()), tuple(self.effect_file or ())
         found = Setup(law, effects, files, self.free_geometry, self.specimen)
-        _ = found.model
+        found.check()
         return found
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from ..core import UsageError
 from ..core.discover import instances
+from ..core.nearest import unknown
 from .base import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure
 
 __all__ = [
@@ -68,7 +69,7 @@ def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]
         extra: effects of the user's own.
 
     Raises:
-        UsageError: for an unknown name, with the known ones.
+        UsageError: for an unknown name, with those that look like it.
 
     Example:
         >>> from pam_ident import effects
@@ -79,14 +80,14 @@ def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]
     base, _, form = name.partition(":")
     known = catalogue(extra)
     if base not in known:
-        raise UsageError(f"unknown effect {base!r}; expected one of {', '.join(sorted(known))}")
+        raise UsageError(unknown("effect", base, known, "`pam-ident effects`"))
     effect = known[base]
     if not form:
         return effect, effect.forms[0]
     for item in effect.forms:
         if item.name == form:
             return effect, item
-    raise UsageError(f"effect {base} has no form {form!r}; expected one of {', '.join(f.name for f in effect.forms)}")
+    raise UsageError(f"effect {base} has no form {form!r}; it has {', '.join(f.name for f in effect.forms)}")
 
 
 def load_effect_files(paths: Iterable[str | Path]) -> tuple[Effect, ...]:

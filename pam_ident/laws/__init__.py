@@ -4,6 +4,7 @@ from functools import cache
 
 from ..core import UsageError
 from ..core.discover import instances
+from ..core.nearest import unknown
 from .base import Law
 
 __all__ = ["Law", "catalogue", "get_law", "listed"]
@@ -30,7 +31,7 @@ def get_law(name: str) -> Law:
     """A law by its name.
 
     Raises:
-        UsageError: for an unknown name, with the known ones.
+        UsageError: for an unknown name, with those that look like it.
 
     Example:
         >>> from pam_ident import laws
@@ -40,5 +41,5 @@ def get_law(name: str) -> Law:
     """
     laws = catalogue()
     if name not in laws:
-        raise UsageError(f"unknown law {name!r}; expected one of {', '.join(sorted(laws))}")
+        raise UsageError(unknown("law", name, laws, "`pam-ident laws`"))
     return laws[name]

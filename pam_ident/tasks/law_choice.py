@@ -1,0 +1,146 @@
+"""Which law to take for a record: all of them, compared on data that they have not seen."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..core import DataError, FitError
+from ..core.progress import steps
+from ..fitting import fit
+from ..fitting.solve import solve
+from ..laws import listed
+from ..model import Model
+from ..records import Record, thinned
+from .setup import AUTO, Setup
+
+if TYPE_CHECKING:
+    from ..fitting import Fit
+
+Array = np.ndarray
+ROWS = 5_000
+"""Rows of a longer record that are enough to compare laws."""
+FOLDS = 5
+
+
+@dataclass(frozen=True)
+class LawTrial:
+    """A law on trial: how many parameters it has, its errors in N, on the rows it was fitted to and on those it was
+    not; NaN, with the `problem`, where this record cannot fit it."""
+
+    law: str
+    parameters: int
+    rmse: float = math.nan
+    heldout_rmse: float = math.nan
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class LawChoice:
+    """The law that was taken, why, and all laws that were compared, the best on held-out data first."""
+
+    law: str
+    why: str
+    trials: tuple[LawTrial, ...]
+
+
+def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
+    """The setup with a law in place of `auto`, and how it was chosen; as it is where a law was named.
+
+    Raises FitError where no law can be fitted to the record.
+    """
+    if setup.law != AUTO:
+        return setup, None
+    choice = choose_law(record, setup)
+    return replace(setup, law=choice.law), choice
+
+
+def choose_law(record: Record, setup: Setup) -> LawChoice:
+    """The law of the fewest parameters that foretells the rows it has not seen as well as any does.
+
+    Every law, with the effects of `setup`, is fitted to four fifths of the record in turn, whole cycles (of a table:
+    lengths or isobars) left out, and held against the fifth. As well as the best is what is worse by less than one
+    standard error of the difference between the folds. A law with a parameter that the record does not determine, or
+    at a bound, is taken only where all are like that.
+
+    Args:
+        record: what the laws are held against; of a long one some thousand rows.
+        setup: effects that every law gets.
+
+    Raises:
+        FitError: where no law can be fitted.
+
+    Example:
+        >>> from pam_ident.records import read_record
+        >>> from pam_ident.tasks.law_choice import choose_law
+        >>> from pam_ident.tasks.setup import AUTO, Setup
+        >>> print(choose_law(read_record("dmsp20_300"), Setup(AUTO)).law)
+        martens_boblan
+    """
+    record = thinned(record, ROWS)
+    masks = _folds(record)
+    trials: list[LawTrial] = []
+    squares: dict[str, Array] = {}
+    for law in steps(listed(), "comparing laws"):
+        model = Model.build(law.name, setup.effects, setup.extra, setup.free_geometry)
+        try:
+            one = fit(model, record)
+            squares[law.name] = _heldout(one, masks)
+        except (FitError, DataError) as error:
+            trials.append(LawTrial(law.name, len(model.params), problem=str(error)))
+            continue
+        heldout = math.sqrt(squares[law.name].sum() / len(record)) if masks else math.nan
+        trials.append(LawTrial(law.name, len(model.params), one.rmse, heldout, _problem(one)))
+    if not squares:
+        raise FitError(f"{record.source or record.name}: no law can be fitted. {trials[0].problem}")
+    trials.sort(key=lambda t: (math.isnan(t.rmse), t.heldout_rmse if masks else t.rmse))
+    return _chosen(tuple(trials), squares, masks)
+
+
+def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array]) -> LawChoice:
+    fitted = [t for t in trials if t.law in squares]
+    able = [t for t in fitted if not t.problem] or fitted
+    best = able[0]
+    if not masks:
+        return LawChoice(best.law, f"{best.law} leaves the least; the record has too few cycles to hold any out", trials)
+    counts = np.array([mask.sum() for mask in masks])
+
+    def alike(trial: LawTrial) -> bool:
+        gap = (squares[trial.law] - squares[best.law]) / counts
+        return float(gap.mean()) <= float(gap.std(ddof=1)) / math.sqrt(len(masks))
+
+    simplest = min((t for t in able if alike(t)), key=lambda t: (t.parameters, t.heldout_rmse))
+    said = f"{simplest.law} ({simplest.parameters} parameters) errs by {simplest.heldout_rmse:.3g} N on held-out data"
+    if simplest is best:
+        second = next((t for t in able if t is not best), None)
+        why = said + (f"; the next, {second.law}, by {second.heldout_rmse:.3g} N" if second else "")
+    else:
+        why = f"{said}, as little as {best.law} ({best.parameters}, {best.heldout_rmse:.3g} N) to its standard error"
+    return LawChoice(simplest.law, why, trials)
+
+
+def _folds(record: Record) -> list[Array]:
+    """Masks (n,) of the rows to hold out in turn, whole blocks in each; none where there is one block only."""
+    blocks = np.unique(record.block)
+    count = min(FOLDS, len(blocks))
+    return [np.isin(record.block, blocks[k::count]) for k in range(count)] if count > 1 else []
+
+
+def _heldout(one: "Fit", masks: list[Array]) -> Array:
+    """Sum of squares in N² of the rows of each mask, by the model fitted to the others, shape (folds,)."""
+    record, model = one.record, one.model
+    found = []
+    for mask in masks:
+        if np.count_nonzero(~mask) <= len(model.params):
+            raise FitError(f"too few samples to hold a {record.block_kind} out for {len(model.params)} parameters")
+        values = solve(
+            model, record.inputs, record.force, lambda m, rows=~mask: m[rows], one.values, quick=True
+        ).values
+        found.append(float(np.sum((record.force - model.force(record.inputs, values))[mask] ** 2)))
+    return np.array(found)
+
+
+def _problem(one: "Fit") -> str:
+    stuck = [e.name for e in one.estimates if e.at_bound and "." not in e.name]
+    return "; ".join([*one.problems, *([f"{', '.join(stuck)} at a bound"] if stuck else [])])
