@@ -36,12 +36,18 @@ Record = Annotated[
     str,
     typer.Argument(
         metavar="RECORD",
-        help="Record of a test rig: a file (docs/records.md), a folder, or a quoted glob.",
+        help="Record of a test rig: a file, a folder, a quoted glob, or the name of a data set that comes along.",
         show_default=False,
     ),
 ]
 Law = Annotated[
-    str, option("--law", "LAW", "Force law by name; `pam-ident laws` lists them.", autocompletion=law_names)
+    str,
+    option(
+        "--law",
+        "LAW",
+        "Force law by name (`pam-ident laws`); auto, the default, takes the one that foretells held-out data best.",
+        autocompletion=law_names,
+    ),
 ]
 Effects = Annotated[
     list[str] | None,

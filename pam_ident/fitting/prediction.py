@@ -29,8 +29,8 @@ FOLDS = 5
 class ReadingSpread:
     """How far readings lie off a fit that has not seen them: half the width in N that holds 95 % of them.
 
-    `same` is of other cycles at the record's own pressures and speeds, `between` of a pressure between its own, `beyond`
-    of one outside them, `speed` of another speed; each from refits without those readings, NaN where the record has too
+    `same` is of other cycles at the record's own pressures and speeds, `between` of a pressure between its own,
+    `beyond` of one outside them, `speed` of another speed; each from refits without those readings, NaN where the record has too
     few to leave any out. `pressures` (MPa), `speeds` (mm/s) and `contraction` (least, largest) are what was measured.
     """
 
@@ -79,7 +79,10 @@ def reading_spread(one: Fit) -> ReadingSpread:
     record, rows = one.record, one.rows
     if len(record) > ROWS:
         record = thinned(record if rows.all() else record.take(np.flatnonzero(rows)), ROWS)
-        one, rows = replace(one, record=record, rows=np.ones(len(record), bool), weights=None), np.ones(len(record), bool)
+        one, rows = (
+            replace(one, record=record, rows=np.ones(len(record), bool), weights=None),
+            np.ones(len(record), bool),
+        )
     level, speed = record.level, _speeds(record)
     levels, speeds = np.unique(level[rows]), np.unique(speed[rows & (speed > 0)])
     blocks = np.unique(record.block[rows])

@@ -69,8 +69,8 @@ def free_memory() -> int:
 
 
 def find_files(path: str | Path) -> Files:
-    """The files of a record: one, those of a folder or of a pattern (`runs/*.csv`), in the order of the numbers in their
-    names, or that of a data set that comes along, by its name. Raises DataError where there are none."""
+    """The files of a record: one, those of a folder or of a pattern (`runs/*.csv`) in the order of the numbers in their
+    names, or that of a bundled data set by its name. Raises DataError where there are none."""
     given, path = str(path), Path(path)
     if path.is_file():
         return Files(given, (path,), path.parent, path.name.removesuffix(".gz").rpartition(".")[0] or path.name)

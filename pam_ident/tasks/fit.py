@@ -16,6 +16,7 @@ from ..fitting.fit import Estimate, branch_names, fit_long
 from ..fitting.floor import LackOfFit, NoiseFloor
 from ..fitting.identifiability import PINNED, StandIn
 from ..fitting.methods import MethodRow, compare_methods
+from ..fitting.prediction import Predictor, ReadingSpread, Simpler, reading_spread, simpler
 from ..fitting.profile import Profile
 from ..fitting.weigh import LOSSES, Weighing
 from ..parallel.executor import Executor
@@ -102,6 +103,21 @@ class FitAnswer:
     def measured_loops(self) -> Mapping[float, float]:
         """The loops of the record in J by pressure."""
         return loop_energies(self.record, self.record.force)
+
+    @cached_property
+    def spreads(self) -> Mapping[str, ReadingSpread]:
+        """How far readings lie off, by branch."""
+        return {branch: reading_spread(one) for branch, one in self.fits.items()}
+
+    @cached_property
+    def simpler(self) -> Mapping[str, Simpler]:
+        """Models that this one must beat, by branch."""
+        return {branch: simpler(one) for branch, one in self.fits.items()}
+
+    @property
+    def predictors(self) -> dict[str, Predictor]:
+        """The fits by branch, to be asked elsewhere."""
+        return {branch: Predictor.of(one, self.spreads[branch]) for branch, one in self.fits.items()}
 
     @property
     def warnings(self) -> tuple[str, ...]:

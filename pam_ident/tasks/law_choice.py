@@ -22,6 +22,8 @@ Array = np.ndarray
 ROWS = 5_000
 """Rows of a longer record that are enough to compare laws."""
 FOLDS = 5
+EXACT = 1e-6
+"""Error over the largest force that is as good as none."""
 
 
 @dataclass(frozen=True)
@@ -95,20 +97,24 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
     if not squares:
         raise FitError(f"{record.source or record.name}: no law can be fitted. {trials[0].problem}")
     trials.sort(key=lambda t: (math.isnan(t.rmse), t.heldout_rmse if masks else t.rmse))
-    return _chosen(tuple(trials), squares, masks)
+    return _chosen(tuple(trials), squares, masks, float(np.max(np.abs(record.force))))
 
 
-def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array]) -> LawChoice:
+def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array], largest: float) -> LawChoice:
+    """`squares` (folds,) in N² by law; `largest` force in N."""
     fitted = [t for t in trials if t.law in squares]
     able = [t for t in fitted if not t.problem] or fitted
     best = able[0]
     if not masks:
-        return LawChoice(best.law, f"{best.law} leaves the least; the record has too few cycles to hold any out", trials)
+        return LawChoice(
+            best.law, f"{best.law} leaves the least; the record has too few cycles to hold any out", trials
+        )
     counts = np.array([mask.sum() for mask in masks])
+    nothing = (EXACT * largest) ** 2
 
     def alike(trial: LawTrial) -> bool:
         gap = (squares[trial.law] - squares[best.law]) / counts
-        return float(gap.mean()) <= float(gap.std(ddof=1)) / math.sqrt(len(masks))
+        return float(gap.mean()) <= float(gap.std(ddof=1)) / math.sqrt(len(masks)) + nothing
 
     simplest = min((t for t in able if alike(t)), key=lambda t: (t.parameters, t.heldout_rmse))
     said = f"{simplest.law} ({simplest.parameters} parameters) errs by {simplest.heldout_rmse:.3g} N on held-out data"
@@ -134,9 +140,7 @@ def _heldout(one: "Fit", masks: list[Array]) -> Array:
     for mask in masks:
         if np.count_nonzero(~mask) <= len(model.params):
             raise FitError(f"too few samples to hold a {record.block_kind} out for {len(model.params)} parameters")
-        values = solve(
-            model, record.inputs, record.force, lambda m, rows=~mask: m[rows], one.values, quick=True
-        ).values
+        values = solve(model, record.inputs, record.force, lambda m, rows=~mask: m[rows], one.values, quick=True).values
         found.append(float(np.sum((record.force - model.force(record.inputs, values))[mask] ** 2)))
     return np.array(found)
 

@@ -124,7 +124,7 @@ def _none(path: str, law: str, error: PamError) -> Json:
 def answer_case(folder: Path, case: str, law: str) -> Json:
     """One case; a diagnosis that breaks down is an answer too, and a wrong one."""
     path = str(folder / case / "record.csv")
-    ((_, found),) = diagnose_records([path], Setup(law))
+    ((_, found, _),) = diagnose_records([path], Setup(law))
     if isinstance(found, PamError):
         return _none(path, law, found)
     return diagnosis_json(path, found)
