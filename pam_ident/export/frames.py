@@ -36,7 +36,7 @@ def to_frame(result: Any) -> pd.DataFrame:
         0         A   562.3    15.6
         1         H  1148.8    ...
     """
-    table = TABLES.get(type(result).__name__)
+    table = next((TABLES[one.__name__] for one in type(result).__mro__ if one.__name__ in TABLES), None)
     if table is None:
         raise UsageError(f"no table of a {type(result).__name__}; expected one of {', '.join(TABLES)}")
     return table(result)

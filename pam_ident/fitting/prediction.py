@@ -30,8 +30,8 @@ class ReadingSpread:
     """How far readings lie off a fit that has not seen them: half the width in N that holds 95 % of them.
 
     `same` is of other cycles at the record's own pressures and speeds, `between` of a pressure between its own,
-    `beyond` of one outside them, `speed` of another speed; each from refits without those readings, NaN where the record has too
-    few to leave any out. `pressures` (MPa), `speeds` (mm/s) and `contraction` (least, largest) are what was measured.
+    `beyond` of one outside them, `speed` of another speed; each from refits without those readings, NaN where the
+    record has too few to leave any out. `pressures` (MPa), `speeds` (mm/s), `contraction` (least, largest) were measured.
     """
 
     same: float

@@ -195,6 +195,11 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
     return FitAnswer(record, fits, wishes, checks, isobars, straight, profiles, methods)
 
 
+def answer_of(one: Fit) -> FitAnswer:
+    """The answer that a fit of both branches together, made elsewhere, comes to."""
+    return FitAnswer(one.record, {"together": one}, FitOptions(), {"together": _checks(one)})
+
+
 def _check_chunked(path: str | Path, wishes: FitOptions) -> None:
     """Raises UsageError for a wish that a record in chunks cannot be given."""
     plain = FitOptions(wishes.branch, held=wishes.held)

@@ -59,7 +59,7 @@ class Trial:
 @dataclass(frozen=True)
 class Validation:
     """A saved fit on another record. `coverage` is the share of readings that their 95 % interval holds, NaN where none
-    is known; `simpler` the same errors of models that any muscle model must beat, fitted to the same rows as the fit."""
+    is known; `simpler` the same errors of models that any muscle model must beat, fitted to what the fit was."""
 
     record: Record
     saved: SavedFit

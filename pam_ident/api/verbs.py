@@ -1,0 +1,346 @@
+"""The verbs: each takes a record, or what one is read from, and a law and effects, by name or as objects."""
+
+import json
+from collections.abc import Callable, Mapping
+from functools import wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+from warnings import warn
+
+from ..core import DataError, UsageError
+from ..diagnosis import compare as old_compare
+from ..diagnosis import diagnose as old_diagnose
+from ..fitting import Fit
+from ..fitting import fit as old_fit
+from ..model import Model
+from ..parallel.executor import Executor
+from ..tasks.compare import compare_record
+from ..tasks.diagnose import diagnose_record
+from ..tasks.fit import FitOptions, fit_record
+from ..tasks.ladder import climb_ladder
+from ..tasks.law_choice import AUTO
+from ..tasks.report import check_report, report_record
+from ..tasks.track import TrackOptions, track_leg
+from .answers import BatchResult, ComparisonResult, DiagnosisResult, LadderResult, RecordAnswer, TrackResult
+from .asking import settled, setup_of
+from .fitted import FitResult, SavedResult
+from .record import RigRecord, read
+from .working import working
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def _worked(verb: Callable[P, R]) -> Callable[P, R]:
+    """The verb with small matrices on one thread, and a bar where a notebook shows it."""
+
+    @wraps(verb)
+    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
+        with working():
+            return verb(*args, **kwargs)
+
+    return inside
+
+
+@_worked
+def fit(
+    record: Any,
+    law: Any = AUTO,
+    effects: Any = (),
+    *,
+    specimen: Any = None,
+    branch: str = "together",
+    method: str = "global",
+    held: Mapping[str, float] | None = None,
+    weights: str = "equal",
+    loss: str = "linear",
+    intervals: str = "linear",
+    free_geometry: bool = False,
+    **old: Any,
+) -> FitResult:
+    """Fit a law, with or without effects, to a record.
+
+    Args:
+        record: a Record, or what `pam.read` takes.
+        law: name, Law or Model; by default the one that foretells held-out data best.
+        effects: names (`creep`, `creep:prony_3`) or Effects, one or several.
+        specimen: the muscle, as `pam.read` takes it.
+        branch: together, separate, contraction or extension.
+        method: global; or two-stage, each isobar alone and then over pressure.
+        held: parameters that keep a value, by name.
+        weights: equal, or sensors, from the specimen's sensors.
+        loss: linear, or huber.
+        intervals: linear, profile or bootstrap.
+        free_geometry: whether radius and braid angle are fitted, too.
+        old: what the function of this name took before.
+
+    Raises:
+        UsageError: for an unknown name, with those that look like it.
+        DataError, FitError: where the record cannot be read or fitted.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> fitted = pam.fit("dmsp20_300", "martens_boblan")
+        >>> print(fitted)
+        martens_boblan fitted to DMSP-20-300: 3.21 N rms, 7.75 N at most, R² 0.999924, 60 samples
+        >>> print(fitted.predict(0.25, 0.1)[["force_N", "reading_low_N", "reading_high_N"]].round(0).to_string())
+           force_N  reading_low_N  reading_high_N
+        0    570.0          543.0           597.0
+    """
+    if isinstance(record, Model) or old:
+        _say_old("fit", "pam.fit(record, law, effects)", "pam_ident.fitting")
+        return old_fit(record, law, *([effects] if effects != () else []), held=held, **old)  # type: ignore[return-value]
+    setup = setup_of(law, effects, free_geometry=free_geometry)
+    wishes = FitOptions(branch, method, dict(held or {}), weights, loss, intervals)
+    measured = read(record, specimen)
+    setup, choice = settled(measured, setup)
+    return FitResult(fit_record(measured, setup, wishes), setup, choice)
+
+
+@_worked
+def compare(
+    record: Any, law: Any = AUTO, effects: Any = (), *, specimen: Any = None, free_geometry: bool = False
+) -> ComparisonResult:
+    """Where a law fails on a record.
+
+    Args:
+        record: a Record, what `pam.read` takes, or a result, whose model is asked about.
+        law, effects, specimen, free_geometry: as `pam.fit` takes them.
+
+    Raises:
+        UsageError, DataError, FitError: as `pam.fit`.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> found = pam.compare("hidden_effect", "exponential_law")
+        >>> print(found.follows["share"].idxmax())
+        direction
+    """
+    if isinstance(record, Fit):
+        _say_old("compare", "pam.compare(record, law)", "pam_ident.diagnosis")
+        return old_compare(record)  # type: ignore[return-value]
+    measured, law = _record_and_law(record, law, specimen)
+    setup, choice = settled(measured, setup_of(law, effects, free_geometry=free_geometry))
+    return ComparisonResult(compare_record(measured, setup), setup, choice)
+
+
+@_worked
+def diagnose(
+    record: Any,
+    law: Any = AUTO,
+    effects: Any = (),
+    *,
+    specimen: Any = None,
+    without: Any = (),
+    only: Any = (),
+    free_geometry: bool = False,
+    **old: Any,
+) -> DiagnosisResult:
+    """Which effect a law lacks on a record, or that it lacks none.
+
+    Args:
+        record: a Record, what `pam.read` takes, or a result, whose model is asked about.
+        law, effects, specimen, free_geometry: as `pam.fit` takes them.
+        without, only: effects that are not tried, or the only ones that are.
+        old: what the function of this name took before.
+
+    Raises:
+        UsageError, DataError, FitError: as `pam.fit`.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> print(pam.diagnose("nothing_hidden", "exponential_law").verdict)
+        adequate
+    """
+    if isinstance(record, Model) or old:
+        _say_old("diagnose", "pam.diagnose(record, law)", "pam_ident.diagnosis")
+        return old_diagnose(record, law, tuple(effects), tuple(without), tuple(only), **old)  # type: ignore[return-value]
+    measured, law = _record_and_law(record, law, specimen)
+    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only)
+    setup, choice = settled(measured, asked)
+    return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
+
+
+@_worked
+def ladder(
+    record: Any,
+    law: Any = AUTO,
+    effects: Any = (),
+    *,
+    specimen: Any = None,
+    without: Any = (),
+    only: Any = (),
+    free_geometry: bool = False,
+) -> LadderResult:
+    """Diagnose and add, down to the noise.
+
+    Args:
+        record, law, effects, specimen, without, only, free_geometry: as `pam.diagnose` takes them.
+
+    Raises:
+        UsageError, DataError, FitError: as `pam.fit`.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> print(len(pam.ladder("nothing_hidden", "exponential_law")), "rung")
+        1 rung
+    """
+    measured, law = _record_and_law(record, law, specimen)
+    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only)
+    setup, choice = settled(measured, asked)
+    return LadderResult(climb_ladder(measured, setup), setup, choice)
+
+
+@_worked
+def report(
+    record: Any,
+    law: Any = AUTO,
+    effects: Any = (),
+    *,
+    out: str | Path = "report.html",
+    specimen: Any = None,
+    free_geometry: bool = False,
+) -> Path:
+    """Write the whole answer about a record into one file: HTML, Markdown or PDF, by its ending.
+
+    Args:
+        record: a Record, what `pam.read` takes, or a result, whose model is asked about.
+        law, effects, specimen, free_geometry: as `pam.fit` takes them.
+        out: the file.
+
+    Raises:
+        UsageError, DataError, FitError: as `pam.fit`, and where the file cannot be written.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> print(pam.report("nothing_hidden", "exponential_law", out="answer.html"))
+        answer.html
+    """
+    check_report(str(out))
+    measured, law = _record_and_law(record, law, specimen)
+    setup, _ = settled(measured, setup_of(law, effects, free_geometry=free_geometry))
+    report_record(measured, setup, str(out))
+    return Path(out)
+
+
+@_worked
+def batch(
+    folder: str | Path,
+    law: str,
+    effects: Any = (),
+    *,
+    out: str | Path,
+    branch: str = "together",
+    diagnose: bool = False,
+    workers: int | None = None,
+    free_geometry: bool = False,
+) -> BatchResult:
+    """Fit many muscles alike: a table and a page, resumed where it stopped.
+
+    Args:
+        folder: the tree of records, a `specimen.toml` beside or above each.
+        law, effects: by name, for other processes look them up.
+        out: folder of the results.
+        branch, diagnose, free_geometry: what is fitted, and whether to name what each model lacks, too.
+        workers: processes at a time; by default the cores.
+
+    Raises:
+        UsageError: for what cannot be asked, and where the results cannot be written.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> from pam_ident.records.datasets import dataset_path
+        >>> print(len(pam.batch(dataset_path("dmsp20_300"), "polynomial", out="results", workers=1).params), "row")
+        1 row
+    """
+    from ..batch.run import run_batch
+    from ..tasks.setup import Setup
+
+    asked = setup_of(law, effects, free_geometry=free_geometry)
+    if asked.law == AUTO or asked.objects:
+        raise UsageError("a batch takes a law and effects by name, the same for all its records")
+    plain = Setup(asked.law, asked.effects, free_geometry=free_geometry)
+    executor = Executor.of_cores(workers, None)
+    return BatchResult(run_batch(folder, plain, out, branch=branch, diagnose=diagnose, executor=executor))
+
+
+@_worked
+def track(plant: Any = None, controller: Any = None, **options: Any) -> TrackResult:
+    """A fitted model in the closed loop of a leg: how far the knee is off its gait, and why.
+
+    Args:
+        plant: file of the muscle in the leg, or a fit or ladder; without both, those that come along.
+        controller: the same of what the feed-forward knows.
+        options: gait, cadence_Hz, paper, prototype, gains, supply_MPa, load_kg.
+
+    Raises:
+        UsageError, DataError: for what cannot be run.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> pam.track(gait="winther")
+        Traceback (most recent call last):
+        pam_ident.core.errors.UsageError: --gait winther: expected winter, children or a CSV file with a column knee_deg
+    """
+    from dataclasses import fields
+    from tempfile import TemporaryDirectory
+
+    from ..core.nearest import unknown
+
+    known = [f.name for f in fields(TrackOptions) if f.name not in ("plant", "controller")]
+    for name in options:
+        if name not in known:
+            raise UsageError(unknown("option", name, known, "help(pam.track)"))
+    with TemporaryDirectory() as folder:
+        files = []
+        for name, given in (("plant", plant), ("controller", controller)):
+            if isinstance(given, FitResult | RecordAnswer):
+                path = str(Path(folder, f"{name}.json"))
+                given.to_json(path)
+                given = path
+            files.append(None if given is None else str(given))
+        return TrackResult(track_leg(TrackOptions(*files, **options)))
+
+
+def load(path: str | Path) -> Any:
+    """What `to_json`, or a command's `--json`, wrote: a fit comes back to be asked, any other answer as a dictionary.
+
+    Args:
+        path: the file.
+
+    Raises:
+        DataError: for a file that is no answer of this program.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> pam.fit("dmsp20_300", "martens_boblan").to_json("fit.json")["schema"]
+        'pam-ident/fit/1'
+        >>> print(round(pam.load("fit.json").predict(0.25, 0.1)["force_N"].item()), "N")
+        570 N
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError:
+        raise DataError(f"{path}: is no JSON; expected what to_json or --json wrote") from None
+    found = str(content.get("schema")) if isinstance(content, dict) else ""
+    if not found.startswith("pam-ident/"):
+        raise DataError(f"{path}: is no answer of pam-ident; expected what to_json or --json wrote")
+    return SavedResult.read(path, content) if found.startswith("pam-ident/fit/") else content
+
+
+def _record_and_law(record: Any, law: Any, specimen: Any) -> tuple[RigRecord, Any]:
+    """The record, and the law that was asked for; of a result its own model, where none was."""
+    if isinstance(record, FitResult | RecordAnswer):
+        own = record if isinstance(record, FitResult) else record.fit
+        return own.record, own.model if law == AUTO else law
+    return read(record, specimen), law
+
+
+def _say_old(name: str, new: str, home: str) -> None:
+    warn(
+        f"pam_ident.{name} takes a record first: {new}. What it was is {home}.{name}; this goes in the next version",
+        DeprecationWarning,
+        stacklevel=4,
+    )
