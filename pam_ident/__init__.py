@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .api.catalogue import effects, laws
-    from .api.record import RigRecord as Record
+    from .api.record import ShownRecord as Record
     from .api.record import read
     from .api.verbs import batch, compare, diagnose, fit, ladder, load, report, track
     from .model import Model
@@ -33,7 +33,7 @@ _HOME = {
     "batch": "pam_ident.api.verbs.batch",
     "track": "pam_ident.api.verbs.track",
     "load": "pam_ident.api.verbs.load",
-    "Record": "pam_ident.api.record.RigRecord",
+    "Record": "pam_ident.api.record.ShownRecord",
     "Model": "pam_ident.model.Model",
     "laws": "pam_ident.api.catalogue.laws",
     "effects": "pam_ident.api.catalogue.effects",

@@ -73,7 +73,8 @@ class Model:
         UsageError: for a name that is unknown, or an effect that is named twice.
 
     Example:
-        >>> from pam_ident import Model, read_record
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> inputs = read_record(dataset_record("dmsp20_300")).inputs
         >>> model = Model.build("chou_hannaford", free_geometry=True)
@@ -120,7 +121,7 @@ class Model:
             UsageError: for a name that is unknown, or an effect that is named twice.
 
         Example:
-            >>> from pam_ident import Model
+            >>> from pam_ident.model import Model
             >>> print(Model.build("chou_hannaford", ("viscous_damping",)))
             chou_hannaford: F = π r0² p [a(1−ε)² − b],  a = 3/tan²θ0,  b = 1/sin²θ0
             + viscous_damping: −B ε̇ L0

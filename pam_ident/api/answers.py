@@ -6,12 +6,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..batch.run import Batch
 from ..core.files import check_target, write_json
-from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
 from ..fitting import Fit
-from ..leg.track import Track
-from ..notebook.lines import line
 from ..schema.diagnosis import candidates, comparison_json, diagnosis_json, ladder_json
 from ..schema.prediction import law_choice_json
 from ..schema.track import track_json
@@ -26,6 +22,10 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from ..batch.run import Batch
+    from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
+    from ..leg.track import Track
+
 
 WIDTH = 110
 """Characters of a line at the prompt."""
@@ -36,7 +36,7 @@ def lines_of(*said: str) -> list[str]:
     return [line for one in said for line in textwrap.wrap(one, WIDTH, break_long_words=False)]
 
 
-class Answer(ABC):
+class ShownAnswer(ABC):
     """What all of these share. `details` is the noun itself."""
 
     details: Any
@@ -45,6 +45,8 @@ class Answer(ABC):
     @property
     def sentence(self) -> str:
         """The answer in a sentence."""
+        from ..notebook.lines import line
+
         return line(self.details)
 
     def __repr__(self) -> str:
@@ -66,7 +68,7 @@ class Answer(ABC):
         return found
 
 
-class RecordAnswer(Answer):
+class RecordAnswer(ShownAnswer):
     """An answer about one record; the model that it ends with is `fit`: `params`, `predict`, `residuals` are its."""
 
     def __init__(self, details: Any, setup: ObjectSetup, choice: LawChoice | None) -> None:
@@ -128,7 +130,7 @@ class RecordAnswer(Answer):
 class ComparisonResult(RecordAnswer):
     """Where a fitted model fails. `pam.compare` makes it."""
 
-    details: Comparison
+    details: "Comparison"
 
     @property
     def _last(self) -> Fit:
@@ -166,7 +168,7 @@ class DiagnosisResult(RecordAnswer):
     """Which effect is missing. `pam.diagnose` makes it: `verdict`, `selected`, `groups`, `candidates` and
     `next_experiment`."""
 
-    details: Diagnosis
+    details: "Diagnosis"
 
     @property
     def _last(self) -> Fit:
@@ -228,7 +230,7 @@ class DiagnosisResult(RecordAnswer):
 class LadderResult(RecordAnswer):
     """From the law down to the noise. `pam.ladder` makes it: `rungs`, `verdict`, `noise_floor` (N)."""
 
-    details: Ladder
+    details: "Ladder"
 
     @property
     def _last(self) -> Fit:
@@ -282,10 +284,10 @@ class LadderResult(RecordAnswer):
         return axes_of(ladder.draw, self.details)
 
 
-class TrackResult(Answer):
+class TrackResult(ShownAnswer):
     """A fitted model in the leg's closed loop. `pam.track` makes it: `controllers` is its table."""
 
-    def __init__(self, details: Track) -> None:
+    def __init__(self, details: "Track") -> None:
         self.details = details
 
     def _content(self) -> dict[str, Any]:
@@ -309,10 +311,10 @@ class TrackResult(Answer):
         return axes_of(tracking.draw, self.details)
 
 
-class BatchResult(Answer):
+class BatchResult(ShownAnswer):
     """Many muscles fitted alike. `pam.batch` makes it: `params` is the table, `errors` what went wrong."""
 
-    def __init__(self, details: Batch) -> None:
+    def __init__(self, details: "Batch") -> None:
         self.details = details
 
     @property

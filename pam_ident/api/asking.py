@@ -48,8 +48,12 @@ def setup_of(
     free_geometry: bool = False,
     without: Any = (),
     only: Any = (),
+    extra: Iterable[Effect] = (),
 ) -> ObjectSetup:
-    """What is asked, checked at once. Raises UsageError for a name that nobody knows, or something else than a name."""
+    """What is asked, checked at once; `extra` are effects of one's own that may be named.
+
+    Raises UsageError for a name that nobody knows, or something else than a name.
+    """
     given = [effects] if isinstance(effects, str | Effect | Term) else list(effects or ())
     own = None
     if isinstance(law, Model):
@@ -62,9 +66,11 @@ def setup_of(
         raise UsageError(f"law {law!r}: expected a name, such as 'exponential_law', a Law or a Model")
     elif law != AUTO:
         get_law(law)
-    terms = [one if isinstance(one, str) else as_term(one) for one in given]
+    more = (extra,) if isinstance(extra, Effect) else tuple(extra)
+    terms = [as_term(one, more) if not isinstance(one, str) or more else one for one in given]
     labels = tuple(one if isinstance(one, str) else one.label for one in terms)
-    objects = tuple({one.effect.name: one.effect for one in terms if isinstance(one, Term)}.values())
+    own_effects = [*more, *(one.effect for one in terms if isinstance(one, Term))]
+    objects = tuple({one.name: one for one in own_effects}.values())
     found = ObjectSetup(
         law,
         labels,

@@ -24,7 +24,7 @@ class Catalogue(Mapping[str, T], Generic[T]):
     Example:
         >>> import pam_ident as pam
         >>> print(len(pam.laws), pam.laws["chou_hannaford"].title)
-        9 Ideal braid
+        9 Ideal law of Chou and Hannaford
         >>> print(pam.effects.creep.title)
         Creep and stress relaxation
     """

@@ -27,7 +27,7 @@ from ..tasks.predict import (
     validate_fit,
 )
 from .asking import ObjectSetup
-from .record import RigRecord, read
+from .record import ShownRecord, read
 
 if TYPE_CHECKING:
     import lmfit
@@ -83,7 +83,7 @@ class FitResult(Foretelling):
         self.details, self.setup, self.law_choice = answer, setup, choice
         first = next(iter(answer.fits.values()))
         self.model: Model = first.model
-        self.record = RigRecord.of(first.record)
+        self.record = ShownRecord.of(first.record)
         self.specimen = self.record.specimen
         self.law, self.effects = self.model.law.name, tuple(self.model.labels)
 

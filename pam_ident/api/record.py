@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..core import Specimen, UsageError
 from ..core.nearest import unknown
-from ..notebook.lines import line
 from ..records import Record, read_record, record_from_frame
 
 if TYPE_CHECKING:
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
 
 
-class RigRecord(Record):
+class ShownRecord(Record):
     """A measured record, as `pam.read` gives it.
 
     It is a `pam_ident.records.Record` (force, inputs, levels, specimen, `take`, `branch_rows`) that shows itself.
@@ -31,15 +30,18 @@ class RigRecord(Record):
     """
 
     @classmethod
-    def of(cls, record: Record) -> "RigRecord":
+    def of(cls, record: Record) -> "ShownRecord":
         """The same record, that shows itself."""
         return record if isinstance(record, cls) else cls(**{f.name: getattr(record, f.name) for f in fields(record)})
 
     def __repr__(self) -> str:
+        from ..notebook.lines import line
+
         return line(self)
 
     def summary(self) -> str:
         """What was read: samples, pressures, motion, and advice on the rig, a line each."""
+        from ..notebook.lines import line
         from ..records.inspection import inspect_record
 
         found = inspect_record(self)
@@ -72,7 +74,7 @@ def read(
     *,
     columns: "str | os.PathLike[str] | None" = None,
     name: str = "",
-) -> RigRecord:
+) -> ShownRecord:
     """A record from a file, a folder, a pattern, a data set's name, a table of pandas or a dictionary of arrays.
 
     Args:
@@ -89,15 +91,15 @@ def read(
 
     Example:
         >>> import pam_ident as pam
-        >>> pam.read("dmsp20_300")
-        Record DMSP-20-300: 60 samples at 0, 0.1, 0.2, 0.3, 0.4, 0.5 MPa
+        >>> pam.read("nothing_hidden")
+        Record nothing_hidden: 4680 samples at 0.1, 0.2, 0.3, 0.4, 0.5 MPa
     """
     if isinstance(source, Record):
         found = source if specimen is None else _on(source, as_specimen(specimen))
-        return RigRecord.of(found)
+        return ShownRecord.of(found)
     if isinstance(source, str | os.PathLike):
         muscle = as_specimen(specimen) if specimen is not None else None
-        return RigRecord.of(read_record(Path(source) if isinstance(source, os.PathLike) else source, muscle, columns))
+        return ShownRecord.of(read_record(Path(source) if isinstance(source, os.PathLike) else source, muscle, columns))
     import pandas as pd
 
     if isinstance(source, Mapping):
@@ -113,7 +115,7 @@ def read(
         raise UsageError(
             f"a table needs its muscle; give specimen={{{', '.join(repr(one) for one in GEOMETRY[1:4])}: …}}"
         )
-    return RigRecord.of(record_from_frame(source, as_specimen(specimen), name))
+    return ShownRecord.of(record_from_frame(source, as_specimen(specimen), name))
 
 
 def as_specimen(given: Any) -> Specimen:

@@ -8,23 +8,16 @@ from typing import Any, ParamSpec, TypeVar
 from warnings import warn
 
 from ..core import DataError, UsageError
-from ..diagnosis import compare as old_compare
-from ..diagnosis import diagnose as old_diagnose
 from ..fitting import Fit
 from ..fitting import fit as old_fit
 from ..model import Model
 from ..parallel.executor import Executor
-from ..tasks.compare import compare_record
-from ..tasks.diagnose import diagnose_record
 from ..tasks.fit import FitOptions, fit_record
-from ..tasks.ladder import climb_ladder
 from ..tasks.law_choice import AUTO
-from ..tasks.report import check_report, report_record
-from ..tasks.track import TrackOptions, track_leg
 from .answers import BatchResult, ComparisonResult, DiagnosisResult, LadderResult, RecordAnswer, TrackResult
 from .asking import settled, setup_of
 from .fitted import FitResult, SavedResult
-from .record import RigRecord, read
+from .record import ShownRecord, read
 from .working import working
 
 P = ParamSpec("P")
@@ -82,10 +75,10 @@ def fit(
         >>> import pam_ident as pam
         >>> fitted = pam.fit("dmsp20_300", "martens_boblan")
         >>> print(fitted)
-        martens_boblan fitted to DMSP-20-300: 3.21 N rms, 7.75 N at most, R² 0.999924, 60 samples
+        martens_boblan fitted to DMSP-20-300: 3.21 N rms, 7.70 N at most, R² 0.999924, 60 samples
         >>> print(fitted.predict(0.25, 0.1)[["force_N", "reading_low_N", "reading_high_N"]].round(0).to_string())
            force_N  reading_low_N  reading_high_N
-        0    570.0          543.0           597.0
+        0    135.0          115.0           155.0
     """
     if isinstance(record, Model) or old:
         _say_old("fit", "pam.fit(record, law, effects)", "pam_ident.fitting")
@@ -116,6 +109,9 @@ def compare(
         >>> print(found.follows["share"].idxmax())
         direction
     """
+    from ..diagnosis import compare as old_compare
+    from ..tasks.compare import compare_record
+
     if isinstance(record, Fit):
         _say_old("compare", "pam.compare(record, law)", "pam_ident.diagnosis")
         return old_compare(record)  # type: ignore[return-value]
@@ -133,6 +129,7 @@ def diagnose(
     specimen: Any = None,
     without: Any = (),
     only: Any = (),
+    extra: Any = (),
     free_geometry: bool = False,
     **old: Any,
 ) -> DiagnosisResult:
@@ -142,6 +139,7 @@ def diagnose(
         record: a Record, what `pam.read` takes, or a result, whose model is asked about.
         law, effects, specimen, free_geometry: as `pam.fit` takes them.
         without, only: effects that are not tried, or the only ones that are.
+        extra: Effects of your own that are tried beside the known ones.
         old: what the function of this name took before.
 
     Raises:
@@ -152,11 +150,14 @@ def diagnose(
         >>> print(pam.diagnose("nothing_hidden", "exponential_law").verdict)
         adequate
     """
+    from ..diagnosis import diagnose as old_diagnose
+    from ..tasks.diagnose import diagnose_record
+
     if isinstance(record, Model) or old:
         _say_old("diagnose", "pam.diagnose(record, law)", "pam_ident.diagnosis")
-        return old_diagnose(record, law, tuple(effects), tuple(without), tuple(only), **old)  # type: ignore[return-value]
+        return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
     measured, law = _record_and_law(record, law, specimen)
-    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only)
+    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra)
     setup, choice = settled(measured, asked)
     return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
 
@@ -170,12 +171,13 @@ def ladder(
     specimen: Any = None,
     without: Any = (),
     only: Any = (),
+    extra: Any = (),
     free_geometry: bool = False,
 ) -> LadderResult:
     """Diagnose and add, down to the noise.
 
     Args:
-        record, law, effects, specimen, without, only, free_geometry: as `pam.diagnose` takes them.
+        record, law, effects, specimen, without, only, extra, free_geometry: as `pam.diagnose` takes them.
 
     Raises:
         UsageError, DataError, FitError: as `pam.fit`.
@@ -185,8 +187,10 @@ def ladder(
         >>> print(len(pam.ladder("nothing_hidden", "exponential_law")), "rung")
         1 rung
     """
+    from ..tasks.ladder import climb_ladder
+
     measured, law = _record_and_law(record, law, specimen)
-    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only)
+    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra)
     setup, choice = settled(measured, asked)
     return LadderResult(climb_ladder(measured, setup), setup, choice)
 
@@ -216,6 +220,8 @@ def report(
         >>> print(pam.report("nothing_hidden", "exponential_law", out="answer.html"))
         answer.html
     """
+    from ..tasks.report import check_report, report_record
+
     check_report(str(out))
     measured, law = _record_and_law(record, law, specimen)
     setup, _ = settled(measured, setup_of(law, effects, free_geometry=free_geometry))
@@ -286,6 +292,7 @@ def track(plant: Any = None, controller: Any = None, **options: Any) -> TrackRes
     from tempfile import TemporaryDirectory
 
     from ..core.nearest import unknown
+    from ..tasks.track import TrackOptions, track_leg
 
     known = [f.name for f in fields(TrackOptions) if f.name not in ("plant", "controller")]
     for name in options:
@@ -316,7 +323,7 @@ def load(path: str | Path) -> Any:
         >>> pam.fit("dmsp20_300", "martens_boblan").to_json("fit.json")["schema"]
         'pam-ident/fit/1'
         >>> print(round(pam.load("fit.json").predict(0.25, 0.1)["force_N"].item()), "N")
-        570 N
+        135 N
     """
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -330,7 +337,7 @@ def load(path: str | Path) -> Any:
     return SavedResult.read(path, content) if found.startswith("pam-ident/fit/") else content
 
 
-def _record_and_law(record: Any, law: Any, specimen: Any) -> tuple[RigRecord, Any]:
+def _record_and_law(record: Any, law: Any, specimen: Any) -> tuple[ShownRecord, Any]:
     """The record, and the law that was asked for; of a result its own model, where none was."""
     if isinstance(record, FitResult | RecordAnswer):
         own = record if isinstance(record, FitResult) else record.fit

@@ -28,7 +28,10 @@ def to_frame(result: Any) -> pd.DataFrame:
         UsageError: for anything else.
 
     Example:
-        >>> from pam_ident import Model, fit, read_record, to_frame
+        >>> from pam_ident.export.frames import to_frame
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
         >>> print(to_frame(found)[["parameter", "value", "stderr"]].round(1).head(2))

@@ -66,7 +66,9 @@ class Fit:
     `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
 
     Example:
-        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
         >>> first = found.estimates[0]
@@ -214,7 +216,9 @@ def fit(
         UsageError: when a parameter to hold is unknown or out of its bounds.
 
     Example:
-        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
         >>> print(f"{found.rmse:.2f} N rms, valid: {found.valid}")

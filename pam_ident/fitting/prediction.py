@@ -31,7 +31,7 @@ class ReadingSpread:
 
     `same` is of other cycles at the record's own pressures and speeds, `between` of a pressure between its own,
     `beyond` of one outside them, `speed` of another speed; each from refits without those readings, NaN where the
-    record has too few to leave any out. `pressures` (MPa), `speeds` (mm/s), `contraction` (least, largest) were measured.
+    record has too few to leave any out. `pressures` (MPa), `speeds` (mm/s) and `contraction` (from, to) were measured.
     """
 
     same: float

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ..tasks.law_choice import LawChoice
-    from ..tasks.predict import SavedFit, Trial, Validation
+    from ..tasks.predict import ErrorsThere, SavedFit, Validation
 
 
 def law_choice_json(choice: "LawChoice | None") -> Json:
@@ -47,7 +47,7 @@ def validation_json(fit: str, record: str, found: "Validation") -> Json:
     }
 
 
-def _trial(one: "Trial") -> Json:
+def _trial(one: "ErrorsThere") -> Json:
     named = {"rmse": "rmse_N", "max_error": "max_error_N", "r2": "r2"}
     return {named[key]: value for key, value in asdict(one).items()}
 

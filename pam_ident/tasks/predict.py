@@ -41,7 +41,7 @@ class SavedFit:
 
 
 @dataclass(frozen=True)
-class Trial:
+class ErrorsThere:
     """Errors on a record in N: root mean square, largest, and the coefficient of determination."""
 
     rmse: float
@@ -49,7 +49,7 @@ class Trial:
     r2: float
 
     @classmethod
-    def of(cls, error: Array, force: Array) -> "Trial":
+    def of(cls, error: Array, force: Array) -> "ErrorsThere":
         """From errors and measured forces, (n,) each in N."""
         spread = float(np.sum((force - force.mean()) ** 2))
         r2 = 1.0 - float(error @ error) / spread if spread > 0 else math.nan
@@ -63,10 +63,10 @@ class Validation:
 
     record: Record
     saved: SavedFit
-    trial: Trial
+    trial: ErrorsThere
     coverage: float
     outside: float
-    simpler: Mapping[str, Trial]
+    simpler: Mapping[str, ErrorsThere]
 
     @property
     def as_well(self) -> list[str]:
@@ -243,14 +243,14 @@ def validate_fit(saved: SavedFit, record: Record) -> Validation:
     error = record.force - found.force
     known = np.isfinite(found.half_reading)
     inside = np.abs(error) <= found.half_reading
-    plain: dict[str, Trial] = {}
+    plain: dict[str, ErrorsThere] = {}
     if "together" in saved.simpler:
         forces = saved.simpler["together"].forces(record.inputs)
-        plain = {name: Trial.of(record.force - force, record.force) for name, force in forces.items()}
+        plain = {name: ErrorsThere.of(record.force - force, record.force) for name, force in forces.items()}
     return Validation(
         record,
         saved,
-        Trial.of(error, record.force),
+        ErrorsThere.of(error, record.force),
         float(inside[known].mean()) if known.any() else math.nan,
         float(found.outside.mean()),
         plain,

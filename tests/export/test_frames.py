@@ -50,7 +50,7 @@ def test_a_table_with_other_units_is_the_file_with_them(tmp_path):
         },
         index=[7, 5, 3, 1],
     )
-    made = pam_ident.record_from_frame(frame, specimen, "made")
+    made = record_from_frame(frame, specimen, "made")
     same(read_record(path, specimen), made)
     assert made.name == "made" and made.columns["pressure"] == "Pressure [bar]"
 
@@ -129,7 +129,7 @@ def test_a_table_of_a_record_imports_neither_jax_nor_matplotlib():
     code = (
         "import sys, pandas as pd, pam_ident\n"
         "frame = pd.DataFrame({'pressure_MPa': [0.1, 0.2], 'contraction': [0.0, 0.1], 'force_N': [9.0, 8.0]})\n"
-        "pam_ident.to_frame(pam_ident.record_from_frame(frame, pam_ident.Specimen()))\n"
+        "pam_ident.to_frame(record_from_frame(frame, pam_ident.Specimen()))\n"
         "print([name for name in ('jax', 'matplotlib', 'scipy') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
