@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from .api.catalogue import effects, laws
     from .api.record import ShownRecord as Record
     from .api.record import read
-    from .api.verbs import batch, compare, diagnose, fit, ladder, load, report, track
+    from .api.runs import batch, track
+    from .api.saved import load
+    from .api.verbs import compare, diagnose, fit, ladder, report
     from .model import Model
 
 __version__ = "0.1.0"
@@ -30,9 +32,9 @@ _HOME = {
     "diagnose": "pam_ident.api.verbs.diagnose",
     "ladder": "pam_ident.api.verbs.ladder",
     "report": "pam_ident.api.verbs.report",
-    "batch": "pam_ident.api.verbs.batch",
-    "track": "pam_ident.api.verbs.track",
-    "load": "pam_ident.api.verbs.load",
+    "batch": "pam_ident.api.runs.batch",
+    "track": "pam_ident.api.runs.track",
+    "load": "pam_ident.api.saved.load",
     "Record": "pam_ident.api.record.ShownRecord",
     "Model": "pam_ident.model.Model",
     "laws": "pam_ident.api.catalogue.laws",

@@ -10,8 +10,6 @@ from ..core.files import check_target, write_json
 from ..fitting import Fit
 from ..schema.diagnosis import candidates, comparison_json, diagnosis_json, ladder_json
 from ..schema.prediction import law_choice_json
-from ..schema.track import track_json
-from ..schema.versions import schema
 from ..tasks.fit import answer_of
 from ..tasks.law_choice import LawChoice
 from .asking import ObjectSetup
@@ -22,9 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-    from ..batch.run import Batch
     from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
-    from ..leg.track import Track
 
 
 WIDTH = 110
@@ -154,7 +150,7 @@ class ComparisonResult(RecordAnswer):
         for key, bins in self.details.by.items():
             rows = [(one.label, one.n, one.mean, one.rms, one.share) for one in bins]
             frame = pd.DataFrame(rows, columns=[key, "n", "mean_N", "rms_N", "share"]).set_index(key)
-            parts.append(frame.to_string(float_format=lambda v: f"{v:.3g}"))
+            parts.append(frame.to_string(float_format="{:.3g}".format))
         return "\n\n".join(parts)
 
     def plot(self) -> "Axes":
@@ -213,9 +209,9 @@ class DiagnosisResult(RecordAnswer):
 
     def summary(self) -> str:
         """The sentence, what the error follows, the candidates and the next experiment, as text."""
-        parts = [repr(self), self.follows[["share"]].to_string(float_format=lambda v: f"{v:.2f}")]
+        parts = [repr(self), self.follows.loc[:, ["share"]].to_string(float_format="{:.2f}".format)]
         if len(self.candidates):
-            parts.append(self.candidates.to_string(float_format=lambda v: f"{v:.3g}"))
+            parts.append(self.candidates.to_string(float_format="{:.3g}".format))
         if self.next_experiment:
             parts.append(f"next: {self.next_experiment}")
         return "\n\n".join(parts)
@@ -274,85 +270,11 @@ class LadderResult(RecordAnswer):
 
     def summary(self) -> str:
         """The sentence and the rungs, as text."""
-        shown = self.rungs[["effects", "parameters", "rmse_N", "heldout_rmse_N"]]
-        return "\n\n".join([repr(self), shown.to_string(float_format=lambda v: f"{v:.3g}")])
+        shown = self.rungs.loc[:, ["effects", "parameters", "rmse_N", "heldout_rmse_N"]]
+        return "\n\n".join([repr(self), shown.to_string(float_format="{:.3g}".format)])
 
     def plot(self) -> "Axes":
         """The error over the rungs, down to the noise."""
         from ..plot import ladder
 
         return axes_of(ladder.draw, self.details)
-
-
-class TrackResult(ShownAnswer):
-    """A fitted model in the leg's closed loop. `pam.track` makes it: `controllers` is its table."""
-
-    def __init__(self, details: "Track") -> None:
-        self.details = details
-
-    def _content(self) -> dict[str, Any]:
-        return track_json(self.details)
-
-    @property
-    def controllers(self) -> "pd.DataFrame":
-        """A row a controller, with its rms and peak error in degrees."""
-        from ..export.frames import controllers
-
-        return controllers(self.details)
-
-    def summary(self) -> str:
-        """The sentence and the controllers, as text."""
-        return "\n\n".join([repr(self), self.controllers.to_string(float_format=lambda v: f"{v:.3g}")])
-
-    def plot(self) -> "Axes":
-        """Angles wanted and reached, and the error of each controller."""
-        from ..plot import tracking
-
-        return axes_of(tracking.draw, self.details)
-
-
-class BatchResult(ShownAnswer):
-    """Many muscles fitted alike. `pam.batch` makes it: `params` is the table, `errors` what went wrong."""
-
-    def __init__(self, details: "Batch") -> None:
-        self.details = details
-
-    @property
-    def sentence(self) -> str:
-        """How many records, and where the results are."""
-        return f"{self.details.records} records, {len(self.errors)} with an error; {self.page}"
-
-    def _repr_html_(self) -> str:
-        return self.params.to_html(max_rows=12)
-
-    def _content(self) -> dict[str, Any]:
-        one = self.details
-        return {
-            "schema": schema("batch-summary"),
-            "records": one.records,
-            "kept": one.kept,
-            "errors": one.errors,
-            "table": str(one.table),
-            "page": str(one.page),
-        }
-
-    @property
-    def params(self) -> "pd.DataFrame":
-        """A row a record and branch: parameters with errors, error in N, verdict."""
-        from ..batch.table import read_results
-
-        return read_results(self.details.folder)
-
-    @property
-    def errors(self) -> dict[str, str]:
-        """What went wrong, by record."""
-        return self.details.errors
-
-    @property
-    def page(self) -> Path:
-        """The page that compares the muscles."""
-        return self.details.page
-
-    def summary(self) -> str:
-        """The sentence and the error of each record, as text."""
-        return "\n\n".join([repr(self), self.params[["record", "branch", "rmse_N"]].to_string(index=False)])

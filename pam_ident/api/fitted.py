@@ -1,75 +1,28 @@
-"""A fit as one meets it at the prompt, fresh or read back from its file."""
+"""A fit as one meets it at the prompt."""
 
 import math
 from collections.abc import Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core import Specimen, UsageError
+from ..core import UsageError
 from ..core.files import check_target, write_json
 from ..fitting import Fit
 from ..fitting.prediction import Predictor
 from ..model import Model
-from ..records import Record
 from ..schema.fit import fit_json
 from ..schema.prediction import law_choice_json
 from ..tasks.fit import FitAnswer
 from ..tasks.law_choice import LawChoice
-from ..tasks.predict import (
-    SavedFit,
-    Validation,
-    foretell,
-    inputs_of,
-    prediction_frame,
-    read_fit,
-    states_of,
-    validate_fit,
-)
+from ..tasks.predict import SavedFit, Validation, validate_fit
 from .asking import ObjectSetup
 from .record import ShownRecord, read
+from .saved import COLUMNS, Foretelling
 
 if TYPE_CHECKING:
     import lmfit
     import pandas as pd
     from matplotlib.axes import Axes
-
-COLUMNS = ("value", "stderr", "low", "high", "unit", "verdict", "meaning")
-
-
-class Foretelling:
-    """What every fitted model can be asked: its force elsewhere, and how it does on another record."""
-
-    specimen: Specimen
-    predictors: Mapping[str, Predictor]
-
-    def predict(self, pressure: Any, contraction: Any = None, **more: Any) -> "pd.DataFrame":
-        """Force with 95 % intervals of its mean (`mean_low_N`, `mean_high_N`) and of a new reading (`reading_…`).
-
-        Args:
-            pressure: gauge pressure in MPa, a number or an array; or a Record, a table, or a file, whose pressure and
-                contraction are taken.
-            contraction: ratio of the length at rest, a number or an array.
-            more: where effects need them `time_s`, `temperature_C`, `cycle`, `branch` ('contraction' or 'extension').
-
-        A reading's interval holds the noise and what the model leaves unexplained; NaN where nothing is known of that.
-        `outside` marks states that the record did not reach. Raises UsageError, DataError.
-        """
-        if contraction is not None:
-            inputs = inputs_of(self.specimen, pressure, contraction, **more)
-        elif more:
-            raise UsageError("predict: give pressure and contraction, or one record, table or file")
-        elif isinstance(pressure, Record):
-            inputs = pressure.inputs
-        elif isinstance(pressure, str | Path) or hasattr(pressure, "columns"):
-            inputs = states_of(pressure, self.specimen)
-        elif isinstance(pressure, Mapping):
-            import pandas as pd
-
-            inputs = states_of(pd.DataFrame(dict(pressure)), self.specimen)
-        else:
-            raise UsageError("predict: give contraction beside pressure, or one record, table or file")
-        return prediction_frame(inputs, foretell(self.predictors, inputs))
 
 
 class FitResult(Foretelling):
@@ -87,7 +40,7 @@ class FitResult(Foretelling):
         self.specimen = self.record.specimen
         self.law, self.effects = self.model.law.name, tuple(self.model.labels)
 
-    @cached_property
+    @property
     def predictors(self) -> Mapping[str, Predictor]:
         """The fits by branch, to be asked elsewhere."""
         return self.details.predictors
@@ -179,10 +132,10 @@ class FitResult(Foretelling):
         """The equation, how well it fits, and the parameters, as text."""
         head = self._head()
         columns = {"value": "value", "stderr": "std. error", "low": "95 % from", "high": "to", "unit": "unit"}
-        table = self.params[list(columns)].rename(columns=columns) if self.model.params else None
+        table = self.params.loc[:, list(columns)].rename(columns=columns) if self.model.params else None
         lines = [*head[:1], str(self.model), *head[1:]]
         if table is not None:
-            lines.append(table.to_string(float_format=lambda v: f"{v:.5g}"))
+            lines.append(table.to_string(float_format="{:.5g}".format))
         return "\n".join(lines)
 
     def _head(self) -> list[str]:
@@ -258,55 +211,3 @@ class FitResult(Foretelling):
         """How the fit does on another record: errors, coverage of its intervals, simpler models beside it."""
         saved = SavedFit("", self.law, self.effects, self.specimen, self.predictors, self.details.simpler)
         return validate_fit(saved, read(record, specimen))
-
-
-class SavedResult(Foretelling):
-    """A fit that was read back from its file: `params`, `predict`, `validate`, `summary`; the record is not in it."""
-
-    def __init__(self, saved: SavedFit, content: dict[str, Any]) -> None:
-        self.details, self.content = saved, content
-        self.specimen, self.predictors, self.model = saved.specimen, saved.branches, saved.model
-        self.law, self.effects = saved.law, saved.effects
-
-    @classmethod
-    def read(cls, path: str | Path, content: dict[str, Any]) -> "SavedResult":
-        """From a file of `fit --json`. Raises DataError."""
-        return cls(read_fit(path), content)
-
-    @property
-    def params(self) -> "pd.DataFrame":
-        """A row a parameter, as `FitResult.params`; by branch, too, where there are several."""
-        import pandas as pd
-
-        docs = {p.name: p.doc for p in self.model.params}
-        rows = {
-            (branch, name): (
-                one["value"], one["stderr"], *one["interval"], one["unit"], one["verdict"], docs.get(name, ""),
-            )
-            for branch, holder in self.content["branches"].items()
-            for name, one in holder["parameters"].items()
-        }  # fmt: skip
-        frame = pd.DataFrame(list(rows.values()), columns=list(COLUMNS))
-        if not rows:
-            return frame
-        frame.index = pd.MultiIndex.from_tuples(list(rows), names=["branch", "parameter"])
-        return frame.droplevel("branch") if len(self.predictors) == 1 else frame
-
-    def summary(self) -> str:
-        """The equation and the parameters, as text."""
-        return "\n".join([repr(self), str(self.model), self.params.iloc[:, :5].to_string()])
-
-    def __repr__(self) -> str:
-        names = " + ".join([self.law, *self.effects])
-        errors = ", ".join(f"{one['rmse_N']:.3g} N" for one in self.content["branches"].values())
-        return f"{names} fitted to {self.content['record']}: {errors} rms (from {self.details.path})"
-
-    def validate(self, record: Any, specimen: Any = None) -> Validation:
-        """How the fit does on another record. Raises DataError."""
-        return validate_fit(self.details, read(record, specimen))
-
-    def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
-        """What the file holds, written to `path` where one is given."""
-        if path is not None:
-            write_json(check_target(path), self.content)
-        return self.content

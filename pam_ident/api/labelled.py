@@ -13,7 +13,7 @@ UNITS = {"s": "s", "MPa": "MPa", "N": "N", "C": "degC", "mm_s": "mm/s", "mm": "m
 def dataset(frame: "pd.DataFrame", about: dict[str, str]) -> Any:
     """A Dataset over `sample` with a variable a column. Raises UsageError where xarray is missing."""
     try:
-        import xarray
+        import xarray  # pyright: ignore[reportMissingImports]
     except ImportError:
         raise UsageError("to_xarray needs xarray; pip install xarray") from None
     found = {}

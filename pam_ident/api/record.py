@@ -99,7 +99,13 @@ def read(
         return ShownRecord.of(found)
     if isinstance(source, str | os.PathLike):
         muscle = as_specimen(specimen) if specimen is not None else None
-        return ShownRecord.of(read_record(Path(source) if isinstance(source, os.PathLike) else source, muscle, columns))
+        return ShownRecord.of(
+            read_record(
+                Path(source) if isinstance(source, os.PathLike) else source,
+                muscle,
+                None if columns is None else Path(columns),
+            )
+        )
     import pandas as pd
 
     if isinstance(source, Mapping):

@@ -1,41 +1,23 @@
 """The verbs: each takes a record, or what one is read from, and a law and effects, by name or as objects."""
 
-import json
-from collections.abc import Callable, Mapping
-from functools import wraps
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 from warnings import warn
 
-from ..core import DataError, UsageError
 from ..fitting import Fit
 from ..fitting import fit as old_fit
 from ..model import Model
-from ..parallel.executor import Executor
 from ..tasks.fit import FitOptions, fit_record
 from ..tasks.law_choice import AUTO
-from .answers import BatchResult, ComparisonResult, DiagnosisResult, LadderResult, RecordAnswer, TrackResult
+from .answers import ComparisonResult, DiagnosisResult, LadderResult, RecordAnswer
 from .asking import settled, setup_of
-from .fitted import FitResult, SavedResult
+from .fitted import FitResult
 from .record import ShownRecord, read
-from .working import working
-
-P = ParamSpec("P")
-R = TypeVar("R")
+from .working import worked
 
 
-def _worked(verb: Callable[P, R]) -> Callable[P, R]:
-    """The verb with small matrices on one thread, and a bar where a notebook shows it."""
-
-    @wraps(verb)
-    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
-        with working():
-            return verb(*args, **kwargs)
-
-    return inside
-
-
-@_worked
+@worked
 def fit(
     record: Any,
     law: Any = AUTO,
@@ -90,7 +72,7 @@ def fit(
     return FitResult(fit_record(measured, setup, wishes), setup, choice)
 
 
-@_worked
+@worked
 def compare(
     record: Any, law: Any = AUTO, effects: Any = (), *, specimen: Any = None, free_geometry: bool = False
 ) -> ComparisonResult:
@@ -120,7 +102,7 @@ def compare(
     return ComparisonResult(compare_record(measured, setup), setup, choice)
 
 
-@_worked
+@worked
 def diagnose(
     record: Any,
     law: Any = AUTO,
@@ -162,7 +144,7 @@ def diagnose(
     return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
 
 
-@_worked
+@worked
 def ladder(
     record: Any,
     law: Any = AUTO,
@@ -195,7 +177,7 @@ def ladder(
     return LadderResult(climb_ladder(measured, setup), setup, choice)
 
 
-@_worked
+@worked
 def report(
     record: Any,
     law: Any = AUTO,
@@ -227,114 +209,6 @@ def report(
     setup, _ = settled(measured, setup_of(law, effects, free_geometry=free_geometry))
     report_record(measured, setup, str(out))
     return Path(out)
-
-
-@_worked
-def batch(
-    folder: str | Path,
-    law: str,
-    effects: Any = (),
-    *,
-    out: str | Path,
-    branch: str = "together",
-    diagnose: bool = False,
-    workers: int | None = None,
-    free_geometry: bool = False,
-) -> BatchResult:
-    """Fit many muscles alike: a table and a page, resumed where it stopped.
-
-    Args:
-        folder: the tree of records, a `specimen.toml` beside or above each.
-        law, effects: by name, for other processes look them up.
-        out: folder of the results.
-        branch, diagnose, free_geometry: what is fitted, and whether to name what each model lacks, too.
-        workers: processes at a time; by default the cores.
-
-    Raises:
-        UsageError: for what cannot be asked, and where the results cannot be written.
-
-    Example:
-        >>> import pam_ident as pam
-        >>> from pam_ident.records.datasets import dataset_path
-        >>> print(len(pam.batch(dataset_path("dmsp20_300"), "polynomial", out="results", workers=1).params), "row")
-        1 row
-    """
-    from ..batch.run import run_batch
-    from ..tasks.setup import Setup
-
-    asked = setup_of(law, effects, free_geometry=free_geometry)
-    if asked.law == AUTO or asked.objects:
-        raise UsageError("a batch takes a law and effects by name, the same for all its records")
-    plain = Setup(asked.law, asked.effects, free_geometry=free_geometry)
-    executor = Executor.of_cores(workers, None)
-    return BatchResult(run_batch(folder, plain, out, branch=branch, diagnose=diagnose, executor=executor))
-
-
-@_worked
-def track(plant: Any = None, controller: Any = None, **options: Any) -> TrackResult:
-    """A fitted model in the closed loop of a leg: how far the knee is off its gait, and why.
-
-    Args:
-        plant: file of the muscle in the leg, or a fit or ladder; without both, those that come along.
-        controller: the same of what the feed-forward knows.
-        options: gait, cadence_Hz, paper, prototype, gains, supply_MPa, load_kg.
-
-    Raises:
-        UsageError, DataError: for what cannot be run.
-
-    Example:
-        >>> import pam_ident as pam
-        >>> pam.track(gait="winther")
-        Traceback (most recent call last):
-        pam_ident.core.errors.UsageError: --gait winther: expected winter, children or a CSV file with a column knee_deg
-    """
-    from dataclasses import fields
-    from tempfile import TemporaryDirectory
-
-    from ..core.nearest import unknown
-    from ..tasks.track import TrackOptions, track_leg
-
-    known = [f.name for f in fields(TrackOptions) if f.name not in ("plant", "controller")]
-    for name in options:
-        if name not in known:
-            raise UsageError(unknown("option", name, known, "help(pam.track)"))
-    with TemporaryDirectory() as folder:
-        files = []
-        for name, given in (("plant", plant), ("controller", controller)):
-            if isinstance(given, FitResult | RecordAnswer):
-                path = str(Path(folder, f"{name}.json"))
-                given.to_json(path)
-                given = path
-            files.append(None if given is None else str(given))
-        return TrackResult(track_leg(TrackOptions(*files, **options)))
-
-
-def load(path: str | Path) -> Any:
-    """What `to_json`, or a command's `--json`, wrote: a fit comes back to be asked, any other answer as a dictionary.
-
-    Args:
-        path: the file.
-
-    Raises:
-        DataError: for a file that is no answer of this program.
-
-    Example:
-        >>> import pam_ident as pam
-        >>> pam.fit("dmsp20_300", "martens_boblan").to_json("fit.json")["schema"]
-        'pam-ident/fit/1'
-        >>> print(round(pam.load("fit.json").predict(0.25, 0.1)["force_N"].item()), "N")
-        135 N
-    """
-    try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
-    except ValueError:
-        raise DataError(f"{path}: is no JSON; expected what to_json or --json wrote") from None
-    found = str(content.get("schema")) if isinstance(content, dict) else ""
-    if not found.startswith("pam-ident/"):
-        raise DataError(f"{path}: is no answer of pam-ident; expected what to_json or --json wrote")
-    return SavedResult.read(path, content) if found.startswith("pam-ident/fit/") else content
 
 
 def _record_and_law(record: Any, law: Any, specimen: Any) -> tuple[ShownRecord, Any]:

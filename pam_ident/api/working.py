@@ -2,12 +2,15 @@
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import Any
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 from ..core.progress import Stage, heard
 
+P = ParamSpec("P")
+R = TypeVar("R")
 PATIENCE, PAUSE = 1.0, 0.3
 """Seconds of work before a bar is shown, and between two changes of it."""
 
@@ -26,6 +29,17 @@ def working() -> Iterator[None]:
             after.callback(bar.clear)
             after.enter_context(heard(bar.tell))
         yield
+
+
+def worked(verb: Callable[P, R]) -> Callable[P, R]:
+    """The verb with small matrices on one thread, and a bar where a notebook shows it."""
+
+    @wraps(verb)
+    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
+        with working():
+            return verb(*args, **kwargs)
+
+    return inside
 
 
 def in_jupyter() -> bool:

@@ -35,5 +35,6 @@ def predict(
     else:
         write_whole(out, table)
         text.say(f"{len(frame)} rows: {out}")
-    if frame["outside"].any():
-        text.warn(f"{int(frame['outside'].sum())} rows lie outside what was fitted; intervals there were never tried")
+    outside = int(frame["outside"].to_numpy().sum())
+    if outside:
+        text.warn(f"{outside} rows lie outside what was fitted; intervals there were never tried")

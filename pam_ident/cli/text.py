@@ -56,8 +56,8 @@ def columns() -> int | None:
 
 def _broken(line: str, width: int) -> str:
     head = line[: len(line) - len(line.lstrip())]
-    indents = {"initial_indent": head, "subsequent_indent": head + INDENT}
-    return "\n".join(textwrap.wrap(line.strip(), width, break_long_words=False, break_on_hyphens=False, **indents))
+    wrapper = textwrap.TextWrapper(width, head, head + INDENT, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(wrapper.wrap(line.strip()))
 
 
 def number(value: float | None, digits: int = 4) -> str:

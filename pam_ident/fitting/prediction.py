@@ -197,7 +197,7 @@ class Predictor:
         return Prediction(force, stderr, half, reading, self.spread.outside(inputs))
 
     def _stderr(self, inputs: Inputs, force: Array) -> Array:
-        if not self._index:
+        if self.matrix is None or not self._index:
             return np.zeros(len(force)) if not self.model.params else np.full(len(force), math.nan)
         slopes = jacobian(self.model, inputs, self.values, force)[:, self._index]
         return np.sqrt(np.maximum(np.einsum("nk,kl,nl->n", slopes, self.matrix, slopes), 0.0))

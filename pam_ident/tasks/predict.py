@@ -116,9 +116,12 @@ def _predictor(found: Answer, holder: Mapping[str, Any], model: Model, specimen:
 def _reading(table: Any) -> ReadingSpread | None:
     if not isinstance(table, dict):
         return None
-    halves = [math.nan if table.get(f"{key}_N") is None else float(table[f"{key}_N"]) for key in READING]
+    same, between, beyond, speed = (
+        math.nan if table.get(f"{key}_N") is None else float(table[f"{key}_N"]) for key in READING
+    )
     low, high = table["contraction"]
-    return ReadingSpread(*halves, tuple(table["pressures_MPa"]), tuple(table["speeds_mm_s"]), (low, high))
+    pressures, speeds = tuple(table["pressures_MPa"]), tuple(table["speeds_mm_s"])
+    return ReadingSpread(same, between, beyond, speed, pressures, speeds, (low, high))
 
 
 READING = ("same", "between", "beyond", "speed")
