@@ -53,7 +53,7 @@ class BatchResult(ShownAnswer):
     """Many muscles fitted alike. `pam.batch` makes it: `params` is the table, `errors` what went wrong."""
 
     def __init__(self, details: "Batch") -> None:
-        self.details = details
+        self.details, self.law_choice = details, details.law_choice
 
     @property
     def sentence(self) -> str:
@@ -99,7 +99,7 @@ class BatchResult(ShownAnswer):
 @worked
 def batch(
     folder: str | Path,
-    law: str,
+    law: str = AUTO,
     effects: Any = (),
     *,
     out: str | Path,
@@ -112,7 +112,7 @@ def batch(
 
     Args:
         folder: the tree of records, a `specimen.toml` beside or above each.
-        law, effects: by name, for other processes look them up.
+        law, effects: by name, for other processes look them up; without a law one is chosen on the first records.
         out: folder of the results.
         branch, diagnose, free_geometry: what is fitted, and whether to name what each model lacks, too.
         workers: processes at a time; by default the cores.
@@ -130,8 +130,8 @@ def batch(
     from ..tasks.setup import Setup
 
     asked = setup_of(law, effects, free_geometry=free_geometry)
-    if asked.law == AUTO or asked.objects:
-        raise UsageError("a batch takes a law and effects by name, the same for all its records")
+    if asked.objects:
+        raise UsageError("a batch takes effects by name, for other processes look them up")
     plain = Setup(asked.law, asked.effects, free_geometry=free_geometry)
     executor = Executor.of_cores(workers, None)
     return BatchResult(run_batch(folder, plain, out, branch=branch, diagnose=diagnose, executor=executor))

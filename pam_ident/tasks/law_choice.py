@@ -1,6 +1,7 @@
 """Which law to take for a record: all of them, compared on data that they have not seen."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,8 @@ Array = np.ndarray
 ROWS = 5_000
 """Rows of a longer record that are enough to compare laws."""
 FOLDS = 5
+ALIKE = 1.01
+"""Ratio of mean errors up to which laws foretell several records alike."""
 EXACT = 1e-6
 """Error over the largest force that is as good as none."""
 
@@ -98,6 +101,43 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
         raise FitError(f"{record.source or record.name}: no law can be fitted. {trials[0].problem}")
     trials.sort(key=lambda t: (math.isnan(t.rmse), t.heldout_rmse if masks else t.rmse))
     return _chosen(tuple(trials), squares, masks, float(np.max(np.abs(record.force))))
+
+
+def choose_for_all(records: Sequence[Record], setup: Setup) -> LawChoice:
+    """One law for several records: that of the least error on held-out data, in the geometric mean over the records.
+
+    Errors in the trials are such means. Of laws within a hundredth the one with the fewest parameters is taken, and one
+    with a problem only where all have one. Raises FitError where no law can be fitted to all of them.
+    """
+    found = [{t.law: t for t in choose_law(record, setup).trials} for record in records]
+    trials = []
+    for law in found[0]:
+        mine = [one[law] for one in found]
+        rmse, heldout = (math.exp(sum(map(_log, each)) / len(mine)) for each in zip(*map(_errors, mine), strict=True))
+        problem = next((t.problem for t in mine if t.problem), "")
+        trials.append(LawTrial(law, mine[0].parameters, rmse, heldout, problem))
+    trials.sort(key=lambda t: (math.isnan(t.heldout_rmse), t.heldout_rmse))
+    fitted = [t for t in trials if not math.isnan(t.heldout_rmse)]
+    if not fitted:
+        raise FitError(f"no law can be fitted to all of {len(records)} records. {trials[0].problem}")
+    able = [t for t in fitted if not t.problem] or fitted
+    alike = [t for t in able if t.heldout_rmse <= ALIKE * able[0].heldout_rmse]
+    best = min(alike, key=lambda t: (t.parameters, t.heldout_rmse))
+    second = next((t for t in able if t is not best), None)
+    told = f"{best.law} ({best.parameters} parameters) errs by {best.heldout_rmse:.3g} N"
+    why = f"{told} on held-out data of {len(records)} records"
+    return LawChoice(
+        best.law, why + (f"; {second.law} by {second.heldout_rmse:.3g} N" if second else ""), tuple(trials)
+    )
+
+
+def _errors(trial: LawTrial) -> tuple[float, float]:
+    """Error on the rows fitted, and on held-out ones where there are any."""
+    return trial.rmse, trial.rmse if math.isnan(trial.heldout_rmse) else trial.heldout_rmse
+
+
+def _log(error: float) -> float:
+    return math.log(max(error, 1e-9)) if not math.isnan(error) else math.nan
 
 
 def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array], largest: float) -> LawChoice:

@@ -90,7 +90,7 @@ def written(root, tmp_path_factory):
         ("effects",),
         ("demo", "--out", folder / "demo"),
         ("rig", folder / "set", "--n", 1, "--only", "null"),
-        ("batch", tree, *law, "--out", folder / "results", "--workers", 1),
+        ("batch", tree, "--out", folder / "results", "--workers", 1),
     ]
     answers = {}
     with pytest.MonkeyPatch.context() as patch:

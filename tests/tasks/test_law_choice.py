@@ -6,7 +6,7 @@ import pytest
 from pam_ident.core import FitError, Specimen, UsageError
 from pam_ident.laws import catalogue
 from pam_ident.records import build_record, read_record
-from pam_ident.tasks.law_choice import choose_law, settle
+from pam_ident.tasks.law_choice import choose_for_all, choose_law, settle
 from pam_ident.tasks.setup import AUTO, Setup
 
 MUSCLE = Specimen("made", 200.0, 10.0, 25.4)
@@ -65,3 +65,11 @@ def test_a_record_that_no_law_fits_says_why():
     record = read_record("dmsp20_300")
     with pytest.raises(FitError, match="no law can be fitted"):
         choose_law(record, Setup(AUTO, ("viscous_damping",)))
+
+
+def test_one_law_is_chosen_for_several_records():
+    records = [made("exponential_law", TRUE["exponential_law"], noise) for noise in (1.0, 2.0)]
+    choice = choose_for_all(records, Setup(AUTO))
+    assert choice.law == "exponential_law" and "of 2 records" in choice.why
+    alone = [choose_law(one, Setup(AUTO)).trials[0].heldout_rmse for one in records]
+    assert choice.trials[0].heldout_rmse == pytest.approx(np.sqrt(alone[0] * alone[1]))
