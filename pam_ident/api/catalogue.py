@@ -98,4 +98,6 @@ class EffectCatalogue(Catalogue[Effect]):
 
 
 laws: Catalogue[Law] = Catalogue(import_module("pam_ident.laws"), "law")
+"""The force laws that are known."""
 effects = EffectCatalogue(import_module("pam_ident.effects"), "effect")
+"""The effects that are known."""

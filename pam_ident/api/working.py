@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 from ..core.progress import Stage, heard
 
 P = ParamSpec("P")
-R = TypeVar("R")
+Result = TypeVar("Result")
 PATIENCE, PAUSE = 1.0, 0.3
 """Seconds of work before a bar is shown, and between two changes of it."""
 
@@ -31,11 +31,11 @@ def working() -> Iterator[None]:
         yield
 
 
-def worked(verb: Callable[P, R]) -> Callable[P, R]:
+def worked(verb: Callable[P, Result]) -> Callable[P, Result]:
     """The verb with small matrices on one thread, and a bar where a notebook shows it."""
 
     @wraps(verb)
-    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
+    def inside(*args: P.args, **kwargs: P.kwargs) -> Result:
         with working():
             return verb(*args, **kwargs)
 
