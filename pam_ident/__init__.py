@@ -2,39 +2,108 @@
 
 Compare a force model with an isobaric test-rig record, see where it fails, learn which physical
 effect is missing, add it and watch the error fall.
+
+    import pam_ident as pam
+
+    record = pam.read("run.csv")
+    pam.diagnose(record, "exponential_law")
 """
 
 import sys
 from importlib import import_module
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .api.catalogue import effects, laws
+    from .api.record import ShownRecord as Record
+    from .api.record import read
+    from .api.runs import batch, track
+    from .api.saved import load
+    from .api.verbs import compare, diagnose, fit, ladder, report
+    from .model import Model
 
 __version__ = "0.1.0"
 
 _HOME = {
-    "Specimen": "pam_ident.core",
-    "Record": "pam_ident.records",
-    "read_record": "pam_ident.records",
-    "record_from_frame": "pam_ident.records",
-    "laws": "pam_ident.laws",
-    "effects": "pam_ident.effects",
-    "Model": "pam_ident.model",
-    "fit": "pam_ident.fitting",
-    "compare": "pam_ident.diagnosis",
-    "diagnose": "pam_ident.diagnosis",
-    "climb": "pam_ident.diagnosis",
-    "to_frame": "pam_ident.export.frames",
-    "latex": "pam_ident.export.equation",
+    "read": "pam_ident.api.record.read",
+    "fit": "pam_ident.api.verbs.fit",
+    "compare": "pam_ident.api.verbs.compare",
+    "diagnose": "pam_ident.api.verbs.diagnose",
+    "ladder": "pam_ident.api.verbs.ladder",
+    "report": "pam_ident.api.verbs.report",
+    "batch": "pam_ident.api.runs.batch",
+    "track": "pam_ident.api.runs.track",
+    "load": "pam_ident.api.saved.load",
+    "Record": "pam_ident.api.record.ShownRecord",
+    "Model": "pam_ident.model.Model",
+    "laws": "pam_ident.api.catalogue.laws",
+    "effects": "pam_ident.api.catalogue.effects",
 }
+_OLD = {
+    "Specimen": ("pam_ident.core.Specimen", "a dictionary as specimen="),
+    "read_record": ("pam_ident.records.read_record", "pam.read"),
+    "record_from_frame": ("pam_ident.records.record_from_frame", "pam.read"),
+    "climb": ("pam_ident.diagnosis.climb", "pam.ladder"),
+    "to_frame": ("pam_ident.export.frames.to_frame", "a result's params, residuals or to_frame()"),
+    "latex": ("pam_ident.export.equation.latex", "pam_ident.export.equation.latex"),
+}
+"""Names that go in the next version: where each is, and what stands in its place."""
 
-__all__ = ["__version__", *_HOME]
+__all__ = [
+    "Model",
+    "Record",
+    "batch",
+    "compare",
+    "diagnose",
+    "effects",
+    "fit",
+    "ladder",
+    "laws",
+    "load",
+    "read",
+    "report",
+    "track",
+]
 
 
 def __getattr__(name: str) -> Any:
     """Import on first use: `pam-ident --help` must not pay for numpy."""
-    if name not in _HOME:
+    if name in _HOME:
+        home, _, found = _HOME[name].rpartition(".")
+        return getattr(import_module(home), found)
+    if name in _OLD:
+        import warnings
+
+        path, instead = _OLD[name]
+        message = (
+            f"pam_ident.{name} goes in the next version; take {instead}, or import it from {path.rpartition('.')[0]}"
+        )
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        home, _, found = path.rpartition(".")
+        return getattr(import_module(home), found)
+    if name.startswith("_"):
         raise AttributeError(f"module 'pam_ident' has no attribute {name!r}")
-    home = import_module(_HOME[name])
-    return home if home.__name__ == f"pam_ident.{name}" else getattr(home, name)
+    from .core.nearest import nearest
+
+    near = nearest(name, _HOME)
+    hint = f"; did you mean {' or '.join(near)}?" if near else f"; it offers {', '.join(__all__)}"
+    raise AttributeError(f"module 'pam_ident' has no attribute {name!r}{hint}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *(name for name in globals() if name.startswith("__") and name.endswith("__"))]
+
+
+class _Root(ModuleType):
+    """Keeps `report`, `batch`, `laws` and `effects` what they are where the subpackages of these names are imported."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (name in _HOME and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Root
 
 
 def load_ipython_extension(shell: Any) -> None:

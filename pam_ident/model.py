@@ -1,6 +1,6 @@
 """A model is one law plus labelled effects; nothing else."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from inspect import Parameter, Signature
@@ -48,20 +48,33 @@ class Term:
         return self.columns(inputs, values, force) @ sizes
 
 
-@dataclass(frozen=True)
+def as_term(effect: "str | Effect | Term", extra: tuple[Effect, ...] = ()) -> Term:
+    """A term from `name` or `name:form`, from an effect (its simplest form), or as it is. Raises UsageError."""
+    if isinstance(effect, str):
+        return Term(*get_effect(effect, extra))
+    if isinstance(effect, Effect):
+        return Term(effect, effect.forms[0])
+    if isinstance(effect, Term):
+        return effect
+    raise UsageError(f"effect {effect!r}: expected a name, such as 'creep', or an Effect")
+
+
+@dataclass(frozen=True, init=False, repr=False)
 class Model:
     """F(p, ε, …): one law, and effects in one of their forms each. It holds no numbers; a fit finds them.
 
     Args:
-        law: the static force law.
-        terms: its effects, each with its form.
+        law: the static force law, or its name.
+        effects: its effects: names, `name` or `name:form`, effects, or terms.
         free_geometry: whether radius and braid angle are fitted, and counted, too.
+        terms: more terms.
 
     Raises:
-        UsageError: when an effect is named twice.
+        UsageError: for a name that is unknown, or an effect that is named twice.
 
     Example:
-        >>> from pam_ident import Model, read_record
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> inputs = read_record(dataset_record("dmsp20_300")).inputs
         >>> model = Model.build("chou_hannaford", free_geometry=True)
@@ -73,7 +86,20 @@ class Model:
     terms: tuple[Term, ...] = ()
     free_geometry: bool = False
 
-    def __post_init__(self) -> None:
+    def __init__(
+        self,
+        law: Law | str,
+        effects: "Sequence[str | Effect | Term] | str" = (),
+        free_geometry: bool = False,
+        *,
+        terms: tuple[Term, ...] = (),
+    ) -> None:
+        if not isinstance(law, str | Law):
+            raise UsageError(f"law {law!r}: expected a name, such as 'exponential_law', or a Law")
+        given = (effects,) if isinstance(effects, str | Effect | Term) else effects
+        object.__setattr__(self, "law", get_law(law) if isinstance(law, str) else law)
+        object.__setattr__(self, "terms", (*map(as_term, given), *terms))
+        object.__setattr__(self, "free_geometry", free_geometry)
         names = self.effect_names
         twice = {n for n in names if names.count(n) > 1}
         if twice:
@@ -95,12 +121,15 @@ class Model:
             UsageError: for a name that is unknown, or an effect that is named twice.
 
         Example:
-            >>> from pam_ident import Model
+            >>> from pam_ident.model import Model
             >>> print(Model.build("chou_hannaford", ("viscous_damping",)))
             chou_hannaford: F = π r0² p [a(1−ε)² − b],  a = 3/tan²θ0,  b = 1/sin²θ0
             + viscous_damping: −B ε̇ L0
         """
-        return cls(get_law(law), tuple(Term(*get_effect(name, extra)) for name in effects), free_geometry)
+        return cls(law, tuple(as_term(name, extra) for name in effects), free_geometry)
+
+    def __repr__(self) -> str:
+        return f"Model {self}"
 
     def __str__(self) -> str:
         """The equation in text: the law's formula, and a line an effect."""

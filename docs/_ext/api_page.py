@@ -11,7 +11,7 @@ import pam_ident
 
 PACKAGES = (
     "core", "records", "laws", "effects", "model", "fitting", "diagnosis", "leg", "export", "plot", "report", "rig",
-    "workbench", "tasks", "batch", "validation", "schema", "parallel",
+    "workbench", "api", "tasks", "batch", "validation", "schema", "parallel",
 )  # fmt: skip
 
 
@@ -22,6 +22,7 @@ def public_names(package: str) -> list[str]:
         "leg",
         "export",
         "tasks",
+        "api",
         "batch",
         "validation",
         "schema",
@@ -39,15 +40,10 @@ def root_page() -> str:
     """The names at the root with their homes, and the list of the subpackages' pages."""
     rows = []
     for name in pam_ident.__all__:
-        if name == "__version__":
-            rows.append("| `__version__` | the version of the program |")
-            continue
         thing = getattr(pam_ident, name)
         first = (inspect.getdoc(thing) or "").splitlines()[0]
-        home = pam_ident._HOME[name]
-        role = "mod" if inspect.ismodule(thing) else "class" if inspect.isclass(thing) else "func"
-        target = home if role == "mod" else f"{home}.{name}"
-        rows.append(f"| {{py:{role}}}`{name} <{target}>` | {first} |")
+        role = "class" if inspect.isclass(thing) else "func" if inspect.isfunction(thing) else "data"
+        rows.append(f"| {{py:{role}}}`{name} <{pam_ident._HOME[name]}>` | {first} |")
     listing = "\n".join(PACKAGES)
     return (
         "# Reference of the Python names\n\n"

@@ -1,30 +1,34 @@
 """Many records fitted alike: resumed where it stopped, one table and one page at the end."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from .. import __version__
 from ..core import PamError, UsageError
 from ..core.files import write_whole
 from ..parallel.executor import Executor
-from ..tasks.setup import Setup
+from ..tasks.law_choice import LawChoice, choose_for_all
+from ..tasks.setup import AUTO, Setup, load
 from .record import Changed, answer
 from .request import BatchRequest, Item, WorkList, plan
 from .store import Store
 from .table import read_results, require_arrow, table
 
+TRIED = 5
+"""Records that a law is chosen on, the first that can be read."""
 TABLE, PAGE, KEPT = "results.parquet", "index.html", "records"
 
 
 @dataclass(frozen=True)
 class Batch:
-    """What a batch came to: its records, how many answers were kept from an earlier run, and the first error by record
-    of those that have one."""
+    """What a batch came to: its records, how many answers were kept from an earlier run, the first error by record of
+    those that have one, and how the law was chosen where none was named."""
 
     folder: Path
     records: int
     kept: int
     errors: dict[str, str]
+    law_choice: LawChoice | None = None
 
     @property
     def table(self) -> Path:
@@ -73,9 +77,10 @@ def run_batch(
         1 record, 0 errors, results.parquet
     """
     require_arrow()
-    question = BatchRequest(setup, branch, diagnose)
-    _ = setup.model
+    setup.check()
     folder, out = Path(folder), Path(out)
+    setup, choice = _settled(folder, out, setup)
+    question = BatchRequest(setup, branch, diagnose)
     asked = plan(folder, question, out)
     store = Store(_make(out.resolve() / KEPT))
     waiting = [item for item in asked.items if store.get(item.key) is None]
@@ -95,7 +100,29 @@ def run_batch(
     words = ["--branch", branch, *(["--diagnose"] if diagnose else []), "--out", str(out)]
     _conclude(asked, question, store, lost, out, setup.command("batch", str(folder), *words))
     bad = read_results(out).dropna(subset="error").drop_duplicates("record")
-    return Batch(out, len(asked), kept, dict(zip(bad["record"], bad["error"], strict=True)))
+    return Batch(out, len(asked), kept, dict(zip(bad["record"], bad["error"], strict=True)), choice)
+
+
+def _settled(folder: Path, out: Path, setup: Setup) -> tuple[Setup, LawChoice | None]:
+    """The setup with a law, of `auto` that which does best on the first records, and how it was chosen.
+
+    Raises UsageError where none of them can be read.
+    """
+    if setup.law != AUTO:
+        return setup, None
+    items = plan(folder, BatchRequest(replace(setup, law="chou_hannaford")), out).items
+    records = []
+    for item in items:
+        try:
+            records.append(load(item.path, item.specimen))
+        except PamError:
+            continue
+        if len(records) == TRIED:
+            break
+    if not records:
+        raise UsageError(f"{folder}: no record can be read to choose a law on; name one with --law")
+    choice = choose_for_all(records, setup)
+    return replace(setup, law=choice.law), choice
 
 
 @dataclass(frozen=True)

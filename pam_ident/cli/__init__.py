@@ -18,10 +18,12 @@ from . import (
     inspect,
     ladder,
     laws,
+    predict,
     report,
     rig,
     selftest,
     track,
+    validate,
     workbench,
 )
 from .completion import whole_words
@@ -47,6 +49,8 @@ for command in (
     add.add,
     ladder.ladder,
     report.report,
+    validate.validate,
+    predict.predict,
     export.export,
     batch.batch,
     rig.rig,

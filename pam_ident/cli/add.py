@@ -7,13 +7,13 @@ from . import options, text
 
 def add(
     record: options.Record,
-    law: options.Law,
     effect: Annotated[
         list[str],
         options.option(
             "--effect", "NAME", "Effect to add, NAME or NAME:FORM; repeatable.", autocompletion=options.effect_names
         ),
     ],
+    law: options.Law = "auto",
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
     specimen: options.SpecimenFile = None,
@@ -26,14 +26,18 @@ def add(
     """
     setup = options.Asked(effect, effect_file, free_geometry, specimen, where=where).setup(law)
     from ..schema.diagnosis import addition_json
+    from ..schema.prediction import law_choice_json
     from ..tasks.add import add_effects
+    from ..tasks.law_choice import settle
 
     measured = setup.read(record)
+    setup, choice = settle(measured, setup)
+    law = setup.law
     found = add_effects(measured, setup)
-    options.give_json(json, lambda: addition_json(record, found))
+    options.give_json(json, lambda: addition_json(record, found) | law_choice_json(choice))
     before, after = found.before, found.after
     names = " + ".join(after.model.labels)
-    text.say(text.title(record, measured), *text.equation(after.model), "")
+    text.say(text.title(record, measured), *text.chosen(choice), *text.equation(after.model), "")
     text.say(
         f"With {names} the error goes from {text.newtons(before.rmse)} to {text.newtons(after.rmse)}, on held-out data "
         f"from {text.newtons(found.heldout_before)} to {text.newtons(found.heldout_after)}.",

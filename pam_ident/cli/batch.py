@@ -18,8 +18,8 @@ def batch(
     folder: Annotated[
         str, typer.Argument(metavar="FOLDER", help="Tree of CSV records, specimen.toml beside or above each.")
     ],
-    law: options.Law,
     out: Annotated[str, options.option("--out", "RESULTS", "Folder for the results.")],
+    law: options.Law = "auto",
     effect: options.Effects = None,
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
@@ -38,6 +38,7 @@ def batch(
     setup = options.Asked(effect, effect_file, free_geometry).setup(law)
     from ..batch.run import run_batch
     from ..parallel.executor import Executor
+    from ..schema.prediction import law_choice_json
 
     found = run_batch(
         folder,
@@ -49,14 +50,17 @@ def batch(
     )
     options.give_json(
         json,
-        lambda: {
-            "schema": schema("batch-summary"),
-            "records": found.records,
-            "kept": found.kept,
-            "errors": found.errors,
-            "table": str(found.table),
-            "page": str(found.page),
-        },
+        lambda: (
+            {
+                "schema": schema("batch-summary"),
+                "records": found.records,
+                "kept": found.kept,
+                "errors": found.errors,
+                "table": str(found.table),
+                "page": str(found.page),
+            }
+            | law_choice_json(found.law_choice)
+        ),
     )
     _print(found)
     if len(found.errors) == found.records:
@@ -70,6 +74,7 @@ def _print(found: "Batch") -> None:
     if len(bad) > MOST_ERRORS:
         typer.echo(f"and {len(bad) - MOST_ERRORS} more; the table has them all", err=True)
     kept = f" ({found.kept} from an earlier run)" if found.kept else ""
+    text.say(*text.chosen(found.law_choice))
     text.say(
         f"{found.records} record{'' if found.records == 1 else 's'}{kept}, {len(bad)} with an error",
         f"table: {found.table}",

@@ -19,7 +19,7 @@ HEADS = {
 
 def compare(
     record: options.Record,
-    law: options.Law,
+    law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
     out: Annotated[str | None, options.option("--out", "FILE.svg|png", "Save the map of the error, too.")] = None,
 ) -> None:
@@ -31,14 +31,17 @@ def compare(
     setup = asked.setup(law)
     from ..core.files import write_whole
     from ..schema.diagnosis import comparison_json
+    from ..schema.prediction import law_choice_json
     from ..tasks.compare import compare_record, failure_picture
+    from ..tasks.law_choice import settle
 
     measured = setup.read(record)
+    setup, choice = settle(measured, setup)
     comparison = compare_record(measured, setup)
-    options.give_json(asked.json, lambda: comparison_json(record, comparison))
+    options.give_json(asked.json, lambda: comparison_json(record, comparison) | law_choice_json(choice))
     if out is not None:
         write_whole(out, failure_picture(comparison, "." + out.rpartition(".")[2]))
-    text.say(text.title(record, measured), *text.equation(setup.model), "", comparison.sentence)
+    text.say(text.title(record, measured), *text.chosen(choice), *text.equation(setup.model), "", comparison.sentence)
     _print(comparison)
     if out is not None:
         text.say("", f"map of the error: {out}")

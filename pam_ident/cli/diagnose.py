@@ -18,7 +18,7 @@ def diagnose(
         list[str],
         typer.Argument(metavar="RECORD...", help="CSV records of a test rig, one or several.", show_default=False),
     ],
-    law: options.Law,
+    law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
     without: Annotated[
         list[str] | None,
@@ -43,16 +43,18 @@ def diagnose(
     setup = replace(asked.setup(law), without=tuple(without or ()), only=tuple(only or ()))
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json
+    from ..schema.prediction import law_choice_json
     from ..tasks.diagnose import diagnose_records
 
     answers, code = [], 0
-    for path, found in diagnose_records(record, setup):
+    for path, found, choice in diagnose_records(record, setup):
         if isinstance(found, Exception):
             typer.echo(" ".join(str(found).split()), err=True)
             code = max(code, found.exit_code)
             continue
-        answers.append(diagnosis_json(path, found))
-        text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *describe(found))
+        answers.append(diagnosis_json(path, found) | law_choice_json(choice))
+        text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *text.chosen(choice))
+        text.say(*describe(found))
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
     if asked.json is not None and len(record) == 1:
@@ -87,8 +89,8 @@ def write_protocol(path: str, experiment: "Experiment | None") -> str:
 
 
 def describe(found: "Diagnosis") -> list[str]:
-    """A diagnosis in words and a table of the suspects."""
-    from ..tasks.diagnose import told
+    """A diagnosis in words, and a table of the candidates where something is missing."""
+    from ..tasks.diagnose import candidates, told
 
     lines = [
         found.sentence,
@@ -101,14 +103,13 @@ def describe(found: "Diagnosis") -> list[str]:
     rows = [
         (
             s.label or s.effect,
-            text.percent(s.probability),
+            text.probability(s.probability),
             text.number(s.rmse_after, 3),
             text.number(s.heldout_rmse_after, 3),
         )
-        for s in found.ranking
-        if s.status == "candidate"
+        for s in candidates(found)
     ]
-    lines += text.table(("suspect", "probability", "rmse after [N]", "held out [N]"), rows)
+    lines += text.table(("candidate", "probability", "rmse after [N]", "held out [N]"), rows)
     for status, words in STATUS.items():
         names = [s.effect for s in found.ranking if s.status == status]
         if names:

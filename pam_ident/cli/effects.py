@@ -1,20 +1,34 @@
 """pam-ident effects."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from . import options, text
 from .verbs import verb
 
-app = typer.Typer(rich_markup_mode=None, help="List the known effects, show one, write one of your own, check it.")
+
+class EffectGroup(TyperGroup):
+    """Takes a name that is no command for that of an effect: `effects creep` is `effects show creep`."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that the first word names, with the words that are left for it."""
+        return super().resolve_command(ctx, args if args[0] in self.commands else ["show", *args])
+
+
+app = typer.Typer(
+    cls=EffectGroup,
+    rich_markup_mode=None,
+    help="List the known effects, tell all about one by its name, write one of your own, check it.",
+)
 EffectFile = Annotated[str, typer.Argument(metavar="FILE.py", help="Python file of an effect.", show_default=False)]
 
 
 @app.callback(invoke_without_command=True)
 @verb
 def list_all(context: typer.Context, effect_file: options.EffectFiles = None, json: options.JsonFile = None) -> None:
-    """List the effects that are known; `effects show NAME` tells all about one."""
+    """List the effects that are known; `effects NAME` tells all about one."""
     context.obj = tuple(effect_file or ())
     if context.invoked_subcommand is not None:
         return

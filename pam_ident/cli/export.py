@@ -39,8 +39,8 @@ def export(
     from ..tasks.export import check_export, export_fit, export_record
 
     check_export(to, out)
-    if law is not None:
-        found = export_record(source, to, out, asked.setup(law), branch)
+    if law is not None or not source.lower().endswith(".json"):
+        found = export_record(source, to, out, asked.setup(law or "auto"), branch)
     elif asked.effect or asked.free_geometry or asked.where is not None or branch != "together":
         raise UsageError(
             "--effect, --branch, --where and --free-geometry are for a record that is fitted now; add --law LAW"

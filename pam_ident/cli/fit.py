@@ -21,7 +21,7 @@ IN_CHUNKS = (
 
 def fit(
     record: options.Record,
-    law: options.Law,
+    law: options.Law = "auto",
     branch: Annotated[
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
     ] = "together",
@@ -67,17 +67,26 @@ def fit(
 
         make_folder(figures)
     setup = asked.setup(law)
+    from ..core import UsageError
     from ..parallel.executor import Executor
     from ..records.files import share_of_memory
     from ..schema.fit import fit_json
+    from ..schema.prediction import law_choice_json
     from ..tasks.fit import FitOptions, fit_record
+    from ..tasks.law_choice import settle
+    from ..tasks.setup import AUTO
 
     executor = Executor(workers, scheduler)
     wishes = FitOptions(branch, method, options.held(hold), weights, loss, intervals, executor=executor)
     chunked = chunked or share_of_memory(record) > MOST_OF_MEMORY
-    answer = fit_record(record if chunked else setup.read(record), setup, wishes)
-    options.give_json(asked.json, lambda: fit_json(record, law, answer))
-    text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.equation(setup.model))
+    if chunked and law == AUTO:
+        raise UsageError(f"{record}: is read in chunks, and laws are compared in memory; name one with --law")
+    measured = record if chunked else setup.read(record)
+    setup, choice = (setup, None) if isinstance(measured, str) else settle(measured, setup)
+    answer = fit_record(measured, setup, wishes)
+    options.give_json(asked.json, lambda: fit_json(record, setup.law, answer) | law_choice_json(choice))
+    text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.chosen(choice))
+    text.say(*text.equation(setup.model))
     _print(answer)
     if figures is not None:
         from ..tasks.figures import paper_figures, write_figures

@@ -10,18 +10,29 @@ if TYPE_CHECKING:
 
 def ladder(
     record: options.Record,
-    law: options.Law,
+    law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
 ) -> None:
     """Diagnose and add down to the noise floor."""
     setup = asked.setup(law)
     from ..schema.diagnosis import ladder_json
+    from ..schema.prediction import law_choice_json
     from ..tasks.ladder import climb_ladder
+    from ..tasks.law_choice import settle
 
     measured = setup.read(record)
+    setup, choice = settle(measured, setup)
     found = climb_ladder(measured, setup)
-    options.give_json(asked.json, lambda: ladder_json(record, found))
-    text.say(text.title(record, measured), *text.equation(setup.model), "", found.last.sentence, "", *rungs(found))
+    options.give_json(asked.json, lambda: ladder_json(record, found) | law_choice_json(choice))
+    text.say(
+        text.title(record, measured),
+        *text.chosen(choice),
+        *text.equation(setup.model),
+        "",
+        found.last.sentence,
+        "",
+        *rungs(found),
+    )
     text.say("", "the last rung's parameters:", *text.parameters(found.rungs[-1].fit))
 
 

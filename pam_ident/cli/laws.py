@@ -1,14 +1,29 @@
 """pam-ident laws."""
 
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
 from . import options, text
 
+if TYPE_CHECKING:
+    from ..laws import Law
 
-def laws(json: options.JsonFile = None) -> None:
-    """List the force laws that are known, those with the fewest parameters first."""
-    from ..laws import listed
+
+def laws(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[NAME]", help="One law, in full.", autocompletion=options.law_names, show_default=False
+        ),
+    ] = None,
+    json: options.JsonFile = None,
+) -> None:
+    """List the force laws that are known, those with the fewest parameters first; or tell all about one."""
+    from ..laws import get_law, listed
     from ..schema.catalogue import laws_json
 
-    found = listed()
+    found = listed() if name is None else (get_law(name),)
     options.give_json(json, lambda: laws_json(found))
     for law in found:
         names = ", ".join(p.name for p in law.params)
@@ -18,3 +33,12 @@ def laws(json: options.JsonFile = None) -> None:
             f"{text.INDENT}{len(law.params)} parameters{f': {names}' if names else ''}",
             f"{text.INDENT}source: {law.source}",
         )
+    if name is not None:
+        _print_one(found[0])
+
+
+def _print_one(law: "Law") -> None:
+    rows = [(p.symbol or p.name, p.unit, f"{p.lower:g} to {p.upper:g}", p.doc) for p in law.params]
+    text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
+    if law.min_levels > 1:
+        text.say(f"{text.INDENT}needs {law.min_levels} pressures at least to tell its parameters apart")

@@ -36,12 +36,18 @@ Record = Annotated[
     str,
     typer.Argument(
         metavar="RECORD",
-        help="Record of a test rig: a file (docs/records.md), a folder, or a quoted glob.",
+        help="Record of a test rig: a file, a folder, a quoted glob, or the name of a data set that comes along.",
         show_default=False,
     ),
 ]
 Law = Annotated[
-    str, option("--law", "LAW", "Force law by name; `pam-ident laws` lists them.", autocompletion=law_names)
+    str,
+    option(
+        "--law",
+        "LAW",
+        "Force law by name (`pam-ident laws`); auto, the default, takes the one that foretells held-out data best.",
+        autocompletion=law_names,
+    ),
 ]
 Effects = Annotated[
     list[str] | None,
@@ -85,7 +91,7 @@ class Asked:
 
         effects, files = tuple(self.effect or ()), tuple(self.effect_file or ())
         found = Setup(law, effects, files, self.free_geometry, self.specimen, where=self.where)
-        _ = found.model
+        found.check()
         return found
 
 

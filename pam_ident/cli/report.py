@@ -7,16 +7,22 @@ from . import options, text
 
 def report(
     record: options.Record,
-    law: options.Law,
     out: Annotated[str, options.option("--out", "FILE", "The file to write.")],
+    law: options.Law = "auto",
     format: Annotated[str | None, options.option("--format", "html|md|pdf", "Default: what FILE ends in.")] = None,
     asked: options.Asked = options.NOTHING,
 ) -> None:
     """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
     from ..schema.diagnosis import diagnosis_json
-    from ..tasks.report import report_record
+    from ..schema.prediction import law_choice_json
+    from ..tasks.law_choice import settle
+    from ..tasks.report import check_report, report_record
 
     setup = asked.setup(law)
-    story = report_record(record, setup, out, format)
-    options.give_json(asked.json, lambda: diagnosis_json(record, story.sections[0].diagnosis))
+    check_report(out, format)
+    measured = setup.read(record)
+    setup, choice = settle(measured, setup)
+    story = report_record(measured, setup, out, format)
+    options.give_json(asked.json, lambda: diagnosis_json(record, story.sections[0].diagnosis) | law_choice_json(choice))
+    text.say(*text.chosen(choice))
     text.say(story.sections[0].diagnosis.sentence, f"report: {out}")

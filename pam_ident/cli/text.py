@@ -1,6 +1,9 @@
 """Numbers and tables as they are printed."""
 
 import math
+import shutil
+import sys
+import textwrap
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from typing import TYPE_CHECKING
@@ -13,8 +16,11 @@ if TYPE_CHECKING:
     from ..model import Model
     from ..records import Record
     from ..tasks.fit import Checks
+    from ..tasks.law_choice import LawChoice
 
 INDENT = "  "
+NARROWEST = 14
+"""Characters that a column of words keeps on a narrow terminal."""
 silent: ContextVar[bool] = ContextVar("silent", default=False)
 """Whether nothing is to be printed but errors."""
 unfinished: Callable[[], None] | None = None
@@ -22,11 +28,36 @@ unfinished: Callable[[], None] | None = None
 
 
 def say(*lines: str) -> None:
-    """Print lines, unless silent."""
+    """Print lines, unless silent; on a terminal broken between words where they are wider than that."""
     if unfinished is not None:
         unfinished()
+    width = columns()
     for line in () if silent.get() else lines:
-        typer.echo(line)
+        typer.echo(line if width is None or len(line) <= width else _broken(line, width))
+
+
+def say_table(table: str) -> None:
+    """Print a table for other programs as it is, unless silent."""
+    if not silent.get():
+        typer.echo(table, nl=False)
+
+
+def warn(line: str) -> None:
+    """Say on stderr what is doubtful."""
+    if unfinished is not None:
+        unfinished()
+    typer.echo(line, err=True)
+
+
+def columns() -> int | None:
+    """Width of the terminal in characters; None where the output goes elsewhere, to be read by a program."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def _broken(line: str, width: int) -> str:
+    head = line[: len(line) - len(line.lstrip())]
+    wrapper = textwrap.TextWrapper(width, head, head + INDENT, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(wrapper.wrap(line.strip()))
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -47,28 +78,77 @@ def newtons(value: float | None) -> str:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> list[str]:
-    """Aligned columns under their heads; columns in `left` stand left, the others right."""
+    """Aligned columns under their heads; columns in `left` stand left, the others right.
+
+    On a narrow terminal words are broken in the columns that stand left, and what then is too wide comes in parts, the
+    first column in front of each.
+    """
     if not rows:
         return []
     cells = [list(head), *map(list, rows)]
     widths = [max(len(row[k]) for row in cells) for k in range(len(head))]
-    return [
-        INDENT
-        + "  ".join(
-            cell.ljust(width) if k in left else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in cells
+    room = columns()
+    if room is not None:
+        words = [k for k in left if k > 0]
+        while _total(widths) > room and any(widths[k] > NARROWEST for k in words):
+            widths[max(words, key=lambda k: widths[k])] -= 1
+        if _total(widths) > room and len(head) > 2:
+            return _in_parts(head, rows, left, widths, room)
+    return [line for row in cells for line in _lines(row, widths, left)]
+
+
+def _total(widths: Sequence[int]) -> int:
+    return len(INDENT) + sum(widths) + 2 * (len(widths) - 1)
+
+
+def _in_parts(
+    head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int], widths: list[int], room: int
+) -> list[str]:
+    count = 2
+    while count < len(head) and _total(widths[: count + 1]) <= room:
+        count += 1
+    if count == len(head):
+        return [line for row in (head, *rows) for line in _lines(row, widths, left)]
+    rest = [0, *range(count, len(head))]
+    parts = []
+    for picked in (list(range(count)), rest):
+        kept = tuple(i for i, k in enumerate(picked) if k in left)
+        parts.append(table([head[k] for k in picked], [[row[k] for k in picked] for row in rows], kept))
+    return [*parts[0], "", *parts[1]]
+
+
+def _lines(row: Sequence[str], widths: Sequence[int], left: Sequence[int]) -> list[str]:
+    """A row of a table, in several lines where words of it must be broken."""
+    broken = [
+        (textwrap.wrap(cell, width) or [""]) if len(cell) > width else [cell]
+        for cell, width in zip(row, widths, strict=True)
     ]
+    lines = []
+    for i in range(max(map(len, broken))):
+        parts = [
+            (cell[i] if i < len(cell) else "").ljust(width)
+            if k in left
+            else (cell[i] if i < len(cell) else "").rjust(width)
+            for k, (cell, width) in enumerate(zip(broken, widths, strict=True))
+        ]
+        lines.append((INDENT + "  ".join(parts)).rstrip())
+    return lines
 
 
 def value_of(estimate: "Estimate") -> str:
-    """A parameter's value with the digits that its standard error leaves, four at least and eight at most."""
+    """A parameter's value to the place of its standard error's second digit, at most eight digits; six without one."""
     value, error = estimate.value, estimate.stderr
-    digits = 6
-    if estimate.identified and not estimate.at_bound and error > 0 and value != 0 and math.isfinite(error):
-        digits = min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, 4), 8)
-    return number(value, digits)
+    if estimate.at_bound or not (error > 0 and math.isfinite(error)) or value == 0:
+        return number(value, 6)
+    places = 1 - _size(error)
+    if not -2 <= places <= 8 or _size(value) > 6 or _size(value) + places >= 8:
+        return number(value, min(max(_size(value) + places + 1, 1), 8))
+    return f"{value:.{max(places, 0)}f}"
+
+
+def _size(value: float) -> int:
+    """The power of ten of the first of two digits."""
+    return int(f"{abs(value):.1e}".partition("e")[2])
 
 
 def error_of(estimate: "Estimate") -> str:
@@ -125,6 +205,18 @@ def title(path: str, record: "Record") -> str:
 def percent(share: float | None) -> str:
     """A share in per cent."""
     return "-" if share is None or not math.isfinite(share) else f"{max(100 * share, 0.0):.0f} %"
+
+
+def probability(share: float) -> str:
+    """A probability in per cent; nothing is certain."""
+    if share > 0.99:
+        return "> 99 %"
+    return "< 1 %" if share < 0.01 else f"{100 * share:.0f} %"
+
+
+def chosen(choice: "LawChoice | None") -> list[str]:
+    """Which law was taken and why, where none was named."""
+    return [] if choice is None else [f"law: {choice.why} (of {len(choice.trials)} laws compared)"]
 
 
 def branch(name: str) -> str:

@@ -49,7 +49,7 @@ class Specimen:
         DataError: for a length that is not positive, or an angle out of range.
 
     Example:
-        >>> from pam_ident import Specimen
+        >>> from pam_ident.core import Specimen
         >>> muscle = Specimen("muscle 7", initial_length_mm=200.0, initial_radius_mm=10.0, braid_angle_deg=25.4)
         >>> print(f"{muscle.ideal_force(0.5, 0.0):.0f} N at 0.5 MPa and rest length")
         1236 N at 0.5 MPa and rest length

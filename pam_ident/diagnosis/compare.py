@@ -21,7 +21,10 @@ def compare(fit: Fit) -> Comparison:
         fit: of any model. Errors of the answer are in N, by isobar, branch and ten equal parts of the contraction.
 
     Example:
-        >>> from pam_ident import Model, compare, fit, read_record
+        >>> from pam_ident.diagnosis import compare
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = compare(fit(Model.build("exponential_law"), read_record(dataset_record("hidden_effect"))))
         >>> print(f"worst at {found.worst[0].pressure_MPa} MPa; {found.odd:.0%} odd in the branch")

@@ -62,7 +62,9 @@ def diagnose(
         UsageError: for an unknown name.
 
     Example:
-        >>> from pam_ident import Model, diagnose, read_record
+        >>> from pam_ident.diagnosis import diagnose
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records import thinned
         >>> from pam_ident.records.datasets import dataset_record
         >>> record = thinned(read_record(dataset_record("hidden_effect")), 1000)

@@ -40,7 +40,9 @@ def climb(
         FitError, DataError: as `diagnose`.
 
     Example:
-        >>> from pam_ident import Model, climb, read_record
+        >>> from pam_ident.diagnosis import climb
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records import thinned
         >>> from pam_ident.records.datasets import dataset_record
         >>> record = thinned(read_record(dataset_record("hidden_effect")), 1000)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from ..core import UsageError
 from ..core.discover import instances
+from ..core.nearest import unknown
 from .base import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure
 
 __all__ = [
@@ -47,8 +48,8 @@ def catalogue(extra: tuple[Effect, ...] = ()) -> dict[str, Effect]:
         extra: effects of the user's own, such as `load_effect_file` gives; one of a known name takes its place.
 
     Example:
-        >>> from pam_ident import effects
-        >>> known = effects.catalogue()
+        >>> from pam_ident.effects import catalogue
+        >>> known = catalogue()
         >>> print(known["creep"].title, "needs", known["creep"].needs)
         Creep and stress relaxation needs ('motion', 'time')
     """
@@ -68,25 +69,25 @@ def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]
         extra: effects of the user's own.
 
     Raises:
-        UsageError: for an unknown name, with the known ones.
+        UsageError: for an unknown name, with those that look like it.
 
     Example:
-        >>> from pam_ident import effects
-        >>> effect, form = effects.get_effect("coulomb_friction")
+        >>> from pam_ident.effects import get_effect
+        >>> effect, form = get_effect("coulomb_friction")
         >>> print(f"{effect.title}: {form.formula}, {form.params[0].name} in {form.params[0].unit}")
         Coulomb friction: −F_c sgn(ε̇), F_c in N
     """
     base, _, form = name.partition(":")
     known = catalogue(extra)
     if base not in known:
-        raise UsageError(f"unknown effect {base!r}; expected one of {', '.join(sorted(known))}")
+        raise UsageError(unknown("effect", base, known, "`pam-ident effects`"))
     effect = known[base]
     if not form:
         return effect, effect.forms[0]
     for item in effect.forms:
         if item.name == form:
             return effect, item
-    raise UsageError(f"effect {base} has no form {form!r}; expected one of {', '.join(f.name for f in effect.forms)}")
+    raise UsageError(f"effect {base} has no form {form!r}; it has {', '.join(f.name for f in effect.forms)}")
 
 
 def load_effect_files(paths: Iterable[str | Path]) -> tuple[Effect, ...]:
@@ -104,11 +105,11 @@ def load_effect_file(path: str | Path) -> tuple[Effect, ...]:
         UsageError: when the file cannot be run or defines none.
 
     Example:
-        >>> from pam_ident import effects
+        >>> from pam_ident.effects import load_effect_file
         >>> from pam_ident.tasks.new_effect import new_effect
         >>> new_effect("squeak.py")  # writes a scaffold to begin with
         'squeak'
-        >>> (mine,) = effects.load_effect_file("squeak.py")
+        >>> (mine,) = load_effect_file("squeak.py")
         >>> print(mine.name, mine.forms[0].formula)
         squeak +A exp(−x/length)
     """

@@ -26,7 +26,8 @@ def latex(of: Model | Fit) -> str:
         of: a Model, whose parameters are listed with their units, or a Fit, with values and standard errors, too.
 
     Example:
-        >>> from pam_ident import Model, latex
+        >>> from pam_ident.export.equation import latex
+        >>> from pam_ident.model import Model
         >>> print(latex(Model.build("chou_hannaford", ("coulomb_friction",))))
         \begin{aligned}
         & F = \pi r_{0}^{2} p [a(1-\varepsilon )^{2} - b],\quad a = 3/\tan ^{2}\theta_{0},\quad ... \\

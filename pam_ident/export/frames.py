@@ -28,7 +28,10 @@ def to_frame(result: Any) -> pd.DataFrame:
         UsageError: for anything else.
 
     Example:
-        >>> from pam_ident import Model, fit, read_record, to_frame
+        >>> from pam_ident.export.frames import to_frame
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
         >>> print(to_frame(found)[["parameter", "value", "stderr"]].round(1).head(2))
@@ -36,7 +39,7 @@ def to_frame(result: Any) -> pd.DataFrame:
         0         A   562.3    15.6
         1         H  1148.8    ...
     """
-    table = TABLES.get(type(result).__name__)
+    table = next((TABLES[one.__name__] for one in type(result).__mro__ if one.__name__ in TABLES), None)
     if table is None:
         raise UsageError(f"no table of a {type(result).__name__}; expected one of {', '.join(TABLES)}")
     return table(result)

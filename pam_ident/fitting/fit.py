@@ -14,7 +14,7 @@ from ..model import Model
 from ..records import Record
 from . import readings
 from .covariance import Covariance, Sums, clusters, covariance_of, student, sums
-from .identifiability import AT_BOUND, HELD, PINNED, Identifiability, StandIn, flat_directions, stand_ins, verdicts
+from .identifiability import AT_BOUND, HELD, ONE, PINNED, Identifiability, StandIn, flat_directions, stand_ins, verdicts
 from .readings import Errors, in_memory, least, on_disk, with_memory
 from .solve import Solution, jacobian, solve, table
 from .solvers import Solver
@@ -66,7 +66,9 @@ class Fit:
     `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
 
     Example:
-        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
         >>> first = found.estimates[0]
@@ -214,7 +216,9 @@ def fit(
         UsageError: when a parameter to hold is unknown or out of its bounds.
 
     Example:
-        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("martens_boblan"), read_record(dataset_record("dmsp20_300")))
         >>> print(f"{found.rmse:.2f} N rms, valid: {found.valid}")
@@ -364,7 +368,15 @@ def _estimates(one: Fit) -> tuple[tuple[Estimate, ...], Covariance | None]:
         loose = verdict.kind in ("flat", "dead")
         plain = Estimate(p.name, p.unit, p.doc, values[p.name], math.nan, p.name in stuck, not loose, verdict=verdict)
         estimates.append(found.get(p.name, plain))
-    return tuple(estimates), cov
+    return tuple(_not_told_apart(estimates)), cov
+
+
+def _not_told_apart(estimates: list[Estimate]) -> list[Estimate]:
+    """With a law's parameter at its bound, others that take each other's part to the last digit are not identified."""
+    stuck = [e.name for e in estimates if e.at_bound and "." not in e.name]
+    tied = [e.name for e in estimates if e.verdict.kind == "traded" and e.verdict.tie >= ONE] if stuck else []
+    loose = [*stuck, *tied] if tied else []
+    return [replace(e, identified=False) if e.name in loose else e for e in estimates]
 
 
 def _determined(

@@ -86,7 +86,9 @@ def noise_floor(fit: Fit) -> NoiseFloor | None:
         fit: of any model; its residual in N takes the force's course out, so that neighbours can be compared.
 
     Example:
-        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.fitting import noise_floor
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("exponential_law"), read_record(dataset_record("hidden_effect")))
@@ -125,7 +127,9 @@ def lack_of_fit(fit: Fit) -> LackOfFit | None:
         fit: of any model to a record in time.
 
     Example:
-        >>> from pam_ident import Model, fit, read_record
+        >>> from pam_ident.fitting import fit
+        >>> from pam_ident.model import Model
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.fitting import lack_of_fit
         >>> from pam_ident.records.datasets import dataset_record
         >>> law = Model.build("exponential_law")

@@ -17,17 +17,21 @@ INFLATION = 10.0
 """Standard error over what it were with all else known, from which a parameter may be called traded."""
 TOGETHER = 0.95
 """Correlation of two errors from which one parameter is named as traded against the other."""
+ONE = 0.9995
+"""Correlation of two errors that is printed as 1.000: with a third parameter at its bound, nothing tells them apart."""
 SAME = 1e-5
 """Part of a sensitivity, by its norm, that may be left over where it is called a combination of others."""
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """What the record says of a parameter. `partners` are the parameters that can take its part."""
+    """What the record says of a parameter. `partners` are the parameters that can take its part, `tie` the correlation
+    of its error with that of the first of them."""
 
     kind: Kind
     text: str
     partners: tuple[str, ...] = ()
+    tie: float = 0.0
 
     @property
     def determined(self) -> bool:
@@ -79,7 +83,7 @@ def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Arr
         # However tied, a parameter known to a tenth of its size is of use as it is.
         if inflation[i] > INFLATION and tie[partner] > TOGETHER and half[i] > 0.1 * reference:
             text = f"traded against {names[partner]} (errors correlated {tie[partner]:.3f})"
-            found.append(Identifiability("traded", text, (names[partner],)))
+            found.append(Identifiability("traded", text, (names[partner],), float(tie[partner])))
         elif half[i] > reference or half[i] > 0.5 * (p.upper - p.lower):
             found.append(
                 Identifiability("loose", "not pinned by this record: its interval is wider than the value itself")

@@ -4,6 +4,7 @@ from functools import cache
 
 from ..core import UsageError
 from ..core.discover import instances
+from ..core.nearest import unknown
 from .base import Law
 
 __all__ = ["Law", "catalogue", "get_law", "listed"]
@@ -14,8 +15,8 @@ def catalogue() -> dict[str, Law]:
     """Every law of the package, by name.
 
     Example:
-        >>> from pam_ident import laws
-        >>> print(*laws.catalogue(), sep=", ")
+        >>> from pam_ident.laws import catalogue
+        >>> print(*catalogue(), sep=", ")
         chou_hannaford, exponential_law, hildebrandt, martens_boblan, modified_chou_hannaford, polynomial, sarosi, ...
     """
     return {law.name: law for law in instances(__name__, __path__, Law)}
@@ -30,15 +31,15 @@ def get_law(name: str) -> Law:
     """A law by its name.
 
     Raises:
-        UsageError: for an unknown name, with the known ones.
+        UsageError: for an unknown name, with those that look like it.
 
     Example:
-        >>> from pam_ident import laws
-        >>> law = laws.get_law("exponential_law")
+        >>> from pam_ident.laws import get_law
+        >>> law = get_law("exponential_law")
         >>> print(law.formula, "has", len(law.params), "parameters")
         F = (a0 + a1 p) − (b0 + b1 p) ε + (c0 + c1 p) exp(−μ ε) has 7 parameters
     """
     laws = catalogue()
     if name not in laws:
-        raise UsageError(f"unknown law {name!r}; expected one of {', '.join(sorted(laws))}")
+        raise UsageError(unknown("law", name, laws, "`pam-ident laws`"))
     return laws[name]

@@ -15,7 +15,12 @@ if TYPE_CHECKING:
 
 def line(result: Any) -> str:
     """A result as text."""
-    return LINES[type(result).__name__](result)
+    return LINES[kind_of(result)](result)
+
+
+def kind_of(result: Any) -> str:
+    """The name of the class that is shown: the result's own, or the nearest above it that is."""
+    return next(one.__name__ for one in type(result).__mro__ if one.__name__ in LINES)
 
 
 def _specimen(one: "Specimen") -> str:

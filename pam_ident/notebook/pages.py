@@ -39,7 +39,7 @@ TABLE = """<table><caption>{{ table.caption }}</caption>
 
 def page(result: Any) -> str:
     """HTML of a result."""
-    return str(PAGES[type(result).__name__](result))
+    return str(PAGES[lines.kind_of(result)](result))
 
 
 def table(one: PageTable) -> Markup:

@@ -2,7 +2,9 @@
 
 import io
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import wraps
 from typing import Any, ParamSpec
 
@@ -70,9 +72,22 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
     return inside
 
 
+_maker: ContextVar[Callable[..., Figure]] = ContextVar("pam_ident_figures", default=Figure)
+
+
+@contextmanager
+def figures_by(maker: Callable[..., Figure]) -> Iterator[None]:
+    """Figures drawn inside are made by `maker`, such as pyplot's, which holds them to be shown."""
+    token = _maker.set(maker)
+    try:
+        yield
+    finally:
+        _maker.reset(token)
+
+
 def canvas(height: float, width: float = WIDTH) -> Figure:
     """An empty figure of `width` × `height` inches whose parts make room for one another."""
-    return Figure(figsize=(width, height), layout="constrained")
+    return _maker.get()(figsize=(width, height), layout="constrained")
 
 
 def zero_line(axes: Axes) -> None:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..core import UsageError
+from ..core.nearest import unknown
 
 PACKAGE = Path(__file__).parents[1]
 NAMES = ("record.csv", "reconstructed.csv", "catalogue.csv")
@@ -20,7 +21,7 @@ def dataset_path(name: str) -> Path:
     known = dataset_names()
     home = _home()
     if home is None or name not in known:
-        raise UsageError(f"unknown data set {name!r}; expected one of {', '.join(known) or 'none (none is installed)'}")
+        raise UsageError(unknown("data set", name, known, "the folder datasets"))
     return home / name
 
 
@@ -39,10 +40,19 @@ def dataset_record(name: str) -> Path:
         ['dmsp20_300', 'festo_dmsp20_catalogue', 'gait'] record.csv
     """
     folder = dataset_path(name)
-    for file in NAMES:
-        if (folder / file).is_file():
-            return folder / file
-    raise UsageError(f"data set {name!r} holds no force record; see {folder / 'README.md'}")
+    found = _record_in(folder)
+    if found is None:
+        raise UsageError(f"data set {name!r} holds no force record; see {folder / 'README.md'}")
+    return found
+
+
+def bundled(name: str) -> Path | None:
+    """The record of the data set called `name`, None where there is no such set or it holds no force record."""
+    return dataset_record(name) if name in dataset_names() and _record_in(dataset_path(name)) else None
+
+
+def _record_in(folder: Path) -> Path | None:
+    return next((folder / file for file in NAMES if (folder / file).is_file()), None)
 
 
 def _home() -> Path | None:

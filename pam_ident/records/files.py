@@ -2,11 +2,13 @@
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from glob import glob, has_magic
 from pathlib import Path
 
 from ..core import DataError
+from ..core.nearest import nearest
+from .datasets import bundled, dataset_names
 from .formats import catalogue
 from .mapping import Mapping, read_mapping
 from .table import Table
@@ -67,8 +69,8 @@ def free_memory() -> int:
 
 
 def find_files(path: str | Path) -> Files:
-    """The files of a record: one, those of a folder, or those of a pattern (`runs/*.csv`), in the order of the numbers
-    in their names. Raises DataError where there are none."""
+    """The files of a record: one, those of a folder or of a pattern (`runs/*.csv`) in the order of the numbers in their
+    names, or that of a bundled data set by its name. Raises DataError where there are none."""
     given, path = str(path), Path(path)
     if path.is_file():
         return Files(given, (path,), path.parent, path.name.removesuffix(".gz").rpartition(".")[0] or path.name)
@@ -85,7 +87,12 @@ def find_files(path: str | Path) -> Files:
         if not found:
             raise DataError(f"{given}: no file fits this pattern; check it, and the folder it begins in")
     else:
-        raise DataError(f"{given}: no such file; give the path of a CSV record")
+        along = bundled(given)
+        if along is None:
+            near = nearest(given, dataset_names())
+            meant = f"did you mean the data set {' or '.join(near)}?" if near else "give the path of a CSV record"
+            raise DataError(f"{given}: no such file; {meant}")
+        return replace(find_files(along), given=given)
     found.sort(key=_natural)
     return Files(given, tuple(found), found[0].parent, "")
 

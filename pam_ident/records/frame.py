@@ -29,7 +29,8 @@ def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "")
 
     Example:
         >>> import pandas as pd
-        >>> from pam_ident import Specimen, record_from_frame
+        >>> from pam_ident.core import Specimen
+        >>> from pam_ident.records import record_from_frame
         >>> table = pd.DataFrame({"Pressure [bar]": [2.0, 2.0], "length_mm": [200, 180], "Force (kN)": [0.45, 0.21]})
         >>> record = record_from_frame(table, Specimen("muscle 7", initial_length_mm=200.0))
         >>> print(record.inputs.pressure, "MPa,", record.inputs.contraction, "of the length,", record.force, "N")

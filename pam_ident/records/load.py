@@ -36,7 +36,7 @@ def read_record(
         UsageError: where a format needs a package that is not installed.
 
     Example:
-        >>> from pam_ident import read_record
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> record = read_record(dataset_record("dmsp20_300"))
         >>> print(f"{record.name}: {len(record)} samples, up to {record.force.max():.0f} N")

@@ -38,7 +38,7 @@ class Record:
         notes: what else was left out, or assumed, while it was read.
 
     Example:
-        >>> from pam_ident import read_record
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> record = read_record(dataset_record("hidden_effect"))
         >>> print(len(record), "samples at", record.levels, "MPa; a block is a", record.block_kind)

@@ -1,5 +1,6 @@
 """Comparisons, diagnoses and ladders as the dictionaries that other programs read."""
 
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -7,7 +8,7 @@ from .fit import Json, covariance, muscle, parameters
 from .versions import schema
 
 if TYPE_CHECKING:
-    from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region
+    from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region, Suspect
     from ..fitting import Fit
     from ..tasks.add import Addition
 
@@ -48,6 +49,17 @@ def _follows(found: "tuple[Follows, ...]") -> list[Json]:
 def _part(one: "Bin | Region") -> Json:
     """Part of the map, its forces in N by name."""
     return {{"mean": "mean_N", "rms": "rms_N"}.get(key, key): value for key, value in asdict(one).items()}
+
+
+def candidates(diagnosis: "Diagnosis") -> "list[Suspect]":
+    """The effects that may be missing: by their probability in whole per cent, those that are alike by the error that
+    they leave. None where nothing is missing."""
+    if diagnosis.verdict == "adequate":
+        return []
+    found = [s for s in diagnosis.ranking if s.status == "candidate"]
+    return sorted(
+        found, key=lambda s: (-round(100 * s.probability), math.inf if s.rmse_after is None else s.rmse_after)
+    )
 
 
 def diagnosis_json(record: str, diagnosis: "Diagnosis") -> Json:

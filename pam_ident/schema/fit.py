@@ -8,6 +8,7 @@ from .versions import schema
 if TYPE_CHECKING:
     from ..fitting import Fit
     from ..fitting.fit import Estimate
+    from ..fitting.prediction import ReadingSpread, Simpler
     from ..tasks.fit import Checks, FitAnswer
 
 Json = dict[str, Any]
@@ -40,7 +41,12 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
         "law": law,
         "effects": next(iter(fits.values())).model.labels,
         **muscle(next(iter(fits.values()))),
-        "branches": {branch: _branch(one) | _checks(answer.checks[branch]) for branch, one in fits.items()},
+        "branches": {
+            branch: _branch(one)
+            | _checks(answer.checks[branch])
+            | _elsewhere(answer.spreads[branch], answer.simpler[branch])
+            for branch, one in fits.items()
+        },
     }
     if answer.isobars is not None:
         found["per_pressure"] = [
@@ -93,6 +99,25 @@ def _checks(checks: "Checks") -> Json:
         if lack is None
         else {"F": lack.statistic, "freedom": list(lack.freedom), "p_value": lack.p_value},
         "stand_ins": [{"calibration": s.calibration, "parameters": list(s.parameters)} for s in checks.stand_ins],
+    }
+
+
+def _elsewhere(spread: "ReadingSpread", plain: "Simpler") -> Json:
+    """What is needed to foretell readings, and what must be beaten there."""
+    return {
+        "reading": {
+            "same_N": spread.same,
+            "between_N": spread.between,
+            "beyond_N": spread.beyond,
+            "speed_N": spread.speed,
+            "pressures_MPa": list(spread.pressures),
+            "speeds_mm_s": list(spread.speeds),
+            "contraction": list(spread.contraction),
+        },
+        "simpler": {
+            "mean_over_pressure": list(plain.line),
+            "polynomial": None if plain.polynomial is None else dict(plain.polynomial),
+        },
     }
 
 

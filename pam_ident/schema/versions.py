@@ -15,9 +15,11 @@ VERSIONS = {
     "inspection": 1,
     "ladder": 1,
     "laws": 1,
+    "prediction": 1,
     "rig": 1,
     "selftest": 1,
     "track": 1,
+    "validation": 1,
     "workbench": 1,
 }
 

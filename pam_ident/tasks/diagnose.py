@@ -10,9 +10,11 @@ from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
 from ..parallel.executor import Executor, WorkerLost
 from ..records import Record
+from ..schema.diagnosis import candidates
+from .law_choice import LawChoice, settle
 from .setup import Setup
 
-__all__ = ["diagnose_record", "diagnose_records", "told"]
+__all__ = ["candidates", "diagnose_record", "diagnose_records", "told"]
 Answer = Diagnosis | PamError
 
 
@@ -37,28 +39,32 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
     return diagnose(setup.model, record, setup.extra, setup.without, setup.only)
 
 
-def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str, Answer]]:
-    """Path and Diagnosis of each record, in order; in place of a Diagnosis the error of a bad record.
+def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str, Answer, LawChoice | None]]:
+    """Path, Diagnosis, and how its law was chosen if none was named, of each record, in order; in place of a Diagnosis
+    the error of a bad record.
 
     Several records are shared among the machine's cores, unless the user's own effects are in play, which another
     process could not look up. Raises UsageError for an unknown law or effect, before any record is read.
     """
-    _ = setup.model  # unknown names are told before any record is read
+    setup.check()
     one = partial(_diagnose, setup)
     paths = list(records)
     if len(paths) < 3 or setup.extra:
-        yield from zip(paths, map(one, paths), strict=True)
+        yield from ((path, *one(path)) for path in paths)
         return
     for path, found in zip(paths, Executor.of_cores().in_order(one, paths, "records"), strict=True):
-        yield path, PamError(f"{path}: {found}") if isinstance(found, WorkerLost) else found
+        yield (path, PamError(f"{path}: {found}"), None) if isinstance(found, WorkerLost) else (path, *found)
 
 
-def _diagnose(setup: Setup, path: str) -> Answer:
+def _diagnose(setup: Setup, path: str) -> tuple[Answer, LawChoice | None]:
     try:
-        return diagnose_record(setup.read(path), setup)
+        record = setup.read(path)
+        setup, choice = settle(record, setup)
+        return diagnose_record(record, setup), choice
     except PamError as error:
-        return error
+        return error, None
     except Exception as error:
         if os.environ.get("PAM_IDENT_DEBUG"):
             raise
-        return PamError(f"{path}: the diagnosis broke down ({type(error).__name__}: {error}); please report the record")
+        said = f"{path}: the diagnosis broke down ({type(error).__name__}: {error}); please report the record"
+        return PamError(said), None

@@ -11,6 +11,7 @@ from ..export.targets import get_target
 from ..records import read_specimen
 from ..schema.fit import fit_json
 from .fit import FitOptions, fit_record
+from .law_choice import settle
 from .setup import Setup
 
 
@@ -49,7 +50,9 @@ def export_fit(
 def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "together") -> Exported:
     """Fit a model to a record and write it. Raises as `fit_record` and `export_fit` do."""
     path = check_export(to, out)
-    answer = fit_record(setup.read(source), setup, FitOptions(branch=branch))
+    record = setup.read(source)
+    setup, _ = settle(record, setup)
+    answer = fit_record(record, setup, FitOptions(branch=branch))
     fitted = Fitted.of(answer.fits)
     if to == "json":
         write_json(path, fit_json(source, setup.law, answer))

@@ -16,6 +16,7 @@ from ..fitting.fit import Estimate, branch_names, fit_long
 from ..fitting.floor import LackOfFit, NoiseFloor
 from ..fitting.identifiability import PINNED, StandIn
 from ..fitting.methods import MethodRow, compare_methods
+from ..fitting.prediction import Predictor, ReadingSpread, Simpler, reading_spread, simpler
 from ..fitting.profile import Profile
 from ..fitting.weigh import LOSSES, Weighing
 from ..parallel.executor import Executor
@@ -103,6 +104,21 @@ class FitAnswer:
         """The loops of the record in J by pressure."""
         return loop_energies(self.record, self.record.force)
 
+    @cached_property
+    def spreads(self) -> Mapping[str, ReadingSpread]:
+        """How far readings lie off, by branch."""
+        return {branch: reading_spread(one) for branch, one in self.fits.items()}
+
+    @cached_property
+    def simpler(self) -> Mapping[str, Simpler]:
+        """Models that this one must beat, by branch."""
+        return {branch: simpler(one) for branch, one in self.fits.items()}
+
+    @property
+    def predictors(self) -> dict[str, Predictor]:
+        """The fits by branch, to be asked elsewhere."""
+        return {branch: Predictor.of(one, self.spreads[branch]) for branch, one in self.fits.items()}
+
     @property
     def warnings(self) -> tuple[str, ...]:
         """What effects warn of, and modelled loops that give energy."""
@@ -177,6 +193,11 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
     checks = {name: _checks(one) for name, one in fits.items()}
     methods = compare_methods(record, setup.model, wishes.branch) if wishes.method == "both" else ()
     return FitAnswer(record, fits, wishes, checks, isobars, straight, profiles, methods)
+
+
+def answer_of(one: Fit) -> FitAnswer:
+    """The answer that a fit of both branches together, made elsewhere, comes to."""
+    return FitAnswer(one.record, {"together": one}, FitOptions(), {"together": _checks(one)})
 
 
 def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:

@@ -6,8 +6,10 @@ from tempfile import TemporaryDirectory
 
 from ..core import UsageError
 from ..core.files import check_target, write_whole
+from ..records import Record
 from ..report import Story, find_browser, render, render_markdown, to_pdf
 from ..report.provenance import provenance
+from .law_choice import settle
 from .section import build_section
 from .setup import Setup
 
@@ -15,11 +17,11 @@ SUFFIXES = {".html": "html", ".htm": "html", ".md": "md", ".markdown": "md", ".p
 FORMATS = ("html", "md", "pdf")
 
 
-def report_record(path: str, setup: Setup, out: str = "report.html", kind: str | None = None) -> Story:
+def report_record(path: str | Record, setup: Setup, out: str = "report.html", kind: str | None = None) -> Story:
     """Write the report of one record to a file and return its story.
 
     Args:
-        path: of the record.
+        path: of the record, or the record itself.
         setup: the law, and effects that are known already.
         out: the file to write. Figures of an md lie beside it in a folder, NAME_figures.
         kind: html, md or pdf; by default what `out` ends in, and html where it has no ending.
@@ -35,18 +37,12 @@ def report_record(path: str, setup: Setup, out: str = "report.html", kind: str |
         >>> print(report_record(str(dataset_record("nothing_hidden")), Setup("exponential_law"), "report.html").title)
         nothing_hidden: exponential_law against the measurement
     """
-    target = check_target(out, tuple(SUFFIXES) if kind is None and Path(out).suffix else ())
-    chosen = kind or SUFFIXES.get(target.suffix.lower(), "html")
-    if chosen not in FORMATS:
-        raise UsageError(f"format {kind!r}; expected one of {', '.join(FORMATS)}")
-    folder = target.with_name(f"{target.stem}_figures")
-    if chosen == "md":
-        _check_folder(folder)
-    if chosen == "pdf":
-        find_browser()
-    model = setup.model
-    record = setup.read(path)
-    section = build_section(model, record, setup.extra)
+    target, chosen, folder = check_report(out, kind)
+    setup.check()
+    record = path if isinstance(path, Record) else setup.read(path)
+    path = path if isinstance(path, str) else record.source or record.name
+    setup, _ = settle(record, setup)
+    section = build_section(setup.model, record, setup.extra)
     more = ("--format", kind) if kind else ()
     source = provenance({path: record}, setup.command("report", path, "--out", out, *more))
     story = Story(f"{record.name}: {setup.law} against the measurement", (section,), source)
@@ -57,6 +53,20 @@ def report_record(path: str, setup: Setup, out: str = "report.html", kind: str |
         page = render(story)
         write_whole(target, page if chosen == "html" else to_pdf(page, target.parent))
     return story
+
+
+def check_report(out: str, kind: str | None = None) -> tuple[Path, str, Path]:
+    """The file to write, its format, and the folder of its figures. Raises UsageError for what cannot be written."""
+    target = check_target(out, tuple(SUFFIXES) if kind is None and Path(out).suffix else ())
+    chosen = kind or SUFFIXES.get(target.suffix.lower(), "html")
+    if chosen not in FORMATS:
+        raise UsageError(f"format {kind!r}; expected one of {', '.join(FORMATS)}")
+    folder = target.with_name(f"{target.stem}_figures")
+    if chosen == "md":
+        _check_folder(folder)
+    if chosen == "pdf":
+        find_browser()
+    return target, chosen, folder
 
 
 def _check_folder(folder: Path) -> None:

@@ -13,6 +13,8 @@ from ..records import Record, read_record, read_specimen
 from ..records.files import share_of_memory
 from ..records.where import rows_where
 
+AUTO = "auto"
+"""In place of a law: take the one that foretells best what it has not seen."""
 MOST_OF_MEMORY = 0.5
 """Share of the free memory from which a record's text will not fit into it as numbers."""
 
@@ -29,7 +31,7 @@ class Setup:
     """What a task is asked: a law by name with effects, the user's own effect files, and the specimen's file.
 
     Args:
-        law: name of a law of the catalogue.
+        law: name of a law of the catalogue, or `auto` for a task that chooses one.
         effects: `name` or `name:form` each.
         effect_files: Python files that define effects of the user's own.
         free_geometry: whether radius and braid angle are fitted, too.
@@ -62,6 +64,10 @@ class Setup:
     def model(self) -> Model:
         """The law with its effects. Raises UsageError for an unknown name."""
         return Model.build(self.law, self.effects, self.extra, self.free_geometry)
+
+    def check(self) -> None:
+        """Raises UsageError for an unknown law or effect, before any record is read."""
+        _ = self.model if self.law != AUTO else Model.build("chou_hannaford", self.effects, self.extra)
 
     @cached_property
     def law_alone(self) -> Model:

@@ -131,7 +131,7 @@ def _none(path: str, law: str, error: PamError) -> Json:
 def answer_case(folder: Path, case: str, setup: Setup) -> Json:
     """One case; a diagnosis that breaks down is an answer too, and a wrong one."""
     path = str(folder / case / "record.csv")
-    ((_, found),) = diagnose_records([path], setup)
+    ((_, found, _),) = diagnose_records([path], setup)
     if isinstance(found, PamError):
         return _none(path, setup.law, found)
     return diagnosis_json(path, found)

@@ -126,7 +126,7 @@ def test_an_effect_the_record_cannot_hold(ask, root):
     "words",
     [
         ("fit", "RECORD", "--law", "hooke"),
-        ("fit", "RECORD"),
+        ("fit", "RECORD", "--law", "auto", "--effect", "magic"),
         ("fit", "RECORD", "--law", "sarosi", "--effect", "magic"),
         ("fit", "RECORD", "--law", "sarosi", "--effect", "coulomb_friction:magic"),
         ("fit", "RECORD", "--law", "sarosi", "--effect", "creep", "--effect", "creep"),

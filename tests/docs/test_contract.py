@@ -21,6 +21,7 @@ NAMED = {
     "by": "KEY",
     "tuning": "HOW",
     "columns": "QUANTITY",
+    "polynomial": "NAME",
     "errors": "RECORD",
 }
 POOR = "[protocol]\npressures_MPa = [0.3, 0.4]\nspeeds_mm_s = [10.0]\ncycles_per_speed = 4\n"
@@ -70,14 +71,17 @@ def written(root, tmp_path_factory):
     tree = folder / "tree"
     shutil.copytree(poor.parent, tree)
     (tree / "bad.csv").write_text("time_s,force_N\n0,1\n", encoding="utf-8")
+    run("fit", poor, *law, "--json", folder / "fit.json")
     asked = [
-        ("fit", ours, *law, "--method", "both"),
+        ("fit", ours, "--method", "both"),
         ("fit", ours, *law, "--method", "two-stage"),
-        ("compare", ours, *law),
+        ("compare", ours),
         ("diagnose", poor, *law),
-        ("diagnose", folder / "rub" / "record.csv", *law),
-        ("add", ours, *law, "--effect", "pressure_friction"),
-        ("ladder", ours.parents[1] / "nothing_hidden" / "record.csv", *law),
+        ("diagnose", folder / "rub" / "record.csv"),
+        ("add", ours, "--effect", "pressure_friction"),
+        ("ladder", "nothing_hidden"),
+        ("validate", folder / "fit.json", ours),
+        ("predict", folder / "fit.json", "--at", poor, "--out", folder / "force.csv"),
         ("selftest",),
         ("challenge", "--n", 1, "--workers", 1, "--quiet"),
         ("inspect", ours),
@@ -86,7 +90,7 @@ def written(root, tmp_path_factory):
         ("effects",),
         ("demo", "--out", folder / "demo"),
         ("rig", folder / "set", "--n", 1, "--only", "null"),
-        ("batch", tree, *law, "--out", folder / "results", "--workers", 1),
+        ("batch", tree, "--out", folder / "results", "--workers", 1),
     ]
     answers = {}
     with pytest.MonkeyPatch.context() as patch:

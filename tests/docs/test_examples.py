@@ -8,7 +8,13 @@ import pytest
 import pam_ident
 
 FIRST = [
-    *(f"{home}.{name}" for name, home in pam_ident._HOME.items() if name not in ("laws", "effects")),
+    *(path for name, path in pam_ident._HOME.items() if name not in ("laws", "effects")),
+    "pam_ident.api.catalogue.Catalogue",
+    *(path for path, _ in pam_ident._OLD.values()),
+    "pam_ident.fitting.fit",
+    "pam_ident.diagnosis.compare",
+    "pam_ident.diagnosis.diagnose",
+    "pam_ident.tasks.law_choice.choose_law",
     "pam_ident.laws.catalogue",
     "pam_ident.laws.get_law",
     "pam_ident.effects.catalogue",

@@ -13,6 +13,8 @@ from pam_ident.fitting import fit
 from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model
 from pam_ident.records import read_record
+from pam_ident.tasks.law_choice import choose_law
+from pam_ident.tasks.setup import AUTO, Setup
 
 RECORD = Path(__file__).parents[2] / "datasets" / "paper_laws" / "reconstructed.csv"
 LAW = ("--law", "exponential_law")
@@ -166,9 +168,13 @@ def test_a_wrong_request_is_refused_and_nothing_is_written(stored, tmp_path, mon
     assert not list(tmp_path.iterdir())
 
 
-def test_a_record_needs_a_law(tmp_path):
-    result = ask("export", RECORD, "--to", "c", "--out", tmp_path / "arm.h")
-    assert result.exit_code == 2 and "--law" in result.stderr
+def test_a_record_without_a_law_gets_the_one_that_is_chosen(tmp_path):
+    for name, words in (
+        ("chosen.json", ()),
+        ("named.json", ("--law", choose_law(read_record(RECORD), Setup(AUTO)).law)),
+    ):
+        assert ask("export", RECORD, *words, "--to", "json", "--out", tmp_path / name).exit_code == 0
+    assert (tmp_path / "chosen.json").read_text() == (tmp_path / "named.json").read_text()
 
 
 def test_a_fit_that_is_not_valid_is_written_with_a_warning(tmp_path):

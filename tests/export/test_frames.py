@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import pam_ident
-from pam_ident.core import DataError, UsageError
+from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.diagnosis import compare
 from pam_ident.export.frames import residuals, to_frame
 from pam_ident.leg.muscle import Muscle
@@ -39,7 +38,7 @@ def test_a_table_with_other_units_is_the_file_with_them(tmp_path):
     """What `read_record` makes of a CSV, from the same rows in bar, cm and kN."""
     path = tmp_path / "made.csv"
     path.write_text(SHORT, encoding="utf-8")
-    specimen = pam_ident.Specimen("m", 200.0)
+    specimen = Specimen("m", 200.0)
     columns = np.array([[float(cell) for cell in line.split(",")] for line in SHORT.splitlines()[1:]]).T
     frame = pd.DataFrame(
         {
@@ -50,7 +49,7 @@ def test_a_table_with_other_units_is_the_file_with_them(tmp_path):
         },
         index=[7, 5, 3, 1],
     )
-    made = pam_ident.record_from_frame(frame, specimen, "made")
+    made = record_from_frame(frame, specimen, "made")
     same(read_record(path, specimen), made)
     assert made.name == "made" and made.columns["pressure"] == "Pressure [bar]"
 
@@ -130,9 +129,12 @@ def test_what_is_no_result_has_no_table():
 
 def test_a_table_of_a_record_imports_neither_jax_nor_matplotlib():
     code = (
-        "import sys, pandas as pd, pam_ident\n"
+        "import sys, pandas as pd\n"
         "frame = pd.DataFrame({'pressure_MPa': [0.1, 0.2], 'contraction': [0.0, 0.1], 'force_N': [9.0, 8.0]})\n"
-        "pam_ident.to_frame(pam_ident.record_from_frame(frame, pam_ident.Specimen()))\n"
+        "from pam_ident.core import Specimen\n"
+        "from pam_ident.export.frames import to_frame\n"
+        "from pam_ident.records import record_from_frame\n"
+        "to_frame(record_from_frame(frame, Specimen()))\n"
         "print([name for name in ('jax', 'matplotlib', 'scipy') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -142,7 +142,7 @@ def test_where_ipython_runs_a_result_shows_itself_and_matplotlib_waits_for_it():
         "import sys\n"
         "from IPython.core.interactiveshell import InteractiveShell\n"
         "shell = InteractiveShell.instance()\n"
-        "shell.run_cell('import pam_ident; one = pam_ident.Specimen(\"mine\")')\n"
+        "shell.run_cell('import pam_ident; from pam_ident.core import Specimen; one = Specimen(\"mine\")')\n"
         "print('matplotlib' in sys.modules, 'numpy' in sys.modules)\n"
         "data, _ = shell.display_formatter.format(shell.user_ns['one'])\n"
         "print('<table>' in data['text/html'], data['text/plain'].startswith('Specimen mine'))"
@@ -154,11 +154,11 @@ def test_where_ipython_runs_a_result_shows_itself_and_matplotlib_waits_for_it():
 def test_an_import_before_ipython_is_made_good_by_the_extension():
     pytest.importorskip("IPython")
     code = (
-        "import pam_ident\n"
+        "import pam_ident\nfrom pam_ident.core import Specimen\n"
         "from IPython.core.interactiveshell import InteractiveShell\n"
         "shell = InteractiveShell.instance()\n"
         "shell.run_line_magic('load_ext', 'pam_ident')\n"
-        "print('<table>' in shell.display_formatter.format(pam_ident.Specimen())[0]['text/html'])"
+        "print('<table>' in shell.display_formatter.format(Specimen())[0]['text/html'])"
     )
     assert run_in_python(code).splitlines()[-1] == "True"
 

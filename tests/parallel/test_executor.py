@@ -172,7 +172,9 @@ def test_a_scheduler_that_dies_in_mid_run_of_profiles(record, effect, tmp_path, 
 
 
 def test_a_record_whose_worker_is_killed_is_an_error_of_that_record_alone(monkeypatch):
-    monkeypatch.setattr(Executor, "in_order", lambda self, work, tasks, what: iter([work(tasks[0]), WorkerLost(2), 3]))
-    first, (path, lost), third = diagnose_records(["none.csv", "b.csv", "c.csv"], Setup("exponential_law"))
-    assert third == ("c.csv", 3) and isinstance(first[1], PamError)
+    monkeypatch.setattr(
+        Executor, "in_order", lambda self, work, tasks, what: iter([work(tasks[0]), WorkerLost(2), (3, None)])
+    )
+    first, (path, lost, _), third = diagnose_records(["none.csv", "b.csv", "c.csv"], Setup("exponential_law"))
+    assert third == ("c.csv", 3, None) and isinstance(first[1], PamError)
     assert path == "b.csv" and str(lost).startswith("b.csv: its worker was killed 2 times")

@@ -43,7 +43,8 @@ main()
 """,
     "patterns": RECORD
     + """
-from pam_ident import Model, diagnose
+from pam_ident.diagnosis import diagnose
+from pam_ident.model import Model
 found = diagnose(Model.build("polynomial"), loops(6.0 * (x / 5.3 - np.floor(x / 5.3) - 0.5)))
 print(found.verdict, found.pattern.kind, found.pattern.coordinate, found.pattern.text)
 """,

@@ -1,0 +1,96 @@
+"""From names and objects to what a task is asked."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ..core import UsageError
+from ..effects import Effect, load_effect_files
+from ..laws import Law, get_law
+from ..model import Model, Term, as_term
+from ..records import Record
+from ..tasks.law_choice import LawChoice, settle
+from ..tasks.setup import AUTO, Setup
+
+
+@dataclass(frozen=True)
+class ObjectSetup(Setup):
+    """A setup that holds objects beside names: effects of the user's own, and a law that no catalogue has."""
+
+    objects: tuple[Effect, ...] = ()
+    own_law: Law | None = None
+
+    @cached_property
+    def extra(self) -> tuple[Effect, ...]:
+        """The effects that are given as objects or in files."""
+        return (*load_effect_files(self.effect_files), *self.objects)
+
+    @cached_property
+    def model(self) -> Model:
+        """The law with its effects. Raises UsageError for an unknown name."""
+        return Model(self._law, [as_term(name, self.extra) for name in self.effects], self.free_geometry)
+
+    @cached_property
+    def law_alone(self) -> Model:
+        """The law without effects."""
+        return Model(self._law, (), self.free_geometry)
+
+    @property
+    def _law(self) -> Law | str:
+        return self.own_law if self.own_law is not None and self.own_law.name == self.law else self.law
+
+
+def setup_of(
+    law: "str | Law | Model" = AUTO,
+    effects: "str | Effect | Term | Iterable[str | Effect | Term]" = (),
+    *,
+    free_geometry: bool = False,
+    without: Any = (),
+    only: Any = (),
+    extra: Iterable[Effect] = (),
+) -> ObjectSetup:
+    """What is asked, checked at once; `extra` are effects of one's own that may be named.
+
+    Raises UsageError for a name that nobody knows, or something else than a name.
+    """
+    given = [effects] if isinstance(effects, str | Effect | Term) else list(effects or ())
+    own = None
+    if isinstance(law, Model):
+        given = [*law.terms, *given]
+        free_geometry = free_geometry or law.free_geometry
+        law = law.law
+    if isinstance(law, Law):
+        own, law = law, law.name
+    elif not isinstance(law, str):
+        raise UsageError(f"law {law!r}: expected a name, such as 'exponential_law', a Law or a Model")
+    elif law != AUTO:
+        get_law(law)
+    more = (extra,) if isinstance(extra, Effect) else tuple(extra)
+    terms = [as_term(one, more) if not isinstance(one, str) or more else one for one in given]
+    labels = tuple(one if isinstance(one, str) else one.label for one in terms)
+    own_effects = [*more, *(one.effect for one in terms if isinstance(one, Term))]
+    objects = tuple({one.name: one for one in own_effects}.values())
+    found = ObjectSetup(
+        law,
+        labels,
+        free_geometry=free_geometry,
+        without=_names(without),
+        only=_names(only),
+        objects=objects,
+        own_law=own,
+    )
+    found.check()
+    return found
+
+
+def _names(given: Any) -> tuple[str, ...]:
+    every = [given] if isinstance(given, str | Effect) else given or ()
+    return tuple(one.name if isinstance(one, Effect) else str(one) for one in every)
+
+
+def settled(record: Record, setup: ObjectSetup) -> tuple[ObjectSetup, LawChoice | None]:
+    """With a law in place of `auto`, and how it was chosen. Raises FitError where no law can be fitted."""
+    found, choice = settle(record, setup)
+    assert isinstance(found, ObjectSetup)
+    return found, choice

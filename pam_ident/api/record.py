@@ -1,0 +1,155 @@
+"""A record as one meets it at the prompt: it reads from anything, draws itself and comes back as a table."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..core import Specimen, UsageError
+from ..core.nearest import unknown
+from ..records import Record, read_record, record_from_frame
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
+
+
+class ShownRecord(Record):
+    """A measured record, as `pam.read` gives it.
+
+    It is a `pam_ident.records.Record` (force, inputs, levels, specimen, `take`, `branch_rows`) that shows itself.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> record = pam.read("hidden_effect")
+        >>> print(isinstance(record, pam.Record), len(record), "samples at", record.levels, "MPa")
+        True 4680 samples at [0.1 0.2 0.3 0.4 0.5] MPa
+    """
+
+    @classmethod
+    def of(cls, record: Record) -> "ShownRecord":
+        """The same record, that shows itself."""
+        return record if isinstance(record, cls) else cls(**{f.name: getattr(record, f.name) for f in fields(record)})
+
+    def __repr__(self) -> str:
+        from ..notebook.lines import line
+
+        return line(self)
+
+    def summary(self) -> str:
+        """What was read: samples, pressures, motion, and advice on the rig, a line each."""
+        from ..notebook.lines import line
+        from ..records.inspection import inspect_record
+
+        found = inspect_record(self)
+        lines = [line(self), f"columns: {', '.join(self.columns.values()) or 'from memory'}", line(self.specimen)]
+        return "\n".join([*lines, *(f"- {one}" for one in found.advice)])
+
+    def to_frame(self) -> "pd.DataFrame":
+        """A row a sample; `pam.read(frame, specimen=record.specimen)` reads it back."""
+        from ..export.frames import samples
+
+        return samples(self)
+
+    def to_xarray(self) -> Any:
+        """The samples as a Dataset over `sample`, units as attributes. Raises UsageError where xarray is missing."""
+        from .labelled import dataset
+
+        return dataset(self.to_frame(), {"specimen": self.specimen.name, "source": self.source})
+
+    def plot(self) -> "Axes":
+        """Force over contraction, isobar by isobar."""
+        from ..plot import isobars
+        from .drawing import axes_of
+
+        return axes_of(isobars.draw, self)
+
+
+def read(
+    source: "str | os.PathLike[str] | pd.DataFrame | Mapping[str, Any] | Record",
+    specimen: "str | os.PathLike[str] | Mapping[str, Any] | Specimen | None" = None,
+    *,
+    columns: "str | os.PathLike[str] | None" = None,
+    name: str = "",
+) -> ShownRecord:
+    """A record from a file, a folder, a pattern, a data set's name, a table of pandas or a dictionary of arrays.
+
+    Args:
+        source: a path, or the name of a data set that comes along, or a table or dictionary whose columns are found by
+            name and unit, as those of a file are (`pressure_MPa`, `Force (kN)`).
+        specimen: the muscle: a `specimen.toml`, a dictionary of its keys, or a Specimen. A file without it takes the
+            `specimen.toml` beside it.
+        columns: a `columns.toml` that says which column of a file is what.
+        name: of a record that is no file.
+
+    Raises:
+        DataError: for what cannot be read, naming file, row and column.
+        UsageError: for a table without a specimen, or an unknown key of one.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> pam.read("nothing_hidden")
+        Record nothing_hidden: 4680 samples at 0.1, 0.2, 0.3, 0.4, 0.5 MPa
+    """
+    if isinstance(source, Record):
+        found = source if specimen is None else _on(source, as_specimen(specimen))
+        return ShownRecord.of(found)
+    if isinstance(source, str | os.PathLike):
+        muscle = as_specimen(specimen) if specimen is not None else None
+        return ShownRecord.of(
+            read_record(
+                Path(source) if isinstance(source, os.PathLike) else source,
+                muscle,
+                None if columns is None else Path(columns),
+            )
+        )
+    import pandas as pd
+
+    if isinstance(source, Mapping):
+        try:
+            source = pd.DataFrame(dict(source))
+        except ValueError as error:
+            raise UsageError(f"the arrays do not make a table: {error}") from None
+    if not isinstance(source, pd.DataFrame):
+        raise UsageError(
+            f"{type(source).__name__}: expected a path, a data set's name, a table of pandas or a dictionary of arrays"
+        )
+    if specimen is None:
+        raise UsageError(
+            f"a table needs its muscle; give specimen={{{', '.join(repr(one) for one in GEOMETRY[1:4])}: …}}"
+        )
+    return ShownRecord.of(record_from_frame(source, as_specimen(specimen), name))
+
+
+def as_specimen(given: Any) -> Specimen:
+    """A Specimen from its file, a dictionary, or itself. Raises UsageError, DataError."""
+    from ..records import read_specimen
+
+    if isinstance(given, Specimen):
+        return given
+    if isinstance(given, str | os.PathLike):
+        return read_specimen(Path(given))
+    if not isinstance(given, Mapping):
+        raise UsageError(f"specimen {given!r}: expected a file, a dictionary or a Specimen")
+    for key in given:
+        if key not in (*GEOMETRY, "sensors"):
+            raise UsageError(unknown("key of a specimen", key, GEOMETRY, "docs/records.md"))
+    lacking = [key for key in GEOMETRY[1:4] if key not in given]
+    if lacking:
+        raise UsageError(f"the specimen lacks {', '.join(lacking)}")
+    return Specimen(**given)
+
+
+def _on(record: Record, specimen: Specimen) -> Record:
+    """The same readings on another muscle; contraction is of the length, which must stay. Raises UsageError."""
+    length = record.specimen.initial_length_mm
+    if specimen.initial_length_mm != length:
+        raise UsageError(
+            f"initial_length_mm {specimen.initial_length_mm:g}: the record was read with {length:g}; read it anew"
+        )
+    return replace(
+        record, inputs=replace(record.inputs, specimen=specimen), steady=replace(record.steady, specimen=specimen)
+    )

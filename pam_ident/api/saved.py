@@ -1,0 +1,152 @@
+"""What a fitted model can be asked elsewhere, and a fit that is read back from its file."""
+
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..core import DataError, Specimen, UsageError
+from ..core.files import check_target, write_json
+from ..fitting.prediction import Predictor
+from ..records import Record
+from ..tasks.predict import (
+    SavedFit,
+    Validation,
+    foretell,
+    inputs_of,
+    prediction_frame,
+    read_fit,
+    states_of,
+    validate_fit,
+)
+from .record import read
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = ("value", "stderr", "low", "high", "unit", "verdict", "meaning")
+
+
+class Foretelling(ABC):
+    """What every fitted model can be asked: its force elsewhere, and how it does on another record."""
+
+    specimen: Specimen
+
+    @property
+    @abstractmethod
+    def predictors(self) -> Mapping[str, Predictor]:
+        """The fits by branch, to be asked elsewhere."""
+
+    def predict(self, pressure: Any, contraction: Any = None, **more: Any) -> "pd.DataFrame":
+        """Force with 95 % intervals of its mean (`mean_low_N`, `mean_high_N`) and of a new reading (`reading_…`).
+
+        Args:
+            pressure: gauge pressure in MPa, a number or an array; or a Record, a table, or a file, whose pressure and
+                contraction are taken.
+            contraction: ratio of the length at rest, a number or an array.
+            more: where effects need them `time_s`, `temperature_C`, `cycle`, `branch` ('contraction' or 'extension').
+
+        A reading's interval holds the noise and what the model leaves unexplained; NaN where nothing is known of that.
+        `outside` marks states that the record did not reach. Raises UsageError, DataError.
+        """
+        if contraction is not None:
+            inputs = inputs_of(self.specimen, pressure, contraction, **more)
+        elif more:
+            raise UsageError("predict: give pressure and contraction, or one record, table or file")
+        elif isinstance(pressure, Record):
+            inputs = pressure.inputs
+        elif isinstance(pressure, str | Path) or hasattr(pressure, "columns"):
+            inputs = states_of(pressure, self.specimen)
+        elif isinstance(pressure, Mapping):
+            import pandas as pd
+
+            inputs = states_of(pd.DataFrame(dict(pressure)), self.specimen)
+        else:
+            raise UsageError("predict: give contraction beside pressure, or one record, table or file")
+        return prediction_frame(inputs, foretell(self.predictors, inputs))
+
+
+class SavedResult(Foretelling):
+    """A fit that was read back from its file: `params`, `predict`, `validate`, `summary`; the record is not in it."""
+
+    def __init__(self, saved: SavedFit, content: dict[str, Any]) -> None:
+        self.details, self.content = saved, content
+        self.specimen, self.model = saved.specimen, saved.model
+        self.law, self.effects = saved.law, saved.effects
+
+    @property
+    def predictors(self) -> Mapping[str, Predictor]:
+        """The fits by branch, to be asked elsewhere."""
+        return self.details.branches
+
+    @classmethod
+    def read(cls, path: str | Path, content: dict[str, Any]) -> "SavedResult":
+        """From a file of `fit --json`. Raises DataError."""
+        return cls(read_fit(path), content)
+
+    @property
+    def params(self) -> "pd.DataFrame":
+        """A row a parameter, as `FitResult.params`; by branch, too, where there are several."""
+        import pandas as pd
+
+        docs = {p.name: p.doc for p in self.model.params}
+        rows = {
+            (branch, name): (
+                one["value"], one["stderr"], *one["interval"], one["unit"], one["verdict"], docs.get(name, ""),
+            )
+            for branch, holder in self.content["branches"].items()
+            for name, one in holder["parameters"].items()
+        }  # fmt: skip
+        frame = pd.DataFrame(list(rows.values()), columns=list(COLUMNS))
+        if not rows:
+            return frame
+        frame.index = pd.MultiIndex.from_tuples(list(rows), names=["branch", "parameter"])
+        return frame.droplevel("branch") if len(self.predictors) == 1 else frame
+
+    def summary(self) -> str:
+        """The equation and the parameters, as text."""
+        return "\n".join([repr(self), str(self.model), self.params.iloc[:, :5].to_string()])
+
+    def __repr__(self) -> str:
+        names = " + ".join([self.law, *self.effects])
+        errors = ", ".join(f"{one['rmse_N']:.3g} N" for one in self.content["branches"].values())
+        return f"{names} fitted to {self.content['record']}: {errors} rms (from {self.details.path})"
+
+    def validate(self, record: Any, specimen: Any = None) -> Validation:
+        """How the fit does on another record. Raises DataError."""
+        return validate_fit(self.details, read(record, specimen))
+
+    def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
+        """What the file holds, written to `path` where one is given."""
+        if path is not None:
+            write_json(check_target(path), self.content)
+        return self.content
+
+
+def load(path: str | Path) -> Any:
+    """What `to_json`, or a command's `--json`, wrote: a fit comes back to be asked, any other answer as a dictionary.
+
+    Args:
+        path: the file.
+
+    Raises:
+        DataError: for a file that is no answer of this program.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> pam.fit("dmsp20_300", "martens_boblan").to_json("fit.json")["schema"]
+        'pam-ident/fit/1'
+        >>> print(round(pam.load("fit.json").predict(0.25, 0.1)["force_N"].item()), "N")
+        135 N
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
+    except ValueError:
+        raise DataError(f"{path}: is no JSON; expected what to_json or --json wrote") from None
+    found = str(content.get("schema")) if isinstance(content, dict) else ""
+    if not found.startswith("pam-ident/"):
+        raise DataError(f"{path}: is no answer of pam-ident; expected what to_json or --json wrote")
+    return SavedResult.read(path, content) if found.startswith("pam-ident/fit/") else content

@@ -1,0 +1,227 @@
+"""The verbs: each takes a record, or what one is read from, and a law and effects, by name or as objects."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from warnings import warn
+
+from ..fitting import Fit
+from ..fitting import fit as old_fit
+from ..model import Model
+from ..tasks.fit import FitOptions, fit_record
+from ..tasks.law_choice import AUTO
+from .answers import ComparisonResult, DiagnosisResult, LadderResult, RecordAnswer
+from .asking import settled, setup_of
+from .fitted import FitResult
+from .record import ShownRecord, read
+from .working import worked
+
+
+@worked
+def fit(
+    record: Any,
+    law: Any = AUTO,
+    effects: Any = (),
+    *,
+    specimen: Any = None,
+    branch: str = "together",
+    method: str = "global",
+    held: Mapping[str, float] | None = None,
+    weights: str = "equal",
+    loss: str = "linear",
+    intervals: str = "linear",
+    free_geometry: bool = False,
+    **old: Any,
+) -> FitResult:
+    """Fit a law, with or without effects, to a record.
+
+    Args:
+        record: a Record, or what `pam.read` takes.
+        law: name, Law or Model; by default the one that foretells held-out data best.
+        effects: names (`creep`, `creep:prony_3`) or Effects, one or several.
+        specimen: the muscle, as `pam.read` takes it.
+        branch: together, separate, contraction or extension.
+        method: global; or two-stage, each isobar alone and then over pressure.
+        held: parameters that keep a value, by name.
+        weights: equal, or sensors, from the specimen's sensors.
+        loss: linear, or huber.
+        intervals: linear, profile or bootstrap.
+        free_geometry: whether radius and braid angle are fitted, too.
+        old: what the function of this name took before.
+
+    Raises:
+        UsageError: for an unknown name, with those that look like it.
+        DataError, FitError: where the record cannot be read or fitted.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> fitted = pam.fit("dmsp20_300", "martens_boblan")
+        >>> print(fitted)
+        martens_boblan fitted to DMSP-20-300: 3.21 N rms, 7.70 N at most, R² 0.999924, 60 samples
+        >>> print(fitted.predict(0.25, 0.1)[["force_N", "reading_low_N", "reading_high_N"]].round(0).to_string())
+           force_N  reading_low_N  reading_high_N
+        0    135.0          115.0           155.0
+    """
+    if isinstance(record, Model) or old:
+        _say_old("fit", "pam.fit(record, law, effects)", "pam_ident.fitting")
+        return old_fit(record, law, *([effects] if effects != () else []), held=held, **old)  # type: ignore[return-value]
+    setup = setup_of(law, effects, free_geometry=free_geometry)
+    wishes = FitOptions(branch, method, dict(held or {}), weights, loss, intervals)
+    measured = read(record, specimen)
+    setup, choice = settled(measured, setup)
+    return FitResult(fit_record(measured, setup, wishes), setup, choice)
+
+
+@worked
+def compare(
+    record: Any, law: Any = AUTO, effects: Any = (), *, specimen: Any = None, free_geometry: bool = False
+) -> ComparisonResult:
+    """Where a law fails on a record.
+
+    Args:
+        record: a Record, what `pam.read` takes, or a result, whose model is asked about.
+        law, effects, specimen, free_geometry: as `pam.fit` takes them.
+
+    Raises:
+        UsageError, DataError, FitError: as `pam.fit`.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> found = pam.compare("hidden_effect", "exponential_law")
+        >>> print(found.follows["share"].idxmax())
+        direction
+    """
+    from ..diagnosis import compare as old_compare
+    from ..tasks.compare import compare_record
+
+    if isinstance(record, Fit):
+        _say_old("compare", "pam.compare(record, law)", "pam_ident.diagnosis")
+        return old_compare(record)  # type: ignore[return-value]
+    measured, law = _record_and_law(record, law, specimen)
+    setup, choice = settled(measured, setup_of(law, effects, free_geometry=free_geometry))
+    return ComparisonResult(compare_record(measured, setup), setup, choice)
+
+
+@worked
+def diagnose(
+    record: Any,
+    law: Any = AUTO,
+    effects: Any = (),
+    *,
+    specimen: Any = None,
+    without: Any = (),
+    only: Any = (),
+    extra: Any = (),
+    free_geometry: bool = False,
+    **old: Any,
+) -> DiagnosisResult:
+    """Which effect a law lacks on a record, or that it lacks none.
+
+    Args:
+        record: a Record, what `pam.read` takes, or a result, whose model is asked about.
+        law, effects, specimen, free_geometry: as `pam.fit` takes them.
+        without, only: effects that are not tried, or the only ones that are.
+        extra: Effects of your own that are tried beside the known ones.
+        old: what the function of this name took before.
+
+    Raises:
+        UsageError, DataError, FitError: as `pam.fit`.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> print(pam.diagnose("nothing_hidden", "exponential_law").verdict)
+        adequate
+    """
+    from ..diagnosis import diagnose as old_diagnose
+    from ..tasks.diagnose import diagnose_record
+
+    if isinstance(record, Model) or old:
+        _say_old("diagnose", "pam.diagnose(record, law)", "pam_ident.diagnosis")
+        return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
+    measured, law = _record_and_law(record, law, specimen)
+    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra)
+    setup, choice = settled(measured, asked)
+    return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
+
+
+@worked
+def ladder(
+    record: Any,
+    law: Any = AUTO,
+    effects: Any = (),
+    *,
+    specimen: Any = None,
+    without: Any = (),
+    only: Any = (),
+    extra: Any = (),
+    free_geometry: bool = False,
+) -> LadderResult:
+    """Diagnose and add, down to the noise.
+
+    Args:
+        record, law, effects, specimen, without, only, extra, free_geometry: as `pam.diagnose` takes them.
+
+    Raises:
+        UsageError, DataError, FitError: as `pam.fit`.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> print(len(pam.ladder("nothing_hidden", "exponential_law")), "rung")
+        1 rung
+    """
+    from ..tasks.ladder import climb_ladder
+
+    measured, law = _record_and_law(record, law, specimen)
+    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra)
+    setup, choice = settled(measured, asked)
+    return LadderResult(climb_ladder(measured, setup), setup, choice)
+
+
+@worked
+def report(
+    record: Any,
+    law: Any = AUTO,
+    effects: Any = (),
+    *,
+    out: str | Path = "report.html",
+    specimen: Any = None,
+    free_geometry: bool = False,
+) -> Path:
+    """Write the whole answer about a record into one file: HTML, Markdown or PDF, by its ending.
+
+    Args:
+        record: a Record, what `pam.read` takes, or a result, whose model is asked about.
+        law, effects, specimen, free_geometry: as `pam.fit` takes them.
+        out: the file.
+
+    Raises:
+        UsageError, DataError, FitError: as `pam.fit`, and where the file cannot be written.
+
+    Example:
+        >>> import pam_ident as pam
+        >>> print(pam.report("nothing_hidden", "exponential_law", out="answer.html"))
+        answer.html
+    """
+    from ..tasks.report import check_report, report_record
+
+    check_report(str(out))
+    measured, law = _record_and_law(record, law, specimen)
+    setup, _ = settled(measured, setup_of(law, effects, free_geometry=free_geometry))
+    report_record(measured, setup, str(out))
+    return Path(out)
+
+
+def _record_and_law(record: Any, law: Any, specimen: Any) -> tuple[ShownRecord, Any]:
+    """The record, and the law that was asked for; of a result its own model, where none was."""
+    if isinstance(record, FitResult | RecordAnswer):
+        own = record if isinstance(record, FitResult) else record.fit
+        return own.record, own.model if law == AUTO else law
+    return read(record, specimen), law
+
+
+def _say_old(name: str, new: str, home: str) -> None:
+    warn(
+        f"pam_ident.{name} takes a record first: {new}. What it was is {home}.{name}; this goes in the next version",
+        DeprecationWarning,
+        stacklevel=4,
+    )

@@ -1,0 +1,86 @@
+"""What every verb does around its work: one thread for small matrices, and a bar in Jupyter where it takes long."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+from ..core.progress import Stage, heard
+
+P = ParamSpec("P")
+Result = TypeVar("Result")
+PATIENCE, PAUSE = 1.0, 0.3
+"""Seconds of work before a bar is shown, and between two changes of it."""
+
+
+@contextmanager
+def working() -> Iterator[None]:
+    """BLAS on one thread, for matrices of a few columns gain nothing by more and lose much on a busy machine; and a bar
+    where a notebook shows it. An interrupt takes the bar away and goes on to the caller."""
+    with ExitStack() as after:
+        with suppress(ImportError):
+            from threadpoolctl import threadpool_limits
+
+            after.enter_context(threadpool_limits(1, user_api="blas"))
+        if in_jupyter():
+            bar = NotebookBar()
+            after.callback(bar.clear)
+            after.enter_context(heard(bar.tell))
+        yield
+
+
+def worked(verb: Callable[P, Result]) -> Callable[P, Result]:
+    """The verb with small matrices on one thread, and a bar where a notebook shows it."""
+
+    @wraps(verb)
+    def inside(*args: P.args, **kwargs: P.kwargs) -> Result:
+        with working():
+            return verb(*args, **kwargs)
+
+    return inside
+
+
+def in_jupyter() -> bool:
+    """Whether this is the kernel of a notebook."""
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    return type(shell).__name__ == "ZMQInteractiveShell"
+
+
+class NotebookBar:
+    """A bar below the cell, with what is being done, as long as that lasts."""
+
+    def __init__(self) -> None:
+        self.next = time.monotonic() + PATIENCE
+        self.handle: Any = None
+
+    def tell(self, stage: Stage) -> None:
+        """Draw the bar anew, if it is time."""
+        if time.monotonic() < self.next:
+            return
+        self.next = time.monotonic() + PAUSE
+        self._show(bar_html(stage))
+
+    def clear(self) -> None:
+        """Take it away."""
+        if self.handle is not None:
+            self._show("")
+
+    def _show(self, text: str) -> None:
+        from IPython.display import HTML, display
+
+        if self.handle is None:
+            self.handle = display(HTML(text), display_id=True)
+        else:
+            self.handle.update(HTML(text))
+
+
+def bar_html(stage: Stage) -> str:
+    """The stage as a bar of HTML, with the larger ones that it is part of in words."""
+    from html import escape
+
+    counted = next((one for one in stage.line if one.of), stage)
+    size = f' value="{counted.done}" max="{counted.of}"' if counted.of else ""
+    count = f" {counted.done} of {counted.of}" if counted.of else ""
+    return f"<progress{size}></progress> {escape(' · '.join(one.what for one in stage.line))}{count}"

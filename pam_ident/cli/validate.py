@@ -1,0 +1,40 @@
+"""pam-ident validate."""
+
+from typing import Annotated
+
+import typer
+
+from . import options, text
+
+FitFile = Annotated[
+    str, typer.Argument(metavar="FIT.json", help="What `pam-ident fit --json` wrote.", show_default=False)
+]
+NAMES = {"mean_over_pressure": "mean force over pressure", "polynomial": "polynomial"}
+
+
+def validate(
+    fit: FitFile,
+    record: options.Record,
+    effect_file: options.EffectFiles = None,
+    specimen: options.SpecimenFile = None,
+    json: options.JsonFile = None,
+) -> None:
+    """Hold a saved fit against another record: its errors, how many readings its intervals hold, simpler models."""
+    from ..schema.prediction import validation_json
+    from ..tasks.predict import read_fit, validate_fit
+    from ..tasks.setup import load
+
+    saved = read_fit(fit, tuple(effect_file or ()))
+    measured = load(record, specimen)
+    found = validate_fit(saved, measured)
+    options.give_json(json, lambda: validation_json(fit, record, found))
+    text.say(text.title(record, measured), *text.equation(saved.model), "", found.sentence, "")
+    rows = [
+        (name, text.number(one.rmse, 3), text.number(one.max_error, 3), text.number(one.r2, 5))
+        for name, one in [(f"the fit of {fit}", found.trial), *((NAMES[k], v) for k, v in found.simpler.items())]
+    ]
+    text.say(*text.table(("model", "rmse [N]", "largest error [N]", "R²"), rows))
+    if found.outside > 0:
+        text.say(
+            f"{text.percent(found.outside)} of the readings lie outside the pressures or contractions that were fitted"
+        )

@@ -1,0 +1,26 @@
+"""What is said of a name that nobody knows: the names that look like it, and where all of them are listed."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+SHORT = 12
+"""Most names that are told in full where none is like the one given."""
+
+
+def nearest(name: str, known: Iterable[str]) -> list[str]:
+    """At most three of the `known` names that look like `name`, the likest first."""
+    by_lower = {one.lower(): one for one in known}
+    plain = str(name).lower().replace("-", "_").replace(" ", "_")
+    found = get_close_matches(plain, by_lower, n=3, cutoff=0.6)
+    begin = [one for one in by_lower if len(plain) > 2 and (one.startswith(plain) or plain in one.split("_"))]
+    return [by_lower[one] for one in dict.fromkeys([*found, *begin])][:3]
+
+
+def unknown(what: str, name: object, known: Iterable[str], where: str) -> str:
+    """The message of an unknown name: what it may have meant, else what there is; `where` lists all."""
+    names = sorted(known)
+    near = nearest(str(name), names)
+    head = f"unknown {what} {str(name)!r}"
+    if near:
+        return f"{head}; did you mean {' or '.join(near)}? {where} lists all {len(names)}"
+    return f"{head}; there is {', '.join(names)}" if len(names) <= SHORT else f"{head}; {where} lists all {len(names)}"

@@ -1,0 +1,190 @@
+"""Which law to take for a record: all of them, compared on data that they have not seen."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..core import DataError, FitError
+from ..core.progress import steps
+from ..fitting import fit
+from ..fitting.solve import solve
+from ..laws import listed
+from ..model import Model
+from ..records import Record, thinned
+from .setup import AUTO, Setup
+
+if TYPE_CHECKING:
+    from ..fitting import Fit
+
+Array = np.ndarray
+ROWS = 5_000
+"""Rows of a longer record that are enough to compare laws."""
+FOLDS = 5
+ALIKE = 1.01
+"""Ratio of mean errors up to which laws foretell several records alike."""
+EXACT = 1e-6
+"""Error over the largest force that is as good as none."""
+
+
+@dataclass(frozen=True)
+class LawTrial:
+    """A law on trial: how many parameters it has, its errors in N, on the rows it was fitted to and on those it was
+    not; NaN, with the `problem`, where this record cannot fit it."""
+
+    law: str
+    parameters: int
+    rmse: float = math.nan
+    heldout_rmse: float = math.nan
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class LawChoice:
+    """The law that was taken, why, and all laws that were compared, the best on held-out data first."""
+
+    law: str
+    why: str
+    trials: tuple[LawTrial, ...]
+
+
+def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
+    """The setup with a law in place of `auto`, and how it was chosen; as it is where a law was named.
+
+    Raises FitError where no law can be fitted to the record.
+    """
+    if setup.law != AUTO:
+        return setup, None
+    choice = choose_law(record, setup)
+    return replace(setup, law=choice.law), choice
+
+
+def choose_law(record: Record, setup: Setup) -> LawChoice:
+    """The law of the fewest parameters that foretells the rows it has not seen as well as any does.
+
+    Every law, with the effects of `setup`, is fitted to four fifths of the record in turn, whole cycles (of a table:
+    lengths or isobars) left out, and held against the fifth. As well as the best is what is worse by less than one
+    standard error of the difference between the folds. A law with a parameter that the record does not determine, or
+    at a bound, is taken only where all are like that.
+
+    Args:
+        record: what the laws are held against; of a long one some thousand rows.
+        setup: effects that every law gets.
+
+    Raises:
+        FitError: where no law can be fitted.
+
+    Example:
+        >>> from pam_ident.records import read_record
+        >>> from pam_ident.tasks.law_choice import choose_law
+        >>> from pam_ident.tasks.setup import AUTO, Setup
+        >>> print(choose_law(read_record("dmsp20_300"), Setup(AUTO)).law)
+        martens_boblan
+    """
+    record = thinned(record, ROWS)
+    masks = _folds(record)
+    trials: list[LawTrial] = []
+    squares: dict[str, Array] = {}
+    for law in steps(listed(), "comparing laws"):
+        model = Model.build(law.name, setup.effects, setup.extra, setup.free_geometry)
+        try:
+            one = fit(model, record)
+            squares[law.name] = _heldout(one, masks)
+        except (FitError, DataError) as error:
+            trials.append(LawTrial(law.name, len(model.params), problem=str(error)))
+            continue
+        heldout = math.sqrt(squares[law.name].sum() / len(record)) if masks else math.nan
+        trials.append(LawTrial(law.name, len(model.params), one.rmse, heldout, _problem(one)))
+    if not squares:
+        raise FitError(f"{record.source or record.name}: no law can be fitted. {trials[0].problem}")
+    trials.sort(key=lambda t: (math.isnan(t.rmse), t.heldout_rmse if masks else t.rmse))
+    return _chosen(tuple(trials), squares, masks, float(np.max(np.abs(record.force))))
+
+
+def choose_for_all(records: Sequence[Record], setup: Setup) -> LawChoice:
+    """One law for several records: that of the least error on held-out data, in the geometric mean over the records.
+
+    Errors in the trials are such means. Of laws within a hundredth the one with the fewest parameters is taken, and one
+    with a problem only where all have one. Raises FitError where no law can be fitted to all of them.
+    """
+    found = [{t.law: t for t in choose_law(record, setup).trials} for record in records]
+    trials = []
+    for law in found[0]:
+        mine = [one[law] for one in found]
+        rmse, heldout = (math.exp(sum(map(_log, each)) / len(mine)) for each in zip(*map(_errors, mine), strict=True))
+        problem = next((t.problem for t in mine if t.problem), "")
+        trials.append(LawTrial(law, mine[0].parameters, rmse, heldout, problem))
+    trials.sort(key=lambda t: (math.isnan(t.heldout_rmse), t.heldout_rmse))
+    fitted = [t for t in trials if not math.isnan(t.heldout_rmse)]
+    if not fitted:
+        raise FitError(f"no law can be fitted to all of {len(records)} records. {trials[0].problem}")
+    able = [t for t in fitted if not t.problem] or fitted
+    alike = [t for t in able if t.heldout_rmse <= ALIKE * able[0].heldout_rmse]
+    best = min(alike, key=lambda t: (t.parameters, t.heldout_rmse))
+    second = next((t for t in able if t is not best), None)
+    told = f"{best.law} ({best.parameters} parameters) errs by {best.heldout_rmse:.3g} N"
+    why = f"{told} on held-out data of {len(records)} records"
+    return LawChoice(
+        best.law, why + (f"; {second.law} by {second.heldout_rmse:.3g} N" if second else ""), tuple(trials)
+    )
+
+
+def _errors(trial: LawTrial) -> tuple[float, float]:
+    """Error on the rows fitted, and on held-out ones where there are any."""
+    return trial.rmse, trial.rmse if math.isnan(trial.heldout_rmse) else trial.heldout_rmse
+
+
+def _log(error: float) -> float:
+    return math.log(max(error, 1e-9)) if not math.isnan(error) else math.nan
+
+
+def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array], largest: float) -> LawChoice:
+    """`squares` (folds,) in N² by law; `largest` force in N."""
+    fitted = [t for t in trials if t.law in squares]
+    able = [t for t in fitted if not t.problem] or fitted
+    best = able[0]
+    if not masks:
+        return LawChoice(
+            best.law, f"{best.law} leaves the least; the record has too few cycles to hold any out", trials
+        )
+    counts = np.array([mask.sum() for mask in masks])
+    nothing = (EXACT * largest) ** 2
+
+    def alike(trial: LawTrial) -> bool:
+        gap = (squares[trial.law] - squares[best.law]) / counts
+        return float(gap.mean()) <= float(gap.std(ddof=1)) / math.sqrt(len(masks)) + nothing
+
+    simplest = min((t for t in able if alike(t)), key=lambda t: (t.parameters, t.heldout_rmse))
+    said = f"{simplest.law} ({simplest.parameters} parameters) errs by {simplest.heldout_rmse:.3g} N on held-out data"
+    if simplest is best:
+        second = next((t for t in able if t is not best), None)
+        why = said + (f"; the next, {second.law}, by {second.heldout_rmse:.3g} N" if second else "")
+    else:
+        why = f"{said}, as little as {best.law} ({best.parameters}, {best.heldout_rmse:.3g} N) to its standard error"
+    return LawChoice(simplest.law, why, trials)
+
+
+def _folds(record: Record) -> list[Array]:
+    """Masks (n,) of the rows to hold out in turn, whole blocks in each; none where there is one block only."""
+    blocks = np.unique(record.block)
+    count = min(FOLDS, len(blocks))
+    return [np.isin(record.block, blocks[k::count]) for k in range(count)] if count > 1 else []
+
+
+def _heldout(one: "Fit", masks: list[Array]) -> Array:
+    """Sum of squares in N² of the rows of each mask, by the model fitted to the others, shape (folds,)."""
+    record, model = one.record, one.model
+    found = []
+    for mask in masks:
+        if np.count_nonzero(~mask) <= len(model.params):
+            raise FitError(f"too few samples to hold a {record.block_kind} out for {len(model.params)} parameters")
+        values = solve(model, record.inputs, record.force, lambda m, rows=~mask: m[rows], one.values, quick=True).values
+        found.append(float(np.sum((record.force - model.force(record.inputs, values))[mask] ** 2)))
+    return np.array(found)
+
+
+def _problem(one: "Fit") -> str:
+    stuck = [e.name for e in one.estimates if e.at_bound and "." not in e.name]
+    return "; ".join([*one.problems, *([f"{', '.join(stuck)} at a bound"] if stuck else [])])

@@ -1,0 +1,260 @@
+"""A saved fit asked elsewhere: its force with intervals, and how it does on another record."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..core import DataError, Inputs, Specimen, UsageError
+from ..effects import load_effect_files
+from ..fitting.prediction import Prediction, Predictor, ReadingSpread, Simpler
+from ..leg.fit_file import Answer, fitted_branches, read_answer, read_specimen_of
+from ..model import Model
+from ..records import Record, build_record, read_record, record_from_frame
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = np.ndarray
+AS_WELL = 1.05
+"""How much larger the error of a simpler model may be for it to foretell as well."""
+
+
+@dataclass(frozen=True)
+class SavedFit:
+    """What a file of `fit --json` foretells, by branch; `simpler` is empty in files of earlier versions."""
+
+    path: str
+    law: str
+    effects: tuple[str, ...]
+    specimen: Specimen
+    branches: Mapping[str, Predictor]
+    simpler: Mapping[str, Simpler]
+
+    @property
+    def model(self) -> Model:
+        """The law with its effects."""
+        return next(iter(self.branches.values())).model
+
+
+@dataclass(frozen=True)
+class ErrorsThere:
+    """Errors on a record in N: root mean square, largest, and the coefficient of determination."""
+
+    rmse: float
+    max_error: float
+    r2: float
+
+    @classmethod
+    def of(cls, error: Array, force: Array) -> "ErrorsThere":
+        """From errors and measured forces, (n,) each in N."""
+        spread = float(np.sum((force - force.mean()) ** 2))
+        r2 = 1.0 - float(error @ error) / spread if spread > 0 else math.nan
+        return cls(float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error))), r2)
+
+
+@dataclass(frozen=True)
+class Validation:
+    """A saved fit on another record. `coverage` is the share of readings that their 95 % interval holds, NaN where none
+    is known; `simpler` the same errors of models that any muscle model must beat, fitted to what the fit was."""
+
+    record: Record
+    saved: SavedFit
+    trial: ErrorsThere
+    coverage: float
+    outside: float
+    simpler: Mapping[str, ErrorsThere]
+
+    @property
+    def as_well(self) -> list[str]:
+        """The simpler models that foretell this record as well."""
+        return [name for name, one in self.simpler.items() if one.rmse <= AS_WELL * self.trial.rmse]
+
+    @property
+    def sentence(self) -> str:
+        """The answer in words."""
+        share = "> 99" if self.coverage > 0.99 else f"{100 * self.coverage:.0f}"
+        known = "" if math.isnan(self.coverage) else f" {share} % of the readings lie in their 95 % interval."
+        words = {"mean_over_pressure": "the mean force over pressure", "polynomial": "a plain polynomial"}
+        names = " and ".join(words[name] for name in self.as_well)
+        rest = f" No better than {names}." if names else " No simpler model does as well." if self.simpler else ""
+        return f"The fit foretells {self.record.name} to {self.trial.rmse:.3g} N rms.{known}{rest}"
+
+
+def read_fit(path: str | Path, effect_files: tuple[str, ...] = (), specimen: Specimen | None = None) -> SavedFit:
+    """A file of `pam-ident fit --json`. Raises DataError for any other, UsageError for an unknown effect."""
+    found = read_answer(path, "fit")
+    model = found.model(found.effects, load_effect_files(effect_files))
+    specimen = specimen or read_specimen_of(found)
+    holders = found.get("branches", dict)
+    if not holders:
+        raise DataError(f"{path}: holds no branch; fit again with --json")
+    return SavedFit(
+        str(path),
+        model.law.name,
+        tuple(model.labels),
+        specimen,
+        {name: _predictor(found, one, model, specimen) for name, one in holders.items()},
+        {name: _simpler(one["simpler"]) for name, one in holders.items() if isinstance(one.get("simpler"), dict)},
+    )
+
+
+def _predictor(found: Answer, holder: Mapping[str, Any], model: Model, specimen: Specimen) -> Predictor:
+    values, spread = found.fitted(holder)
+    missing = [name for name in model.names if name not in values]
+    if missing:
+        raise DataError(f"{found.path}: lacks {', '.join(missing)}; fit again with --json")
+    free, matrix = (spread.names, spread.matrix) if spread else ((), None)
+    dofs = [one.get("freedom") for name, one in holder["parameters"].items() if name in free]
+    dof = min((float(d) for d in dofs if isinstance(d, int | float)), default=math.nan)
+    return Predictor(model, specimen, values, free, matrix, dof, _reading(holder.get("reading")))
+
+
+def _reading(table: Any) -> ReadingSpread | None:
+    if not isinstance(table, dict):
+        return None
+    same, between, beyond, speed = (
+        math.nan if table.get(f"{key}_N") is None else float(table[f"{key}_N"]) for key in READING
+    )
+    low, high = table["contraction"]
+    pressures, speeds = tuple(table["pressures_MPa"]), tuple(table["speeds_mm_s"])
+    return ReadingSpread(same, between, beyond, speed, pressures, speeds, (low, high))
+
+
+READING = ("same", "between", "beyond", "speed")
+
+
+def _simpler(table: Mapping[str, Any]) -> Simpler:
+    a, b = table["mean_over_pressure"]
+    return Simpler((float(a), float(b)), table.get("polynomial"))
+
+
+def foretell(branches: Mapping[str, Predictor], inputs: Inputs) -> Prediction:
+    """Force and intervals at `inputs`, each sample by the fit of its branch.
+
+    Raises UsageError where a branch was not fitted, or is not known of a sample, DataError where an effect needs what
+    the inputs do not hold.
+    """
+    _check_needs(next(iter(branches.values())).model, inputs)
+    if len(branches) == 1:
+        return next(iter(branches.values())).at(inputs)
+    both = fitted_branches(branches, "the fit")
+    if not np.all(inputs.direction):
+        raise UsageError("this fit has its own parameters on each branch; give branch ('contraction' or 'extension')")
+    up, down = (one.at(inputs) for one in both)
+    names = Prediction.__dataclass_fields__
+    return Prediction(*(np.where(inputs.direction > 0, getattr(up, k), getattr(down, k)) for k in names))
+
+
+def _check_needs(model: Model, inputs: Inputs) -> None:
+    for term in model.terms:
+        lacking = term.effect.missing(inputs)
+        if lacking:
+            words = {"motion": "time_s", "time": "time_s", "temperature": "temperature_C"}
+            give = ", ".join(dict.fromkeys(words.get(need, need) for need in lacking))
+            raise DataError(f"{term.effect.name} needs {', '.join(lacking)}; give {give}, too")
+
+
+def inputs_of(specimen: Specimen, pressure: Any, contraction: Any, **more: Any) -> Inputs:
+    """Inputs from numbers or arrays that broadcast to shape (n,).
+
+    `pressure` is in MPa (gauge), `contraction` a ratio; `more` may be time_s, temperature_C, cycle, and branch
+    ('contraction', 'extension', or their signs). With a time, motion and branches are found from it. Raises UsageError
+    for another name, or shapes that do not go together.
+    """
+    known = ("time_s", "temperature_C", "cycle", "branch")
+    wrong = [name for name in more if name not in known]
+    if wrong:
+        raise UsageError(f"{', '.join(wrong)}: expected {', '.join(known)} beside pressure and contraction")
+    given = {"pressure": pressure, "contraction": contraction, **{k: v for k, v in more.items() if v is not None}}
+    if "branch" in given:
+        given["branch"] = _signs(given["branch"])
+    try:
+        arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, float)) for v in given.values()))
+    except ValueError as error:
+        raise UsageError(f"pressure, contraction and the rest do not go together: {error}") from None
+    found = {name: array.ravel().copy() for name, array in zip(given, arrays, strict=True)}
+    nothing = np.zeros(len(found["pressure"]))
+    optional = {"time": "time_s", "temperature": "temperature_C", "cycle": "cycle", "direction": "branch"}
+    picked = {key: found.get(name) for key, name in optional.items()}
+    return build_record("", specimen, found["pressure"], found["contraction"], nothing, **picked).inputs
+
+
+def _signs(branch: Any) -> Array:
+    words = {"contraction": 1.0, "extension": -1.0}
+    flat = np.atleast_1d(np.asarray(branch))
+    if flat.dtype.kind in "fiu":
+        return flat.astype(float)
+    wrong = sorted({str(one) for one in flat} - set(words))
+    if wrong:
+        raise UsageError(f"branch {wrong[0]!r}: expected contraction or extension")
+    return np.array([words[str(one)] for one in flat])
+
+
+def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
+    """A row a sample: what was asked, force, its standard error, both 95 % intervals in N, and whether the record that
+    was fitted did not reach there."""
+    import pandas as pd
+
+    columns = {"time_s": inputs.time, "pressure_MPa": inputs.pressure, "contraction": inputs.contraction}
+    frame = pd.DataFrame({name: column for name, column in columns.items() if column is not None})
+    return frame.assign(
+        force_N=found.force,
+        stderr_N=found.stderr,
+        mean_low_N=found.force - found.half_mean,
+        mean_high_N=found.force + found.half_mean,
+        reading_low_N=found.force - found.half_reading,
+        reading_high_N=found.force + found.half_reading,
+        outside=found.outside,
+    )
+
+
+def predict_at(saved: SavedFit, at: str | Path) -> "pd.DataFrame":
+    """The force of a saved fit at each row of a file, which needs no force. Raises DataError, UsageError."""
+    inputs = states_of(at, saved.specimen)
+    return prediction_frame(inputs, foretell(saved.branches, inputs))
+
+
+def states_of(at: "str | Path | pd.DataFrame", specimen: Specimen) -> Inputs:
+    """The states of a file or a table, with or without a force column. Raises DataError."""
+    import pandas as pd
+
+    if isinstance(at, pd.DataFrame):
+        return record_from_frame(with_force(at), specimen).inputs
+    try:
+        return read_record(at, specimen).inputs
+    except DataError as error:
+        if "no force column" not in str(error):
+            raise
+    return record_from_frame(with_force(pd.read_csv(at, sep=None, engine="python")), specimen, Path(at).name).inputs
+
+
+def with_force(frame: "pd.DataFrame") -> "pd.DataFrame":
+    """The table with a column of no force, where it has none."""
+    from ..records.quantities import quantity_of
+
+    there = any(quantity_of(str(name)) == "force" for name in frame)
+    return frame if there else frame.assign(force_N=0.0)
+
+
+def validate_fit(saved: SavedFit, record: Record) -> Validation:
+    """A saved fit on another record. Raises as `foretell` does."""
+    found = foretell(saved.branches, record.inputs)
+    error = record.force - found.force
+    known = np.isfinite(found.half_reading)
+    inside = np.abs(error) <= found.half_reading
+    plain: dict[str, ErrorsThere] = {}
+    if "together" in saved.simpler:
+        forces = saved.simpler["together"].forces(record.inputs)
+        plain = {name: ErrorsThere.of(record.force - force, record.force) for name, force in forces.items()}
+    return Validation(
+        record,
+        saved,
+        ErrorsThere.of(error, record.force),
+        float(inside[known].mean()) if known.any() else math.nan,
+        float(found.outside.mean()),
+        plain,
+    )

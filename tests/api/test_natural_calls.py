@@ -1,0 +1,271 @@
+"""Forty things that an analyst types without reading, and what each gives.
+
+Written down before the functions were, from the habits of lmfit (`result.params`, `fit_report`), statsmodels
+(`summary`, `predict` with intervals for mean and observation), PyBOP and pysindy (names or objects).
+"""
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.axes import Axes
+
+import pam_ident as pam
+from pam_ident.core import DataError, PamError, UsageError
+from pam_ident.core import Specimen as Muscle
+
+from .conftest import SPECIMEN
+
+INTERVALS = ["mean_low_N", "mean_high_N", "reading_low_N", "reading_high_N"]
+
+
+@pytest.fixture
+def file(frame, tmp_path):
+    path = tmp_path / "run.csv"
+    frame.to_csv(path, index=False)
+    lines = [f"{key} = {value!r}".replace("'", '"') for key, value in SPECIMEN.items()]
+    (tmp_path / "muscle.toml").write_text("\n".join(["[specimen]", *lines]), encoding="utf-8")
+    return path
+
+
+# reading
+
+
+def test_01_read_a_file_with_its_specimen_file(file):
+    assert len(pam.read(file, specimen=file.parent / "muscle.toml")) == 1440
+
+
+def test_02_read_a_path_as_text_with_a_dictionary(file):
+    assert pam.read(str(file), specimen=SPECIMEN).specimen.braid_angle_deg == 25.4
+
+
+def test_03_read_a_table_of_pandas(frame):
+    assert pam.read(frame, specimen=SPECIMEN).levels.tolist() == [0.2, 0.3, 0.4, 0.5]
+
+
+def test_04_read_arrays(frame):
+    arrays = {name: column.to_numpy() for name, column in frame.items()}
+    assert isinstance(pam.read(arrays, specimen=Muscle(**SPECIMEN)), pam.Record)
+
+
+def test_05_read_a_bundled_set_by_name():
+    assert len(pam.read("dmsp20_300")) == 60
+
+
+def test_06_a_wrong_name_is_answered_by_the_one_like_it():
+    with pytest.raises(DataError, match="hiden_effect: no such file; did you mean the data set hidden_effect"):
+        pam.read("hiden_effect")
+
+
+def test_07_a_table_without_a_muscle_is_told_what_lacks(frame):
+    with pytest.raises(UsageError, match=r"specimen=.*initial_length_mm"):
+        pam.read(frame)
+
+
+def test_08_a_record_says_what_it_is(record):
+    assert repr(record) == "Record made: 1440 samples at 0.2, 0.3, 0.4, 0.5 MPa"
+
+
+def test_09_record_summary(record):
+    assert "1440 samples" in record.summary() and "braid angle 25.4°" in record.summary()
+
+
+def test_10_record_plot(record):
+    assert isinstance(record.plot(), Axes)
+
+
+def test_11_record_to_frame_and_back(record):
+    again = pam.read(record.to_frame(), specimen=record.specimen)
+    assert again.force == pytest.approx(record.force) and again.levels.tolist() == record.levels.tolist()
+
+
+# fitting
+
+
+def test_12_fit_by_name(fitted):
+    assert fitted.law == "exponential_law" and 8.5 < fitted.rmse < 9.5 and fitted.r2 > 0.99
+
+
+def test_13_fit_with_effects(rubbing):
+    assert rubbing.effects == ("coulomb_friction",) and rubbing.rmse == pytest.approx(1.0, abs=0.1)
+    assert rubbing.params.loc["coulomb_friction.F_c", "value"] == pytest.approx(9.0, abs=0.2)
+
+
+def test_14_fit_with_one_effect_as_text(record, rubbing):
+    assert pam.fit(record, "exponential_law", "coulomb_friction").values == pytest.approx(rubbing.values)
+
+
+def test_15_fit_with_objects(record, rubbing):
+    found = pam.fit(record, pam.laws["exponential_law"], effects=[pam.effects.coulomb_friction])
+    assert found.values == pytest.approx(rubbing.values)
+
+
+def test_16_fit_a_model(record, rubbing):
+    model = pam.Model("exponential_law", effects=["coulomb_friction"])
+    assert pam.fit(record, model).values == pytest.approx(rubbing.values)
+    assert repr(model).startswith("Model exponential_law: F = ") and len(repr(model)) < 300
+
+
+def test_17_fit_from_the_path_at_once():
+    assert pam.fit("dmsp20_300", "martens_boblan").valid
+
+
+def test_18_fit_without_a_law_takes_one_and_says_why(record):
+    found = pam.fit(record)
+    assert found.law == "exponential_law" and "held-out" in found.law_choice.why and "held-out" in repr(found)
+
+
+def test_19_a_wrong_law_is_refused_at_once_with_the_one_like_it():
+    with pytest.raises(UsageError, match=r"unknown law 'exponental_law'; did you mean exponential_law\?"):
+        pam.fit("no such file", "exponental_law")
+
+
+def test_20_a_wrong_effect_is_too():
+    with pytest.raises(UsageError, match=r"unknown effect 'crep'; did you mean creep\?"):
+        pam.fit("no such file", "exponential_law", effects=["crep"])
+    with pytest.raises(UsageError, match="unknown law"):
+        pam.Model("exponental_law")
+    with pytest.raises(UsageError, match="expected a name"):
+        pam.fit("no such file", 3)
+
+
+def test_21_both_branches_apart(record):
+    found = pam.fit(record, "exponential_law", branch="separate")
+    assert found.params.index.names == ["branch", "parameter"] and found.rmse < 1.2
+    residual = found.residuals["residual_N"]
+    assert np.sqrt(np.mean(residual**2)) == pytest.approx(found.rmse)
+
+
+def test_22_hold_a_parameter(record):
+    assert pam.fit(record, "exponential_law", held={"mu": 40.0}).params.loc["mu", "value"] == 40.0
+
+
+# what a fit knows
+
+
+def test_23_params_is_a_frame(fitted):
+    assert isinstance(fitted.params, pd.DataFrame) and fitted.params["value"]["a1"] == fitted.values["a1"]
+    assert set(fitted.params) >= {"value", "stderr", "low", "high", "unit"}
+
+
+def test_24_summary_and_repr(fitted):
+    assert "std. error" in fitted.summary() and "F = (a0 + a1 p)" in fitted.summary()
+    assert len(repr(fitted)) < 400 and len(repr(fitted).splitlines()) <= 4
+
+
+def test_25_residuals_has_every_coordinate(fitted):
+    found = fitted.residuals
+    assert set(found) >= {
+        "time_s",
+        "pressure_MPa",
+        "contraction",
+        "branch",
+        "cycle",
+        "force_N",
+        "model_N",
+        "residual_N",
+    }
+    assert np.sqrt(np.mean(found["residual_N"] ** 2)) == pytest.approx(fitted.rmse)
+
+
+def test_26_predict_a_number(rubbing):
+    (row,) = rubbing.predict(0.3, 0.05, branch="contraction").to_dict("records")
+    assert row["reading_low_N"] < row["mean_low_N"] < row["force_N"] < row["mean_high_N"] < row["reading_high_N"]
+    assert row["reading_high_N"] - row["force_N"] == pytest.approx(2.0, abs=0.4)
+
+
+def test_27_predict_arrays_that_broadcast(fitted):
+    found = fitted.predict(0.25, np.linspace(0.0, 0.1, 5))
+    assert len(found) == 5 and not found[INTERVALS].isna().any(axis=None) and not found["outside"].any()
+
+
+def test_28_predict_at_a_record_or_a_table(fitted, record, frame):
+    assert fitted.predict(record)["force_N"].to_numpy() == pytest.approx(fitted.residuals["model_N"].to_numpy())
+    table = frame.drop(columns="force_N")
+    assert fitted.predict(table)["force_N"].to_numpy() == pytest.approx(fitted.residuals["model_N"].to_numpy())
+
+
+def test_29_predict_without_what_an_effect_needs_says_so(rubbing):
+    with pytest.raises(DataError, match="coulomb_friction needs branch; give branch"):
+        rubbing.predict(0.3, 0.05)
+
+
+def test_30_predict_beyond_the_record_says_so(fitted):
+    assert fitted.predict([0.3, 0.9], 0.05)["outside"].tolist() == [False, True]
+
+
+def test_31_plot(fitted):
+    axes = fitted.plot()
+    assert isinstance(axes, Axes) and axes.get_ylabel() == "force (N)"
+
+
+def test_32_to_json_and_load(rubbing, tmp_path, record):
+    rubbing.to_json(tmp_path / "fit.json")
+    again = pam.load(tmp_path / "fit.json")
+    pd.testing.assert_frame_equal(again.predict(record), rubbing.predict(record))
+    pd.testing.assert_frame_equal(again.params, rubbing.params, check_dtype=False)
+
+
+def test_33_validate_on_another_record(fitted, record):
+    found = fitted.validate(record)
+    assert found.trial.rmse == pytest.approx(fitted.rmse) and 0.9 < found.coverage <= 1.0
+    assert set(found.simpler) == {"mean_over_pressure", "polynomial"} and "mean_over_pressure" not in found.as_well
+
+
+def test_34_to_lmfit(rubbing):
+    found = rubbing.to_lmfit()
+    assert found["coulomb_friction__F_c"].value == rubbing.values["coulomb_friction.F_c"]
+    assert found["a1"].stderr == pytest.approx(rubbing.params["stderr"]["a1"])
+
+
+# the other verbs
+
+
+def test_35_compare_a_record_or_a_fit(fitted, record):
+    ours, theirs = pam.compare(fitted), pam.compare(record, "exponential_law")
+    assert ours.sentence == theirs.sentence and ours.follows["share"].idxmax() == "direction"
+    assert ours.follows["share"].sum() == pytest.approx(1.0) and isinstance(ours.plot(), Axes)
+
+
+@pytest.fixture(scope="module")
+def diagnosis(record):
+    return pam.diagnose(record, "exponential_law", only=["coulomb_friction", "viscous_damping", "force_bias"])
+
+
+def test_36_diagnose(diagnosis, tmp_path):
+    assert diagnosis.verdict == "missing_effect" and diagnosis.selected == ("coulomb_friction",)
+    assert diagnosis.candidates["probability"].idxmax() == "coulomb_friction" and isinstance(diagnosis.plot(), Axes)
+    assert diagnosis.params.loc["coulomb_friction.F_c", "value"] == pytest.approx(9.0, abs=0.3)
+    assert len(repr(diagnosis)) < 600 and diagnosis.to_json()["selected"] == ["coulomb_friction"]
+
+
+def test_37_ladder(record):
+    found = pam.ladder(record, "exponential_law", only="coulomb_friction")
+    assert found.effects == ("coulomb_friction",) and found.rungs["rmse_N"].is_monotonic_decreasing
+    assert isinstance(found.plot(), Axes) and len(repr(found)) < 500
+
+
+@pytest.mark.long
+def test_38_report(fitted, tmp_path):
+    assert fitted.report(tmp_path / "answer.html").read_text(encoding="utf-8").startswith("<!")
+    assert pam.report(fitted, out=tmp_path / "other.html").is_file()
+
+
+# the module
+
+
+def test_39_tab_shows_these_and_nothing_else():
+    shown = {name for name in dir(pam) if not name.startswith("__")}
+    assert shown == {
+        "read", "fit", "compare", "diagnose", "ladder", "report", "batch", "track", "load", "Record", "Model", "laws",
+        "effects",
+    }  # fmt: skip
+    with pytest.raises(AttributeError, match="did you mean ladder"):
+        _ = pam.lader
+
+
+def test_40_what_there_is():
+    assert "exponential_law" in list(pam.laws) and "creep" in pam.effects and "creep" in dir(pam.effects)
+    assert "Creep and stress relaxation" in repr(pam.effects) and pam.laws.to_frame().loc["sarosi", "title"]
+    with pytest.raises(KeyError, match="did you mean sarosi"):
+        pam.laws["sarosy"]
+    assert issubclass(UsageError, PamError)

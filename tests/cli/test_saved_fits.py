@@ -1,0 +1,153 @@
+"""`validate` and `predict` ask a saved fit; a law is chosen where none is named; names, widths and exit codes."""
+
+import io
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pam_ident.cli import text
+
+LAW = ("--law", "exponential_law")
+
+
+@pytest.fixture(scope="module")
+def saved(ask, clean, tmp_path_factory):
+    path = tmp_path_factory.mktemp("fit") / "fit.json"
+    assert ask("fit", clean, *LAW, "--json", path).exit_code == 0
+    return path
+
+
+def test_validate_on_another_record(answer, saved, clean, rubbing):
+    result, found = answer("validate", saved, rubbing)
+    assert result.exit_code == 0 and found["schema"] == "pam-ident/validation/1"
+    assert found["rmse_N"] == pytest.approx(np.hypot(12.0, 1.0), abs=0.3) and found["coverage"] < 0.1
+    assert "No simpler model does as well" in result.stdout
+    _, same = answer("validate", saved, clean)
+    assert same["rmse_N"] == pytest.approx(1.0, abs=0.1) and 0.93 < same["coverage"] < 0.98
+    assert [one["name"] for one in same["simpler"]] == ["mean_over_pressure", "polynomial"]
+    assert all(one["rmse_N"] > same["rmse_N"] for one in same["simpler"])
+
+
+def test_predict_writes_a_table(ask, answer, saved, tmp_path):
+    states = tmp_path / "states.csv"
+    states.write_text("pressure_bar,contraction_pct\n2.5,0\n2.5,10\n9,10\n", encoding="utf-8")
+    result = ask("predict", saved, "--at", states)
+    table = pd.read_csv(io.StringIO(result.stdout))
+    assert result.exit_code == 0 and table["pressure_MPa"].tolist() == [0.25, 0.25, 0.9]
+    force = -190 + 2400 * 0.25 - (900 + 5500 * 0.25) * 0.1 + (20 + 690 * 0.25) * np.exp(-4.5)
+    assert table["force_N"][1] == pytest.approx(force, abs=0.5)
+    order = ["reading_low_N", "mean_low_N", "force_N", "mean_high_N", "reading_high_N"]
+    assert (np.diff(table.loc[1, order].to_numpy(float)) > 0).all()
+    assert table["outside"].tolist() == [False, False, True] and "1 rows lie outside" in result.stderr
+    result, found = answer("predict", saved, "--at", states, "--out", tmp_path / "force.csv")
+    assert found["columns"]["force_N"] == pytest.approx(table["force_N"].tolist(), rel=1e-6)
+    assert pd.read_csv(tmp_path / "force.csv").shape == (3, 9)
+
+
+def test_a_saved_fit_with_a_branch_each_asks_for_the_branch(ask, clean, tmp_path):
+    assert ask("fit", clean, *LAW, "--branch", "separate", "--json", tmp_path / "fit.json").exit_code == 0
+    states = tmp_path / "states.csv"
+    states.write_text("pressure_MPa,contraction\n0.25,0.05\n", encoding="utf-8")
+    result = ask_error(ask, "predict", tmp_path / "fit.json", "--at", states)
+    assert result.exit_code == 2 and "give branch" in result.stderr
+    states.write_text("pressure_MPa,contraction,branch\n0.25,0.05,extension\n", encoding="utf-8")
+    assert ask("predict", tmp_path / "fit.json", "--at", states).exit_code == 0
+
+
+def ask_error(ask, *words):
+    return ask(*words)
+
+
+@pytest.mark.parametrize("verb", ["fit", "compare"])
+def test_without_a_law_one_is_chosen_and_it_says_why(answer, verb, clean):
+    result, found = answer(verb, clean)
+    assert result.exit_code == 0 and found["law"] == "exponential_law" and len(found["law_choice"]["laws"]) == 9
+    assert f"law: {found['law_choice']['why']}" in result.stdout and "held-out" in found["law_choice"]["why"]
+    _, named = answer(verb, clean, *LAW)
+    assert "law_choice" not in named and named["law"] == found["law"]
+
+
+def test_a_data_set_goes_by_its_name(ask):
+    assert "60 samples" in ask("inspect", "dmsp20_300").stdout
+    result = ask("inspect", "dmsp20_30")
+    assert result.exit_code == 4 and "did you mean the data set dmsp20_300?" in result.stderr
+
+
+def test_mistyped_names_are_answered_by_those_like_them(ask, clean):
+    for words, meant in (
+        (("laws", "sarosy"), "sarosi"),
+        (("effects", "crep"), "creep"),
+        (("fit", clean, "--law", "exponental"), "exponential_law"),
+        (("fit", clean, *LAW, "--effect", "coulomb"), "coulomb_friction"),
+    ):
+        result = ask(*words)
+        assert result.exit_code == 2 and f"did you mean {meant}" in result.stderr and len(result.stderr) < 200
+
+
+def test_one_law_and_one_effect_in_full(ask):
+    law, effect = ask("laws", "sarosi").stdout, ask("effects", "creep").stdout
+    assert "F = (s1 p + s2) exp(s3 ε)" in law and "-400 to -1" in law and "chou_hannaford" not in law
+    assert effect == ask("effects", "show", "creep").stdout and "form textbook" in effect
+
+
+def test_a_law_at_its_bound_that_nothing_tells_apart_ends_with_3(answer, write_record):
+    rows, t = ["time_s,pressure_MPa,displacement_mm,force_N"], 0.0
+    rng = np.random.default_rng(1)
+    for p in (0.2, 0.3, 0.4):
+        for start, end in 3 * ((0.0, 24.0), (24.0, 0.0)):
+            for x in np.linspace(start, end, 60, endpoint=False):
+                e = x / 200.0
+                force = -190 + 2400 * p - (900 + 5500 * p) * e + 3000 * e**2 + rng.normal()
+                rows.append(f"{t:.3f},{p},{x:.4f},{force:.4f}")
+                t += 0.05
+    result, found = answer("fit", write_record("\n".join(rows) + "\n"), *LAW)
+    parameters = found["branches"]["together"]["parameters"]
+    assert result.exit_code == 3 and "does not determine" in result.stderr and ", mu;" in result.stderr
+    assert parameters["mu"]["at_bound"] and not parameters["mu"]["identified"] and not parameters["c1"]["identified"]
+
+
+def test_tables_are_no_wider_than_the_terminal(ask, monkeypatch, rubbing):
+    monkeypatch.setattr(text, "columns", lambda: 80)
+    for words in (
+        ("effects",),
+        ("laws",),
+        ("fit", rubbing, *LAW, "--method", "two-stage"),
+        ("inspect", "nothing_hidden"),
+    ):
+        lines = ask(*words).stdout.splitlines()
+        assert max(map(len, lines)) <= 80, words
+    narrow = text.table(("name", "words"), [("a", "one two three four five six " * 4)], left=(0, 1))
+    assert (
+        len(narrow) > 2
+        and " ".join(" ".join(narrow[1:]).split()) == "a " + ("one two three four five six " * 4).strip()
+    )
+
+
+@pytest.mark.parametrize(
+    ("share", "said"), [(0.995, "> 99 %"), (1.0, "> 99 %"), (0.99, "99 %"), (0.5, "50 %"), (0.004, "< 1 %")]
+)
+def test_nothing_is_certain(share, said):
+    assert text.probability(share) == said
+
+
+def test_candidates_are_in_order_and_none_are_offered_where_nothing_is_missing(answer, ask, rubbing, clean):
+    some = ("--only", "coulomb_friction", "--only", "viscous_damping", "--only", "force_bias", "--only", "creep")
+    result, _ = answer("diagnose", rubbing, *LAW, *some)
+    rows = [line.split() for line in result.stdout.splitlines() if line.endswith(tuple("0123456789")) and "%" in line]
+    table = [(row[0], row[-2]) for row in rows if row[0].partition(":")[0] in some]
+    assert table[0][0].startswith("coulomb_friction") and [float(n) for _, n in table[1:]] == sorted(
+        float(n) for _, n in table[1:]
+    )
+    assert "candidate" not in ask("diagnose", clean, *LAW, *some).stdout
+
+
+def test_digits_are_those_of_the_standard_error():
+    from types import SimpleNamespace
+
+    def told(value, error):
+        return text.value_of(SimpleNamespace(value=value, stderr=error, identified=True, at_bound=False))
+
+    assert told(0.95707, 0.060) == "0.957" and told(-185.7058, 0.7146) == "-185.71" and told(5506.1, 27.0) == "5506"
+    assert json.loads(told(1613.228, 11.28)) == 1613 and told(12.0, 0.00995) == "12.000"
