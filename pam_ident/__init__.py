@@ -26,6 +26,8 @@ _HOME = {
     "latex": "pam_ident.export.equation",
 }
 
+_COMPUTE = ("fit", "compare", "diagnose", "climb")
+
 __all__ = ["__version__", *_HOME]
 
 
@@ -34,7 +36,10 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'pam_ident' has no attribute {name!r}")
     home = import_module(_HOME[name])
-    return home if home.__name__ == f"pam_ident.{name}" else getattr(home, name)
+    found = home if home.__name__ == f"pam_ident.{name}" else getattr(home, name)
+    if name in _COMPUTE:
+        found = globals()[name] = import_module("pam_ident.core.threads").one_blas_thread()(found)
+    return found
 
 
 def load_ipython_extension(shell: Any) -> None:

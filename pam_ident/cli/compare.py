@@ -32,13 +32,16 @@ def compare(
     from ..core.files import write_whole
     from ..schema.diagnosis import comparison_json
     from ..tasks.compare import compare_record, failure_picture
+    from ..tasks.gate import warnings_of
 
     measured = setup.read(record)
     comparison = compare_record(measured, setup)
-    options.give_json(asked.json, lambda: comparison_json(record, comparison))
+    doubts = warnings_of(comparison.fit)
+    options.give_json(asked.json, lambda: comparison_json(record, comparison, doubts))
     if out is not None:
         write_whole(out, failure_picture(comparison, "." + out.rpartition(".")[2]))
-    text.say(text.title(record, measured), *text.equation(setup.model), "", comparison.sentence)
+    text.say(text.title(record, measured), *text.equation(setup.model), "")
+    text.say(*text.banner(doubts), comparison.sentence)
     _print(comparison)
     if out is not None:
         text.say("", f"map of the error: {out}")

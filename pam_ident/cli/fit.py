@@ -78,6 +78,7 @@ def fit(
     answer = fit_record(record if chunked else setup.read(record), setup, wishes)
     options.give_json(asked.json, lambda: fit_json(record, law, answer))
     text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.equation(setup.model))
+    text.say(*text.banner(answer.warnings))
     _print(answer)
     if figures is not None:
         from ..tasks.figures import paper_figures, write_figures
@@ -109,8 +110,6 @@ def _print(answer: "FitAnswer") -> None:
         ]
         text.say("", "energy of a cycle (positive: taken up):")
         text.say(*text.table(("p [MPa]", "measured [J]", "modelled [J]"), rows))
-    for warning in answer.warnings:
-        text.say("", f"Warning: {warning}")
 
 
 def _print_methods(methods: "tuple[MethodRow, ...]") -> None:

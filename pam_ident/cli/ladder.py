@@ -16,12 +16,19 @@ def ladder(
     """Diagnose and add down to the noise floor."""
     setup = asked.setup(law)
     from ..schema.diagnosis import ladder_json
+    from ..tasks.gate import GraveDoubt, warnings_of
     from ..tasks.ladder import climb_ladder
 
     measured = setup.read(record)
-    found = climb_ladder(measured, setup)
-    options.give_json(asked.json, lambda: ladder_json(record, found))
-    text.say(text.title(record, measured), *text.equation(setup.model), "", found.last.sentence, "", *rungs(found))
+    try:
+        found = climb_ladder(measured, setup)
+    except GraveDoubt as stop:
+        options.give_stopped(asked.json, record, law, stop)
+        raise
+    doubts = warnings_of(found.rungs[0].fit)
+    options.give_json(asked.json, lambda: ladder_json(record, found, doubts))
+    text.say(text.title(record, measured), *text.equation(setup.model), "", *text.banner(doubts))
+    text.say(found.last.sentence, "", *rungs(found))
     text.say("", "the last rung's parameters:", *text.parameters(found.rungs[-1].fit))
 
 

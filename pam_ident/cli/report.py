@@ -14,9 +14,16 @@ def report(
 ) -> None:
     """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
     from ..schema.diagnosis import diagnosis_json
+    from ..tasks.gate import GraveDoubt, warnings_of
     from ..tasks.report import report_record
 
     setup = asked.setup(law)
-    story = report_record(record, setup, out, format)
-    options.give_json(asked.json, lambda: diagnosis_json(record, story.sections[0].diagnosis))
-    text.say(story.sections[0].diagnosis.sentence, f"report: {out}")
+    try:
+        story = report_record(record, setup, out, format)
+    except GraveDoubt as stop:
+        options.give_stopped(asked.json, record, law, stop)
+        raise
+    diagnosis = story.sections[0].diagnosis
+    doubts = warnings_of(diagnosis.base)
+    options.give_json(asked.json, lambda: diagnosis_json(record, diagnosis, doubts))
+    text.say(*text.banner(doubts), story.sections[0].diagnosis.sentence, f"report: {out}")

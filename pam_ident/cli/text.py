@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ..fitting.fit import Estimate
     from ..model import Model
     from ..records import Record
+    from ..records.doubt import Doubt
     from ..tasks.fit import Checks
 
 INDENT = "  "
@@ -120,6 +121,11 @@ def title(path: str, record: "Record") -> str:
     span = f"{levels[0]:g} MPa" if len(levels) == 1 else f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
     masked = f" ({record.masked} more masked)" if record.masked else ""
     return f"{path} ({record.name}): {len(record)} samples{masked}, {span}"
+
+
+def banner(doubts: "Sequence[Doubt]") -> list[str]:
+    """A line for each doubt, above the verdict."""
+    return [f"WARNING ({d.code}): {d.text}" if d.grave else f"Warning: {d.text}" for d in doubts]
 
 
 def percent(share: float | None) -> str:

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from ..core import DataError, Specimen
@@ -10,7 +11,7 @@ from .files import Files, find_files, read_tables
 from .mapping import Mapping, read_mapping
 from .quantities import Source, find_sources
 from .record import Record, build_record
-from .specimen_file import read_specimen
+from .specimen_file import read_kind, read_specimen
 from .table import Table
 
 
@@ -39,22 +40,35 @@ def read_record(
         DMSP-20-300: 60 samples, up to 1654 N
     """
     files = find_files(path)
-    specimen = specimen_of(files, specimen)
+    muscle = specimen_of(files, specimen)
     where: dict[str, str] = {}
     runs: list[Values] = []
     for table, sources in tables_of(files, columns):
-        runs += read_columns(table, sources, specimen.initial_length_mm)
+        runs += read_columns(table, sources, muscle.initial_length_mm)
         where = where or headers(sources)
     values = join_runs(runs, str(path))
     del runs
-    return build_loaded(record_name(files, specimen), files.given, files_sha256(files), specimen, values, where)
+    found = build_loaded(record_name(files, muscle), files.given, files_sha256(files), muscle, values, where)
+    return replace(found, said_kind=said_kind(files, specimen, columns))
 
 
 def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
     """The specimen given, or of the file given, or of `specimen.toml` beside the record. Raises DataError."""
     if isinstance(given, Specimen):
         return given
-    return read_specimen(given if given is not None else files.folder / "specimen.toml", Path(files.given))
+    return read_specimen(given if given is not None else _beside(files), Path(files.given))
+
+
+def said_kind(files: Files, given: str | Path | Specimen | None, columns: str | Path | None) -> str:
+    """The kind of test that columns.toml or the specimen's file says, empty where neither does. Raises DataError."""
+    mapping = read_mapping(columns) if columns is not None else files.mapping
+    if mapping is not None and mapping.kind:
+        return mapping.kind
+    return "" if isinstance(given, Specimen) else read_kind(given if given is not None else _beside(files))
+
+
+def _beside(files: Files) -> Path:
+    return files.folder / "specimen.toml"
 
 
 def tables_of(files: Files, columns: str | Path | None) -> Iterator[tuple[Table, dict[str, Source]]]:

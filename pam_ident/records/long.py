@@ -6,7 +6,7 @@ motion, the clock's usual step, the isobars) is found exactly before the motion 
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,7 +17,7 @@ from ..core import Inputs, Specimen
 from .columns import Values, contraction_of, pause_between, read_pieces, same_quantities
 from .columns_on_disk import STRETCH, Columns
 from .files import Files, find_files
-from .load import files_sha256, headers, nothing_left, record_name, specimen_of, tables_of
+from .load import files_sha256, headers, nothing_left, record_name, said_kind, specimen_of, tables_of
 from .long_motion import KINDS, keep_motion
 from .record import Record, nominal
 
@@ -41,6 +41,7 @@ class LongRecord:
     pressures: Array
     nominal: Array
     on_disk: Columns
+    said_kind: str = ""
 
     def __len__(self) -> int:
         return self.n
@@ -123,7 +124,8 @@ class LongRecord:
         )
         level = self._nominal(read(self._by, np.float64))
         origin = (self.source, self.sha256, self.columns)
-        return Record(self.name, inputs, force, level, stroke, none, inputs, *origin, masked=self.masked), turn
+        more = {"masked": self.masked, "said_kind": self.said_kind}
+        return Record(self.name, inputs, force, level, stroke, none, inputs, *origin, **more), turn
 
 
 @contextmanager
@@ -143,7 +145,7 @@ def open_long(
             for begins, values in read_pieces(table, sources, geometry.initial_length_mm):
                 spill.put(begins, values)
             where = where or headers(sources)
-        yield spill.record(where)
+        yield replace(spill.record(where), said_kind=said_kind(files, specimen, columns))
 
 
 @dataclass

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..core import DataError
 from ..core.units import TO_INTERNAL, split_header
+from .kind import check_kind
 from .quantities import BRANCHES, QUANTITIES, SHAPES, Source, check_complete, quantity_of, scale_of
 from .table import Table
 
@@ -18,11 +19,13 @@ ENTRY = {"column", "value", "factor", "offset"}
 @dataclass(frozen=True)
 class Mapping:
     """What a columns.toml says: `columns` maps a quantity with its unit (`force_N`) to an entry, `layout` is the
-    optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part (a sheet or group)."""
+    optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part (a sheet or group); `kind` is the
+    kind of test, empty where it is not said."""
 
     path: str
     columns: Dict[str, Dict[str, Any]]
     layout: Dict[str, Any]
+    kind: str = ""
 
     def known(self, header: str) -> str | None:
         """The header itself where a column is given by it; all quantities are known where columns are numbered."""
@@ -81,6 +84,7 @@ def read_mapping(path: str | Path) -> Mapping:
         content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    kind = check_kind(content.pop("kind", None), str(path))
     strange = set(content) - {"columns", "file"}
     table, layout = content.get("columns"), content.get("file", {})
     if strange or not isinstance(table, dict) or not table or not isinstance(layout, dict):
@@ -97,7 +101,7 @@ def read_mapping(path: str | Path) -> Mapping:
     if len(set(quantities) & set(SHAPES)) > 1:
         raise DataError(f"{path}: [columns] gives more than one of {', '.join(SHAPES)}; keep one")
     check_complete(quantities, f"{path}: [columns]", list(columns))
-    return Mapping(str(path), columns, layout)
+    return Mapping(str(path), columns, layout, kind)
 
 
 def _entry(path: str | Path, key: str, value: object) -> dict[str, Any]:

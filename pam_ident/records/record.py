@@ -34,6 +34,7 @@ class Record:
         source, sha256, columns: where the record came from, its hash, and what was read as what.
         block_kind: `cycle`, `length` or `isobar`.
         masked: how many slack rows were left out.
+        said_kind: which kind of test it is said to be, empty where the data must show it (`kind_of`).
 
     Example:
         >>> from pam_ident import read_record
@@ -55,6 +56,7 @@ class Record:
     columns: dict[str, str] = field(default_factory=dict)
     block_kind: str = "cycle"
     masked: int = 0
+    said_kind: str = ""
 
     def __len__(self) -> int:
         return len(self.force)

@@ -46,7 +46,7 @@ def report_record(path: str, setup: Setup, out: str = "report.html", kind: str |
         find_browser()
     model = setup.model
     record = setup.read(path)
-    section = build_section(model, record, setup.extra)
+    section = build_section(model, record, setup.extra, setup.assume)
     more = ("--format", kind) if kind else ()
     source = provenance({path: record}, setup.command("report", path, "--out", out, *more))
     story = Story(f"{record.name}: {setup.law} against the measurement", (section,), source)

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..core import Specimen, UsageError
 from ..effects import Effect, load_effect_files
 from ..model import Model
-from ..records import Record, read_record, read_specimen
+from ..records import Record, read_record
 from ..records.files import share_of_memory
 
 MOST_OF_MEMORY = 0.5
@@ -32,6 +32,7 @@ class Setup:
         free_geometry: whether radius and braid angle are fitted, too.
         specimen: file of the muscle; without it each record takes the `specimen.toml` beside it.
         without, only: names of effects that a diagnosis does not try, or the only ones that it tries.
+        assume: codes of grave doubts that are meant so (`all` for every one), which do not stop naming.
 
     Example:
         >>> from pam_ident.tasks.setup import Setup
@@ -47,6 +48,7 @@ class Setup:
     specimen: str | None = None
     without: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
+    assume: tuple[str, ...] = ()
 
     @cached_property
     def extra(self) -> tuple[Effect, ...]:
@@ -63,10 +65,6 @@ class Setup:
         """The law without effects."""
         return Model.build(self.law, free_geometry=self.free_geometry)
 
-    @cached_property
-    def _specimen(self) -> Specimen | None:
-        return read_specimen(self.specimen) if self.specimen is not None else None
-
     def read(self, record: str | Path) -> Record:
         """The record with its specimen. Raises DataError, UsageError for one that memory cannot hold."""
         if share_of_memory(record) > MOST_OF_MEMORY:
@@ -74,7 +72,7 @@ class Setup:
                 f"{record}: its text is more than half of the memory that is free, and only `fit` reads a record in "
                 "chunks; take a part of it, or a larger machine"
             )
-        return load(record, self._specimen)
+        return load(record, self.specimen)
 
     def bare(self) -> "Setup":
         """The same for another process: files of effects by absolute path, nothing loaded from them."""
@@ -94,4 +92,5 @@ class Setup:
         if verb in ("diagnose", "ladder"):
             words += [word for name in self.without for word in ("--without", name)]
             words += [word for name in self.only for word in ("--only", name)]
+        words += [word for code in self.assume for word in ("--assume", code)]
         return shlex.join([*words, *more])

@@ -1,0 +1,166 @@
+"""The gate before every answer: what looks wrong, what a verb cannot answer, and what is too little to name from."""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from ..core import DataError, FitError, UsageError
+from ..core.threads import one_blas_thread
+from ..fitting import Fit, fit
+from ..model import Model
+from ..records import Record
+from ..records.doubt import GRAVE, Doubt, grave
+from ..records.gate import doubts_of
+from ..records.kind import KINDS, kind_of
+
+FITTING = {"isobaric", "isometric", "dynamic"}
+NAMING = {"isobaric", "dynamic"}
+"""Kinds of test whose force a law can be fitted to, and those whose error can be given names."""
+LITTLE = 0.1
+"""Share of the squared force, at least, that a law must explain."""
+ROWS, ROWS_A_PARAMETER, STATES, ROWS_A_STROKE = 20, 3, 8, 4
+"""The floor of information for naming: rows in all and a free parameter of the law, different states of pressure and
+contraction (and two more than free parameters), rows of a stroke on average."""
+SPAN, PRESSURE_MPA, FORCE_N = 1e-4, 1e-4, 1e-9
+"""The same for ranges: contraction, largest pressure, force."""
+STEADY = 0.5
+"""Correlation of the pressure with itself one sample later, below which it jumps faster than it is logged."""
+
+
+class GraveDoubt(DataError):
+    """A record of `n` samples, or the law on it, looks so wrong that nothing is named; `doubts` are all that were
+    found, `stops` those that stop it."""
+
+    def __init__(self, where: str, n: int, doubts: tuple[Doubt, ...], stops: tuple[Doubt, ...]) -> None:
+        self.n, self.doubts = n, doubts
+        self._given = (where, n, doubts, stops)
+        more = f" (and {', '.join(doubt.code for doubt in stops[1:])})" if len(stops) > 1 else ""
+        codes = " ".join(f"--assume {doubt.code}" for doubt in stops)
+        super().__init__(
+            f"{where}: nothing is named: {stops[0].text.rstrip('.')}{more}. Mend it in the file or by a "
+            f"columns.toml; if it is meant so, {codes}"
+        )
+
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        return type(self), self._given  # an exception is pickled by its message alone
+
+
+def check_codes(assume: Iterable[str]) -> None:
+    """Raises UsageError for a code that no doubt has."""
+    for code in assume:
+        if code != "all" and code not in GRAVE:
+            raise UsageError(f"--assume {code}: expected all or one of {', '.join(GRAVE)}")
+
+
+def doubts_about(one: Fit) -> tuple[Doubt, ...]:
+    """What looks wrong in the record of a fit, and in its law on it, the grave first."""
+    found = doubts_of(one.record)
+    with np.errstate(all="ignore"):
+        force = one.record.force[one.rows]
+        size = float(np.sqrt(np.mean(force**2)))
+        left = (one.rmse / max(size, 1e-150)) ** 2
+    if not left > 1.0 - LITTLE:
+        return found
+    law = Doubt(
+        "explains_nothing",
+        f"{one.model.law.name} leaves {one.rmse:.3g} N rms of a force of {size:.3g} N rms: it "
+        "explains nothing. Check units, signs and the specimen, or take another law.",
+        "force",
+        True,
+    )
+    return tuple(sorted((law, *found), key=lambda doubt: not doubt.grave))
+
+
+def warnings_of(one: Fit) -> tuple[Doubt, ...]:
+    """The same, and what the effects of its model warn of."""
+    effects = [term.effect for term in one.model.terms]
+    return (*doubts_about(one), *(Doubt("effect", f"{e.name}: {e.warning}") for e in effects if e.warning))
+
+
+def admit(record: Record, naming: bool = False) -> None:
+    """Raises DataError where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer."""
+    kind = kind_of(record)
+    if kind in (NAMING if naming else FITTING):
+        return
+    why = {
+        "isotonic": "the load is held and the length answers, so that the force says nothing of the law",
+        "isometric": "at held lengths no effect can be told from another by its way; `fit` and `compare` answer it",
+    }[kind]
+    raise DataError(
+        f"{_name(record)}: this is an {kind} test ({KINDS[kind]}): {why}. Give an isobaric record, or say "
+        '`kind = "isobaric"` in specimen.toml if it is one'
+    )
+
+
+def require_information(record: Record, model: Model) -> None:
+    """Raises FitError, with what to measure, where too little is in the record for names."""
+    lacking = _lacking(record, len(model.params))
+    if lacking is not None:
+        raise FitError(f"{_name(record)}: {lacking}; too little to name an effect by. Measure more, or mend the record")
+
+
+def _lacking(record: Record, parameters: int) -> str | None:
+    inputs, n = record.inputs, len(record)
+    rows, states = max(ROWS, ROWS_A_PARAMETER * parameters), max(STATES, parameters + 2)
+    if n < rows:
+        return f"{n} rows, and the least for {parameters} free parameters is {rows}"
+    if np.ptp(inputs.contraction) < SPAN:
+        return f"the length changes by {np.ptp(inputs.displacement_mm):.2g} mm in all"
+    if np.abs(inputs.pressure).max() < PRESSURE_MPA:
+        return f"the pressure reaches {np.abs(inputs.pressure).max():.2g} MPa"
+    if np.ptp(record.force) < FORCE_N:
+        return f"the force is {record.force[0]:.4g} N in every row"
+    different = len(np.unique(np.round(np.column_stack([inputs.pressure, inputs.contraction]), 5), axis=0))
+    if different < states:
+        return f"{different} different states of pressure and length, and the least for this law is {states}"
+    if inputs.time is None:
+        return None
+    strokes = len(np.unique(record.stroke[record.stroke > 0]))
+    if not strokes:
+        return "no stroke in one direction"
+    if n / strokes < ROWS_A_STROKE:
+        return f"{n / strokes:.2g} rows a stroke, and the least is {ROWS_A_STROKE}"
+    off = inputs.pressure - record.level
+    if kind_of(record) == "dynamic" and np.mean(off[1:] * off[:-1]) < STEADY * np.mean(off**2):
+        return "the pressure jumps from row to row, faster than it is logged"
+    return None
+
+
+def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tuple[Doubt, ...]:
+    """What is doubtful of a record and a model's law on it, none of it grave but what is assumed to be meant.
+
+    Raises DataError for a kind of test that cannot be diagnosed, GraveDoubt, and FitError where too little is in the
+    record.
+    """
+    own = doubts_of(record)
+    _stop(record, own, assume)
+    admit(record, naming=True)
+    require_information(record, model)
+    doubts = doubts_about(fit(model, record, detail=False))
+    _stop(record, doubts, assume)
+    return doubts
+
+
+def _stop(record: Record, doubts: tuple[Doubt, ...], assume: tuple[str, ...]) -> None:
+    stops = grave(doubts, assume)
+    if stops:
+        raise GraveDoubt(_name(record), len(record), doubts, stops)
+
+
+@contextmanager
+def computing(record: Record | str | Path) -> Iterator[None]:
+    """Numbers worked out on one thread; arithmetic that a degenerate record breaks becomes a FitError."""
+    try:
+        with one_blas_thread():
+            yield
+    except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError, OverflowError) as error:
+        raise FitError(
+            f"{_name(record)}: the arithmetic breaks down on this record ({error}); check it for constant columns and "
+            "values beyond reason"
+        ) from None
+
+
+def _name(record: Record | str | Path) -> str:
+    return record.source or record.name if isinstance(record, Record) else str(record)
