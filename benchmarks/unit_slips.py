@@ -2,9 +2,9 @@
 
     python benchmarks/unit_slips.py [--markdown docs/gate.md] [--quick]
 
-Every slip goes through the gate and, where that lets it pass, through the diagnosis. `stopped`: nothing is named and the
-exit code is not 0. `none`: it passed, and what is named is named of the good record too. `NAMED`: something is named that
-the good record does not show. `--markdown` puts the table into the page; `--quick` asks the gate alone.
+Every slip goes through the gate and, where that lets it pass, through the diagnosis. `stopped`: nothing is named and
+the exit code is not 0. `none`: it passed, and what is named is named of the good record too. `NAMED`: something is
+named that the good record does not show. `--markdown` puts the table into the page; `--quick` asks the gate alone.
 """
 
 import argparse
@@ -28,8 +28,8 @@ from pam_ident.tasks.gate import may_name
 from pam_ident.tasks.setup import Setup
 
 FACTORS = (10.0, 14.5, 100.0, 1000.0, 25.4, 4.448)
-PHYSICAL = ("time_s", "pressure_MPa", "displacement_mm", "contraction", "force_N", "temperature_C")
-ATMOSPHERE_MPA = 0.101325
+PHYSICAL = ("time", "pressure", "displacement", "length", "contraction", "force", "temperature")
+ATMOSPHERE = {"MPa": 0.101325, "kPa": 101.325}
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def good_records(folder: Path) -> list[Good]:
     """Five that come along, five of the rig with other muscles, laws and effects."""
     found = [
         Good("dmsp20_300", "exponential_law", dataset_record("dmsp20_300")),
-        Good("dmsp20_300", "chou_hannaford", dataset_record("dmsp20_300")),
+        Good("catalogue", "exponential_law", dataset_record("festo_dmsp20_catalogue")),
         Good("nothing_hidden", "exponential_law", dataset_record("nothing_hidden")),
         Good("hidden_effect", "exponential_law", dataset_record("hidden_effect")),
         Good("leg_muscle", "exponential_law", dataset_record("leg_muscle")),
@@ -66,15 +66,18 @@ def good_records(folder: Path) -> list[Good]:
 
 def slips(table: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
     """Column, what is done to it, and the table then."""
-    for column in (one for one in PHYSICAL if one in table):
+    for column in table:
+        what, _, unit = str(column).partition("_")
+        if what not in PHYSICAL or unit in ("set_MPa", "pct"):
+            continue
         for factor in FACTORS:
-            yield column, f"× {factor:g}", table.assign(**{column: table[column] * factor})
-            yield column, f"÷ {factor:g}", table.assign(**{column: table[column] / factor})
-        yield column, "sign", table.assign(**{column: -table[column]})
-        if column == "pressure_MPa":
-            yield column, "absolute", table.assign(**{column: table[column] + ATMOSPHERE_MPA})
-        if column == "temperature_C":
-            yield column, "kelvin", table.assign(**{column: table[column] + 273.15})
+            yield what, f"× {factor:g}", table.assign(**{column: table[column] * factor})
+            yield what, f"÷ {factor:g}", table.assign(**{column: table[column] / factor})
+        yield what, "sign", table.assign(**{column: -table[column]})
+        if what == "pressure":
+            yield what, "absolute", table.assign(**{column: table[column] + ATMOSPHERE[unit]})
+        if what == "temperature":
+            yield what, "kelvin", table.assign(**{column: table[column] + 273.15})
 
 
 def read_table(path: Path) -> pd.DataFrame:
@@ -137,7 +140,7 @@ def lines(counts: dict[tuple[str, str], list[str]]) -> Iterator[str]:
     for (column, what), told in counts.items():
         false = [one.removeprefix("NAMED ") for one in told if one.startswith("NAMED")]
         passed = told.count("none")
-        yield f"| `{column}` | {what} | {len(told)} | {told.count('stopped')} | {passed} | {'; '.join(false) or 0} |"
+        yield f"| {column} | {what} | {len(told)} | {told.count('stopped')} | {passed} | {'; '.join(false) or 0} |"
 
 
 if __name__ == "__main__":

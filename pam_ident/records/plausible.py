@@ -31,6 +31,8 @@ ENOUGH_MPA = 0.2
 LATEST_MPA, TOO_LATE_MPA = 0.12, 0.135
 """Gauge pressure at which a muscle near its full length begins to pull, at the latest, and where it cannot be that any
 more; the same ones lie between 0 and 0.09 MPa."""
+AT_THE_AIRS_MPA = 0.02
+"""How near to the air's pressure that is, for pressures that may count from vacuum."""
 BEND = (0.06, 1.0)
 """Contraction at which a straight line through an isobar meets zero force; an ideal braid's free one is 0.36."""
 HALF = (0.1, 0.85)
@@ -68,18 +70,18 @@ def doubt_units(record: Record) -> Iterator[Doubt]:
         )
     yield from _doubt_range(record)
     likeness = _likeness(record)
-    pull = near_full_length(record)
+    pull = pull_at(record)
     if pull is not None and likeness is not None and likeness < FALLS:
-        yield from _doubt_pull(pull, pressure)
+        yield from _doubt_pull(pull, record)
     yield from _doubt_isobar(record, likeness)
 
 
-def near_full_length(record: Record) -> Pull | None:
-    """The pull in the first tenth of the stroke at more than 0.3 of the largest pressure; None where it means nothing:
-    fewer than three samples, or beyond the ideal braid's free contraction."""
+def pull_at(record: Record, begin: float = 0.0) -> Pull | None:
+    """The pull in the tenth of the stroke from `begin` on, at more than 0.3 of the largest pressure; None where it
+    means nothing: fewer than three samples, or beyond the ideal braid's free contraction."""
     pressure, contraction = record.inputs.pressure, record.inputs.contraction
-    near = contraction <= contraction.min() + 0.1 * np.ptp(contraction)
-    near &= pressure > 0.3 * pressure.max()
+    along = (contraction - contraction.min()) / max(float(np.ptp(contraction)), 1e-12)
+    near = (along >= begin) & (along <= begin + 0.1) & (pressure > 0.3 * pressure.max())
     p, force = pressure[near], record.force[near]
     if near.sum() < 3:
         return None
@@ -97,7 +99,8 @@ def near_full_length(record: Record) -> Pull | None:
     return Pull(float(slope / expected), level, float(p.mean() - offset / slope))
 
 
-def _doubt_pull(pull: Pull, pressure: Array) -> Iterator[Doubt]:
+def _doubt_pull(pull: Pull, record: Record) -> Iterator[Doubt]:
+    pressure = record.inputs.pressure
     if pull.slope is None:
         if pressure.max() > ENOUGH_MPA and not ALONE[0] < pull.level < ALONE[1]:
             yield _scale(f"the force is {pull.level:.3g} times an ideal braid's", pull.level, True)
@@ -107,15 +110,24 @@ def _doubt_pull(pull: Pull, pressure: Array) -> Iterator[Doubt]:
         grave = pull.level < LIKELY[0] if pull.slope < 1.0 else pull.level > LIKELY[1]
         what = f"the force grows with the pressure {pull.slope:.3g} times as an ideal braid's would"
         yield _scale(what, pull.slope, grave)
-    elif pull.begins_MPa > LATEST_MPA and pressure.min() > 0.9 * ATMOSPHERE_MPA:
+    elif pressure.min() > 0.9 * ATMOSPHERE_MPA and (pull.begins_MPa > LATEST_MPA or _from_vacuum(record, pull)):
         yield Doubt(
             "pressure_absolute",
             f"near its full length the muscle begins to pull at {pull.begins_MPa:.3f} MPa, and no pressure is below "
             f"the air's: the pressure may be absolute. If so, take {ATMOSPHERE_MPA:.4f} MPa off "
             "(offset in a columns.toml).",
             "pressure",
-            pull.begins_MPa > TOO_LATE_MPA,
+            pull.begins_MPa > TOO_LATE_MPA or _from_vacuum(record, pull),
         )
+
+
+def _from_vacuum(record: Record, pull: Pull) -> bool:
+    """Whether the muscle begins to pull at the air's pressure, and does so at another length, too: what a bladder takes
+    grows with the contraction."""
+    shorter = pull_at(record, 0.4)
+    if shorter is None:
+        return False
+    return all(abs(begins - ATMOSPHERE_MPA) < AT_THE_AIRS_MPA for begins in (pull.begins_MPa, shorter.begins_MPa))
 
 
 def _scale(what: str, ratio: float, grave: bool) -> Doubt:

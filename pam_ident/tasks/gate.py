@@ -85,12 +85,12 @@ def admit(record: Record, naming: bool = False) -> None:
     if kind in (NAMING if naming else FITTING):
         return
     why = {
-        "isotonic": "the load is held and the length answers, so that the force says nothing of the law",
-        "isometric": "at held lengths no effect can be told from another by its way; `fit` and `compare` answer it",
+        "isotonic": "no law of the force can be told from it",
+        "isometric": "no effect can be told from another in it, only `fit` and `compare` answer",
     }[kind]
     raise DataError(
-        f"{_name(record)}: this is an {kind} test ({KINDS[kind]}): {why}. Give an isobaric record, or say "
-        '`kind = "isobaric"` in specimen.toml if it is one'
+        f"{_name(record)}: an {kind} test, {KINDS[kind]}: {why}. Give an isobaric record, or say "
+        '`kind = "isobaric"` at the top of specimen.toml if this is one'
     )
 
 
