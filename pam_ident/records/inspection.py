@@ -55,7 +55,7 @@ def inspect_record(record: Record) -> Inspection:
     held = None if inputs.moving is None else ~inputs.moving
     return Inspection(
         record,
-        find_files(record.source) if record.source else None,
+        find_files(record.source) if record.sha256 else None,
         tuple(_isobar(record, level) for level in record.levels),
         {name: count for name, count in counts.items() if count},
         len(np.unique(record.stroke[record.stroke > 0])),

@@ -31,6 +31,8 @@ ENOUGH_MPA = 0.2
 LATEST_MPA, TOO_LATE_MPA = 0.12, 0.135
 """Gauge pressure at which a muscle near its full length begins to pull, at the latest, and where it cannot be that any
 more; the same ones lie between 0 and 0.09 MPa."""
+LEAST_MPA = 1e-12
+"""Pressure below which arithmetic says nothing any more."""
 AT_THE_AIRS_MPA = 0.02
 """How near to the air's pressure that is, for pressures that may count from vacuum."""
 BEND = (0.06, 1.0)
@@ -83,7 +85,7 @@ def pull_at(record: Record, begin: float = 0.0) -> Pull | None:
     along = (contraction - contraction.min()) / max(float(np.ptp(contraction)), 1e-12)
     near = (along >= begin) & (along <= begin + 0.1) & (pressure > 0.3 * pressure.max())
     p, force = pressure[near], record.force[near]
-    if near.sum() < 3:
+    if near.sum() < 3 or p.max() < LEAST_MPA:
         return None
     ideal = record.specimen.ideal_force(p, contraction[near])
     high = p > 0.9 * p.max()
@@ -173,10 +175,15 @@ def _free(record: Record) -> float:
     return 1.0 - (record.specimen.b / record.specimen.a) ** 0.5
 
 
+def _highest(record: Record) -> Array:
+    """Mask (n,) of the highest pressures; not of the highest isobar, which in a wrong unit may be all there is."""
+    return record.inputs.pressure >= 0.9 * record.inputs.pressure.max()
+
+
 def _likeness(record: Record) -> float | None:
-    """Correlation of force and contraction on the highest isobar, −1 where all is at one length; None where nothing
+    """Correlation of force and contraction at the highest pressures, −1 where all is at one length; None where nothing
     can be said."""
-    here = record.level == record.levels[-1]
+    here = _highest(record)
     e, force = record.inputs.contraction[here], record.force[here]
     if np.ptp(record.inputs.contraction) < 1e-3:
         return -1.0
@@ -187,11 +194,11 @@ def _likeness(record: Record) -> float | None:
 
 def _doubt_isobar(record: Record, likeness: float | None) -> Iterator[Doubt]:
     """Force must fall along an isobar, and end near the braid's free contraction."""
-    level = record.levels[-1]
-    here = record.level == level
+    here = _highest(record)
     e, force = record.inputs.contraction[here], record.force[here]
     if likeness is None or np.ptp(e) < 1e-6:
         return
+    level = float(np.median(record.level[here]))
     if likeness > RISES:
         if kind_of(record) == "isotonic":  # there the length answers the pressure
             return

@@ -10,7 +10,7 @@ from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
 from ..parallel.executor import Executor, WorkerLost
 from ..records import Record
-from .gate import computing, may_name
+from .gate import check_completed, computing, may_name
 from .setup import Setup
 
 __all__ = ["diagnose_record", "diagnose_records", "told"]
@@ -38,7 +38,9 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
     """
     with computing(record):
         may_name(record, setup.model, setup.assume)
-        return diagnose(setup.model, record, setup.extra, setup.without, setup.only)
+        found = diagnose(setup.model, record, setup.extra, setup.without, setup.only)
+        check_completed(found.best, setup.assume)
+        return found
 
 
 def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str, Answer]]:

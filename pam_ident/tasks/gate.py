@@ -18,8 +18,14 @@ from ..records.kind import KINDS, kind_of
 FITTING = {"isobaric", "isometric", "dynamic"}
 NAMING = {"isobaric", "dynamic"}
 """Kinds of test whose force a law can be fitted to, and those whose error can be given names."""
-LITTLE = 0.1
-"""Share of the squared force, at least, that a law must explain."""
+LITTLE, UNLIKE = 0.1, 0.3
+"""Share of the squared force, and correlation with it where it varies, from which a law explains anything at all."""
+CONSTANT = 0.2
+"""Standard deviation of a force beside its mean, below which it hardly varies."""
+MOST_LEFT = 0.2
+"""Share of a force's variance that a model may leave with all that was found missing, or nothing was found."""
+BEYOND_N = 1e100
+"""A force whose square no number holds."""
 ROWS, ROWS_A_PARAMETER, STATES, ROWS_A_STROKE = 20, 3, 8, 4
 """The floor of information for naming: rows in all and a free parameter of the law, different states of pressure and
 contraction (and two more than free parameters), rows of a stroke on average."""
@@ -57,15 +63,16 @@ def check_codes(assume: Iterable[str]) -> None:
 def doubts_about(one: Fit) -> tuple[Doubt, ...]:
     """What looks wrong in the record of a fit, and in its law on it, the grave first."""
     found = doubts_of(one.record)
-    with np.errstate(all="ignore"):
-        force = one.record.force[one.rows]
-        size = float(np.sqrt(np.mean(force**2)))
-        left = (one.rmse / max(size, 1e-150)) ** 2
-    if not left > 1.0 - LITTLE:
+    force = one.record.force[one.rows]
+    size = float(np.sqrt(np.mean(force**2)))
+    modelled = one.model.force(one.record.inputs, one.values)[one.rows]
+    varies = force.std() > CONSTANT * abs(force.mean()) and modelled.std() > 0.0
+    unlike = varies and np.corrcoef(modelled, force)[0, 1] < UNLIKE
+    if one.rmse**2 < (1.0 - LITTLE) * size**2 and not unlike:
         return found
     law = Doubt(
         "explains_nothing",
-        f"{one.model.law.name} leaves {one.rmse:.3g} N rms of a force of {size:.3g} N rms: it "
+        f"{_formula(one)} leaves {one.rmse:.3g} N rms of a force of {size:.3g} N rms: it "
         "explains nothing. Check units, signs and the specimen, or take another law.",
         "force",
         True,
@@ -81,6 +88,11 @@ def warnings_of(one: Fit) -> tuple[Doubt, ...]:
 
 def admit(record: Record, naming: bool = False) -> None:
     """Raises DataError where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer."""
+    if not np.abs(record.force).max() < BEYOND_N:
+        row = int(np.abs(record.force).argmax())
+        raise DataError(
+            f"{_name(record)}: sample {row + 1} reads a force of {record.force[row]:.4g} N. Mend or delete the row"
+        )
     kind = kind_of(record)
     if kind in (NAMING if naming else FITTING):
         return
@@ -92,6 +104,12 @@ def admit(record: Record, naming: bool = False) -> None:
         f"{_name(record)}: an {kind} test, {KINDS[kind]}: {why}. Give an isobaric record, or say "
         '`kind = "isobaric"` at the top of specimen.toml if this is one'
     )
+
+
+def require_rows(record: Record) -> None:
+    """Raises FitError where the rows are too few to say where a model fails."""
+    if len(record) < STATES:
+        raise FitError(f"{_name(record)}: {len(record)} rows, and the least is {STATES}. Measure more")
 
 
 def require_information(record: Record, model: Model) -> None:
@@ -134,13 +152,30 @@ def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tupl
     Raises DataError for a kind of test that cannot be diagnosed, GraveDoubt, and FitError where too little is in the
     record.
     """
-    own = doubts_of(record)
-    _stop(record, own, assume)
+    if len(record) >= ROWS:
+        _stop(record, doubts_of(record), assume)
     admit(record, naming=True)
     require_information(record, model)
     doubts = doubts_about(fit(model, record, detail=False))
     _stop(record, doubts, assume)
     return doubts
+
+
+def check_completed(one: Fit, assume: tuple[str, ...] = ()) -> None:
+    """Raises GraveDoubt where a model with all that was named still leaves a large part of what varies."""
+    force = one.record.force
+    if not one.model.terms or force.std() < CONSTANT * abs(force.mean()) or one.r2 > 1.0 - MOST_LEFT:
+        return
+    text = (
+        f"{_formula(one)} would leave {one.rmse:.3g} N rms of a force that varies by "
+        f"{force.std():.3g} N rms: names explain little here. Check units, signs and the specimen, or take another law."
+    )
+    law = Doubt("explains_nothing", text, "force", True)
+    _stop(one.record, (law, *doubts_of(one.record)), assume)
+
+
+def _formula(one: Fit) -> str:
+    return " + ".join([one.model.law.name, *one.model.labels])
 
 
 def _stop(record: Record, doubts: tuple[Doubt, ...], assume: tuple[str, ...]) -> None:
@@ -153,7 +188,7 @@ def _stop(record: Record, doubts: tuple[Doubt, ...], assume: tuple[str, ...]) ->
 def computing(record: Record | str | Path) -> Iterator[None]:
     """Numbers worked out on one thread; arithmetic that a degenerate record breaks becomes a FitError."""
     try:
-        with one_blas_thread():
+        with one_blas_thread(), np.errstate(all="ignore"):
             yield
     except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError, OverflowError) as error:
         raise FitError(

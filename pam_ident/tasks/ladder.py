@@ -7,7 +7,7 @@ from ..diagnosis import climb, heldout_rmse
 from ..diagnosis.nouns import Diagnosis, Ladder, Rung
 from ..fitting import Fit, fit
 from ..records import Record
-from .gate import admit, computing, may_name
+from .gate import admit, check_completed, computing, may_name
 from .setup import Setup
 
 
@@ -33,7 +33,9 @@ def climb_ladder(record: Record, setup: Setup) -> Ladder:
     """
     with computing(record):
         may_name(record, setup.model, setup.assume)
-        return climb(setup.model, record, setup.extra, setup.without, setup.only)
+        found = climb(setup.model, record, setup.extra, setup.without, setup.only)
+        check_completed(found.rungs[-1].fit, setup.assume)
+        return found
 
 
 def ladder_by_hand(

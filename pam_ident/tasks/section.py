@@ -11,7 +11,7 @@ from ..fitting.energy import energy_warning, model_loops
 from ..model import Model
 from ..records import Record
 from ..report import Section
-from .gate import computing, doubts_about, may_name
+from .gate import check_completed, computing, doubts_about, may_name
 
 
 def build_section(
@@ -24,6 +24,7 @@ def build_section(
     with computing(record):
         may_name(record, model, assume)
         ladder = climb(model, record, extra)
+        check_completed(ladder.rungs[-1].fit, assume)
         diagnosis = ladder.first
         return section_of(record, diagnosis.base, diagnosis, ladder, completed(diagnosis, ladder))
 
