@@ -70,11 +70,11 @@ def doubt_units(record: Record) -> Iterator[Doubt]:
             "pressure",
             bool(pressure.min() < -ATMOSPHERE_MPA or pressure.mean() < 0.0),
         )
-    yield from _doubt_range(record)
     likeness = _likeness(record)
     pull = pull_at(record)
     if pull is not None and likeness is not None and likeness < FALLS:
         yield from _doubt_pull(pull, record)
+    yield from _doubt_range(record)
     yield from _doubt_isobar(record, likeness)
 
 

@@ -42,8 +42,9 @@ class GraveDoubt(DataError):
     def __init__(self, where: str, n: int, doubts: tuple[Doubt, ...], stops: tuple[Doubt, ...]) -> None:
         self.n, self.doubts = n, doubts
         self._given = (where, n, doubts, stops)
-        more = f" (and {', '.join(doubt.code for doubt in stops[1:])})" if len(stops) > 1 else ""
-        codes = " ".join(f"--assume {doubt.code}" for doubt in stops)
+        first, *others = dict.fromkeys(doubt.code for doubt in stops)
+        more = f" (and {', '.join(others)})" if others else ""
+        codes = " ".join(f"--assume {code}" for code in (first, *others))
         super().__init__(
             f"{where}: nothing is named: {stops[0].text.rstrip('.')}{more}. Mend it in the file or by a "
             f"columns.toml; if it is meant so, {codes}"
