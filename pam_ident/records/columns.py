@@ -12,6 +12,8 @@ from .table import Table, TableRows, number_of
 Array = np.ndarray
 MOST_MPA = 10.0
 MOST_CONTRACTION = 0.95
+MOST_S = 1e20
+"""Above any clock's count, that of nanoseconds since 1970 included."""
 
 
 Values = dict[str, Array]
@@ -153,6 +155,12 @@ def _check_ranges(table: Table, block: TableRows, sources: dict[str, Source], va
         raise DataError(
             f"{_where(table, block, high[0], sources['pressure'])}: {values['pressure'][high[0]]:g} MPa; "
             f"expected a gauge pressure below {MOST_MPA:g} MPa. Check the unit of the column"
+        )
+    late = np.flatnonzero(np.abs(values["time"]) > MOST_S) if "time" in values else ()
+    if len(late):
+        raise DataError(
+            f"{_where(table, block, late[0], sources['time'])}: {values['time'][late[0]]:g} s; expected a clock's "
+            "count. Mend the row, or check the unit of the column"
         )
 
 

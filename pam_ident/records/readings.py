@@ -31,7 +31,7 @@ def spikes(record: Record) -> Array:
 
 
 def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
-    """Impossible forces, pushing and clipping; `wild` as of `spikes`."""
+    """Impossible forces, pushing and clipping; `wild` (n,) as of `spikes`."""
     force = record.force
     huge = wild | (np.abs(force) > MOST_N)
     if huge.any():

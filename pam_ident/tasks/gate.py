@@ -24,6 +24,8 @@ CONSTANT = 0.2
 """Standard deviation of a force beside its mean, below which it hardly varies."""
 MOST_LEFT = 0.2
 """Share of a force's variance that a model may leave with all that was found missing, or nothing was found."""
+LEAST_STEP_S = 1e-9
+"""Mean step of a clock that does not stand."""
 BEYOND_N = 1e100
 """A force whose square no number holds."""
 ROWS, ROWS_A_PARAMETER, STATES, ROWS_A_STROKE = 20, 3, 8, 4
@@ -88,11 +90,18 @@ def warnings_of(one: Fit) -> tuple[Doubt, ...]:
 
 
 def admit(record: Record, naming: bool = False) -> None:
-    """Raises DataError where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer."""
+    """Raises DataError where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer, where the
+    clock stands, and for a force beyond arithmetic."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
         raise DataError(
             f"{_name(record)}: sample {row + 1} reads a force of {record.force[row]:.4g} N. Mend or delete the row"
+        )
+    time = record.inputs.time
+    if time is not None and len(record) > 1 and np.ptp(time) < LEAST_STEP_S * len(record):
+        raise DataError(
+            f"{_name(record)}: the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Mend its unit, or "
+            "leave the time column out"
         )
     kind = kind_of(record)
     if kind in (NAMING if naming else FITTING):
