@@ -51,7 +51,7 @@ def _found(record: Record) -> str:
     driven = np.ptp(p) > VARIED * np.abs(p).max()
     if driven and np.ptp(e) < HELD_LENGTH:
         return "isometric"
-    blocked = abs(float(record.specimen.ideal_force(np.abs(p).max(), 0.0)))
+    blocked = abs(float(record.specimen.ideal_force(np.abs(p).max(), np.zeros(()))))
     if driven and force.std() < max(HELD_FORCE * abs(force.mean()), LIGHT * blocked):
         return "isotonic"
     if record.inputs.time is None:

@@ -25,7 +25,7 @@ WARM_C = (-40.0, 90.0)
 def spikes(record: Record) -> Array:
     """Mask (n,) of the rows whose force is beyond what muscle and other rows permit: a few at most."""
     size = np.abs(record.force)
-    blocked = float(np.abs(record.specimen.ideal_force(np.abs(record.inputs.pressure).max(), 0.0)))
+    blocked = float(np.abs(record.specimen.ideal_force(np.abs(record.inputs.pressure).max(), np.zeros(()))))
     wild = size > SPIKE * max(blocked, 5.0 * float(np.median(size)))
     return wild if wild.sum() <= max(FEW * len(size), 3) and not wild.all() else np.zeros(len(size), bool)
 
