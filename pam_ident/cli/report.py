@@ -15,6 +15,7 @@ def report(
     """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
     from ..schema.diagnosis import diagnosis_json
     from ..schema.prediction import law_choice_json
+    from ..tasks.gate import GraveDoubt, warnings_of
     from ..tasks.law_choice import settle
     from ..tasks.report import check_report, report_record
 
@@ -22,7 +23,13 @@ def report(
     check_report(out, format)
     measured = setup.read(record)
     setup, choice = settle(measured, setup)
-    story = report_record(measured, setup, out, format)
-    options.give_json(asked.json, lambda: diagnosis_json(record, story.sections[0].diagnosis) | law_choice_json(choice))
+    try:
+        story = report_record(measured, setup, out, format)
+    except GraveDoubt as stop:
+        options.give_stopped(asked.json, record, setup.law, stop)
+        raise
+    diagnosis = story.sections[0].diagnosis
+    doubts = warnings_of(diagnosis.base)
+    options.give_json(asked.json, lambda: diagnosis_json(record, diagnosis, doubts) | law_choice_json(choice))
     text.say(*text.chosen(choice))
-    text.say(story.sections[0].diagnosis.sentence, f"report: {out}")
+    text.say(*text.banner(doubts), diagnosis.sentence, f"report: {out}")

@@ -14,6 +14,7 @@ from ..fitting.solve import solve
 from ..laws import listed
 from ..model import Model
 from ..records import Record, thinned
+from .gate import admit, computing
 from .setup import AUTO, Setup
 
 if TYPE_CHECKING:
@@ -53,11 +54,13 @@ class LawChoice:
 def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
     """The setup with a law in place of `auto`, and how it was chosen; as it is where a law was named.
 
-    Raises FitError where no law can be fitted to the record.
+    Raises FitError where no law can be fitted to the record, DataError for a kind of test that no law is for.
     """
     if setup.law != AUTO:
         return setup, None
-    choice = choose_law(record, setup)
+    admit(record)
+    with computing(record):
+        choice = choose_law(record, setup)
     return replace(setup, law=choice.law), choice
 
 
