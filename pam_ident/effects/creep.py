@@ -77,7 +77,7 @@ EFFECT = Effect(
         ),
         free_form(
             "−q, q̇ = ε̇ − q/τ",
-            lambda inputs, shape: _single(inputs, shape, inputs.contraction),
+            _single,
             shapes=(TAU,),
             remembers=True,
             unit=("N", 100.0),

@@ -149,7 +149,7 @@ EFFECT = Effect(
             (M,),
             remembers=True,
         ),
-        free_form("exp(−(n−1)/n_0)", lambda inputs, shape: one(_fading(inputs, shape)), shapes=(N0,)),
+        free_form("exp(−(n−1)/n_0)", lambda inputs, shape, force: one(_fading(inputs, shape)), shapes=(N0,)),
     ),
     follows=("cycle",),
     test="at least three cycles, and a re-run of the first after rest",

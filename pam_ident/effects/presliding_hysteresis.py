@@ -86,7 +86,7 @@ EFFECT = Effect(
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
         free_form(
             "−clip(Δx/x_s, ±1)",
-            lambda inputs, shape: _single(inputs, shape, inputs.contraction),
+            _single,
             shapes=(WIDTH,),
             remembers=True,
         ),
