@@ -111,6 +111,7 @@ def free_form(
     unit: tuple[str, float] = ("N", 10.0),
     uses_force: bool = False,
     remembers: bool = False,
+    name: str = "free",
 ) -> Form:
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
@@ -131,7 +132,7 @@ def free_form(
         return (states(inputs, shape, force)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
 
     formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j" if len(orders) > 1 else f"Σ f_k · {text}"
-    return role("free", formula, sizes, columns, shapes, uses_force, remembers)
+    return role(name, formula, sizes, columns, shapes, uses_force, remembers)
 
 
 def one(values: Array) -> Array:

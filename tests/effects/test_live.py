@@ -38,6 +38,7 @@ REMEMBER = {
     *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve")),
     "mullins_softening:pseudo_elastic",
     "mullins_softening:travelled",
+    "mullins_softening:free_travelled",
 }
 
 
