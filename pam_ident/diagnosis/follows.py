@@ -175,13 +175,15 @@ class Following:
     def evidence(self, groups: frozenset[int]) -> float:
         """Gain of a set of groups of surfaces, in variances of the noise, less its price.
 
-        The price is the Bayesian information criterion's, and that so many groups were looked at.
+        The price is the Bayesian information criterion's, that so many groups were looked at, and that one driver is
+        likelier than two that are as good.
         """
         return self._worth(self.surfaces.of(groups)[0], sum(len(self.surfaces.columns[k]) for k in groups), len(groups))
 
     def _worth(self, gain: Any, freedom: Any, count: int) -> Any:
         price = freedom * math.log(max(len(self.left) / self.memory, 3.0))
-        return gain / (self.variance * self.memory) - price - 2.0 * count * math.log(max(len(self.surfaces.names), 1))
+        each = EQUAL + 2.0 * math.log(max(len(self.surfaces.names), 1))
+        return gain / (self.variance * self.memory) - price - each * count
 
     def likeliest(self, without: Collection[str] = (), start: frozenset[int] = frozenset()) -> frozenset[int]:
         """The set of groups, at most one a driver, that nothing added, dropped or exchanged makes likelier.

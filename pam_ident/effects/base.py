@@ -102,14 +102,16 @@ class Effect:
 
 def free_form(
     text: str,
-    states: Callable[[Inputs, Shape], Array],
+    states: Columns,
     count: int = 1,
     pressure: int = 1,
     contraction: int = 2,
     shapes: tuple[Param, ...] = (),
-    remembers: bool = False,
     role: type[Form] = AddsForce,
     unit: tuple[str, float] = ("N", 10.0),
+    uses_force: bool = False,
+    remembers: bool = False,
+    name: str = "free",
 ) -> Form:
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
@@ -127,10 +129,10 @@ def free_form(
     def columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
         p, e = inputs.pressure / 0.3, inputs.contraction / 0.1
         surface = inputs.xp.stack([p**i * e**j for i, j in orders]).T
-        return (states(inputs, shape)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
+        return (states(inputs, shape, force)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
 
-    formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j"
-    return role("free", formula, sizes, columns, shapes, remembers=remembers)
+    formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j" if len(orders) > 1 else f"Σ f_k · {text}"
+    return role(name, formula, sizes, columns, shapes, uses_force, remembers)
 
 
 def one(values: Array) -> Array:

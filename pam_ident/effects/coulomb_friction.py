@@ -117,7 +117,7 @@ EFFECT = Effect(
             exponential_dip,
             (V_S,),
         ),
-        free_form("−sgn(ε̇)", lambda inputs, shape: -inputs.xp.stack(slip(inputs)).T, 2, pressure=0),
+        free_form("−sgn(ε̇), in holds times exp(−t/τ_h)", _relaxing, 2, pressure=0, shapes=(TAU_H,), remembers=True),
     ),
     follows=("direction",),
     test="slow reversals at several pressures: the gap between the branches keeps its width",

@@ -76,11 +76,7 @@ EFFECT = Effect(
             "following", "−late · q, q̇ = Ḟ − q/τ", (LATE,), _following, (MIDDLE,), uses_force=True, remembers=True
         ),
         free_form(
-            "−q, q̇ = ε̇ − q/τ",
-            lambda inputs, shape: _single(inputs, shape, inputs.contraction),
-            shapes=(TAU,),
-            remembers=True,
-            unit=("N", 100.0),
+            "−q_i, τ_i = τ/10, τ, 10 τ", _prony, 3, contraction=1, shapes=(MIDDLE,), unit=("N", 100.0), remembers=True
         ),
     ),
     follows=("rest",),

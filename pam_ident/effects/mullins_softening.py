@@ -56,7 +56,11 @@ def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _whole_test(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """Cycles counted from the start of the test, not of the isobar."""
-    return _straight(inputs, inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / shape["n_0"]))
+    return _straight(inputs, _of_test(inputs, shape, force)[:, 0])
+
+
+def _of_test(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / shape["n_0"]))
 
 
 def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -86,7 +90,11 @@ def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
 
 def _travelled(inputs: Inputs, shape: Shape, force: Array) -> Array:
     """What is gone, not what is counted, softens; between isobars the rubber rests."""
-    return _straight(inputs, inputs.xp.exp(-way_travelled(inputs) / shape["s_0"]))
+    return _straight(inputs, _by_way(inputs, shape, force)[:, 0])
+
+
+def _by_way(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return one(inputs.xp.exp(-way_travelled(inputs) / shape["s_0"]))
 
 
 def _pseudo_elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -149,7 +157,11 @@ EFFECT = Effect(
             (M,),
             remembers=True,
         ),
-        free_form("exp(−(n−1)/n_0)", lambda inputs, shape: one(_fading(inputs, shape)), shapes=(N0,)),
+        free_form("exp(−(n−1)/n_0)", _whole, shapes=(N0,)),
+        free_form(
+            "exp(−(n−1)/n_0), n of the whole test", _of_test, shapes=(N0,), remembers=True, name="free_whole_test"
+        ),
+        free_form("exp(−s/s_0)", _by_way, shapes=(WAY,), remembers=True, name="free_travelled"),
     ),
     follows=("cycle",),
     test="at least three cycles, and a re-run of the first after rest",

@@ -84,12 +84,7 @@ EFFECT = Effect(
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
-        free_form(
-            "−clip(Δx/x_s, ±1)",
-            lambda inputs, shape: _single(inputs, shape, inputs.contraction),
-            shapes=(WIDTH,),
-            remembers=True,
-        ),
+        free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, shapes=(WIDTH,), remembers=True),
     ),
     follows=("way", "direction"),
     test="reversals and minor loops at one slow speed",

@@ -26,8 +26,8 @@ def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -inputs.xp.stack(slip(inputs)).T * inputs.pressure[:, None]
 
 
-def _pressed(inputs: Inputs, shape: Shape) -> Array:
-    return _held(inputs, shape, inputs.pressure) / 0.3
+def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return _held(inputs, shape, force) / 0.3
 
 
 def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:

@@ -162,9 +162,7 @@ EFFECT = Effect(
         ),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
         TransformsPressure("throttled", "p → p − (T_p p + T_0 · 0.1 MPa) |V̇/V|^n sgn(V̇)", PARTS, _throttled, (N,)),
-        free_form(
-            "p → p − p_abs V̇/V", lambda inputs, shape: one(-_rate(inputs)), role=TransformsPressure, unit=("s", 0.1)
-        ),
+        free_form("p → p − |p_abs V̇/V|^n sgn(V̇)", _orifice, shapes=(N,), role=TransformsPressure, unit=("s", 0.1)),
     ),
     follows=("speed",),
     test="a pressure sensor at the muscle, at several speeds",

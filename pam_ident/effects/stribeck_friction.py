@@ -2,7 +2,7 @@
 
 from ..core import Inputs, Param
 from ._history import lugre_operator, time_held
-from .base import AddsForce, Array, Effect, Shape, free_form, one, slip, speed
+from .base import AddsForce, Array, Effect, Shape, one, slip, speed
 from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, exponential_dip, gaussian_dip
 
 SIZES = (F_C, F_BREAK, F_HOLD, HOLD_GAIN)
@@ -18,11 +18,6 @@ def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
         return columns
     fading = inputs.xp.exp(-time_held(inputs, slip(inputs)[1] != 0.0) / shape["tau_h"])
     return inputs.xp.hstack([columns[:, :2], columns[:, 2:] * fading[:, None]])
-
-
-def _sliding(inputs: Inputs, shape: Shape) -> Array:
-    moves = slip(inputs)[0]
-    return -inputs.xp.stack([moves, moves * inputs.xp.exp(-((speed(inputs) / shape["v_s"]) ** 2))]).T
 
 
 def bending(inputs: Inputs, shape: Shape, force: Array) -> Array:
@@ -50,7 +45,6 @@ EFFECT = Effect(
             (PEAK, V_S, WIDTH),
             remembers=True,
         ),
-        free_form("−(1, exp(−(v/v_s)²)) sgn(ε̇)", _sliding, 2, contraction=1, shapes=(V_S,)),
     ),
     follows=("speed", "direction"),
     test="at least four speeds over two decades: the gap narrows with speed",

@@ -60,7 +60,7 @@ EFFECT = Effect(
         TransformsPressure("pressure", "p → p (1 − (α + α_e ε) ΔT)", (ALPHA, ALPHA_E), _pressure),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
-        free_form("−ΔT/10 K", lambda inputs, shape: one(-0.1 * warming(inputs))),
+        free_form("−ΔT/10 K", lambda inputs, shape, force: one(-0.1 * warming(inputs))),
     ),
     follows=("temperature",),
     test="temperature logged and varied while the protocol is repeated",

@@ -23,8 +23,8 @@ def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(-inputs.xp.sign(inputs.velocity) * 0.01 * (speed(inputs) / 10.0) ** shape["n"])
 
 
-def _powers(inputs: Inputs, shape: Shape) -> Array:
-    return 100.0 * _power(inputs, shape, inputs.pressure)
+def _powers(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    return 100.0 * _power(inputs, shape, force)
 
 
 def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:

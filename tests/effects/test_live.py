@@ -22,10 +22,13 @@ EACH_FORM_SLOWLY = pytest.mark.parametrize(
 REMEMBER = {
     *(
         f"creep:{form}"
-        for form in ("textbook", "pressed", "logarithmic", "prony_3", "elastic", "force_driven", "following")
+        for form in ("textbook", "pressed", "logarithmic", "prony_3", "elastic", "force_driven", "following", "free")
     ),
-    *(f"presliding_hysteresis:{form}" for form in ("textbook", "dahl", "pressed", "lugre", "maxwell_slip_3", "rested")),
-    *(f"force_drift:{form}" for form in ("textbook", "settling", "settling_on", "logarithmic", "swinging")),
+    *(
+        f"presliding_hysteresis:{form}"
+        for form in ("textbook", "dahl", "pressed", "lugre", "maxwell_slip_3", "rested", "free")
+    ),
+    *(f"force_drift:{form}" for form in ("textbook", "settling", "settling_on", "logarithmic", "swinging", "free")),
     *(
         f"thermal_softening:{form}"
         for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear", "free")
@@ -35,6 +38,7 @@ REMEMBER = {
     *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve")),
     "mullins_softening:pseudo_elastic",
     "mullins_softening:travelled",
+    "mullins_softening:free_travelled",
 }
 
 
