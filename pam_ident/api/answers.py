@@ -40,7 +40,7 @@ class ShownAnswer(ABC):
     details: Any
     law_choice: LawChoice | None = None
 
-    @property
+    @cached_property
     def warnings(self) -> tuple[Doubt, ...]:
         """What looks wrong in the record, or in the law on it; the grave stop naming unless they are assumed."""
         return ()

@@ -17,16 +17,17 @@ def ladder(
     setup = asked.setup(law)
     from ..schema.diagnosis import ladder_json
     from ..schema.prediction import law_choice_json
-    from ..tasks.gate import GraveDoubt, warnings_of
+    from ..tasks.gate import NothingNamed, warnings_of
     from ..tasks.ladder import climb_ladder
     from ..tasks.law_choice import settle
 
     measured = setup.read(record)
-    setup, choice = settle(measured, setup)
+    choice = None
     try:
+        setup, choice = settle(measured, setup)
         found = climb_ladder(measured, setup)
-    except GraveDoubt as stop:
-        options.give_stopped(asked.json, record, setup.law, stop)
+    except NothingNamed as stop:
+        options.give_stopped(asked.json, record, setup.law, stop, choice)
         raise
     doubts = warnings_of(found.rungs[0].fit)
     options.give_json(asked.json, lambda: ladder_json(record, found, doubts) | law_choice_json(choice))

@@ -8,7 +8,8 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from ..tasks.gate import GraveDoubt
+    from ..tasks.gate import NothingNamed
+    from ..tasks.law_choice import LawChoice
     from ..tasks.setup import Setup
 
 
@@ -130,11 +131,14 @@ def give_json(path: str | None, answer: "Callable[[], Mapping[str, Any]]") -> No
         write_json(path, {"warnings": [], **answer()})
 
 
-def give_stopped(path: str | None, record: str, law: str, stop: "GraveDoubt") -> None:
+def give_stopped(
+    path: str | None, record: str, law: str, stop: "NothingNamed", choice: "LawChoice | None" = None
+) -> None:
     """Write, where an answer was asked for, that nothing is named, and why."""
     from ..schema.diagnosis import stopped_json
+    from ..schema.prediction import law_choice_json
 
-    give_json(path, lambda: stopped_json(record, law, stop.n, stop.doubts))
+    give_json(path, lambda: stopped_json(record, law, stop.n, stop.doubts) | law_choice_json(choice))
 
 
 def held(pairs: list[str] | None) -> dict[str, float]:

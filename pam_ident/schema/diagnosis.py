@@ -67,7 +67,7 @@ def candidates(diagnosis: "Diagnosis") -> "list[Suspect]":
 
 
 def stopped_json(record: str, law: str, n: int, doubts: "Sequence[Doubt]") -> Json:
-    """Schema pam-ident/diagnosis/1 of `n` samples of which nothing is named, because of grave doubts."""
+    """Schema pam-ident/diagnosis/1 of `n` samples of which nothing is named, because of `doubts`."""
     numbers = ("rmse_N", "noise_floor_N", "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N")
     return {
         "schema": schema("diagnosis"),

@@ -27,8 +27,8 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
         setup: the law, and effects that are known already.
 
     Raises:
-        FitError, DataError: where the record cannot be fitted at all, or holds too little to name an effect by.
-        GraveDoubt: a DataError, where it looks so wrong that nothing is named.
+        FitError, DataError: where the record cannot be fitted at all.
+        NothingNamed: one of these, where it looks too wrong, or holds too little, to name an effect by.
 
     Example:
         >>> from pam_ident.records.datasets import dataset_record
@@ -63,14 +63,15 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
 
 
 def _diagnose(setup: Setup, path: str) -> tuple[Answer, LawChoice | None]:
+    choice = None
     try:
         record = setup.read(path)
         setup, choice = settle(record, setup)
         return diagnose_record(record, setup), choice
     except PamError as error:
-        return error, None
+        return error, choice
     except Exception as error:
         if os.environ.get("PAM_IDENT_DEBUG"):
             raise
         said = f"{path}: the diagnosis broke down ({type(error).__name__}: {error}); please report the record"
-        return PamError(said), None
+        return PamError(said), choice

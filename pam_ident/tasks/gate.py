@@ -3,10 +3,11 @@
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..core import DataError, FitError, UsageError
+from ..core import DataError, FitError, PamError, UsageError
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..model import Model
@@ -37,23 +38,44 @@ STEADY = 0.5
 """Correlation of the pressure with itself one sample later, below which it jumps faster than it is logged."""
 
 
-class GraveDoubt(DataError):
-    """A record of `n` samples, or the law on it, looks so wrong that nothing is named; `doubts` are all that were
-    found, `stops` those that stop it."""
+class NothingNamed(PamError):
+    """Nothing is named of a record of `n` samples; `doubts` are why, and what else looks wrong."""
+
+    def __init__(self, message: str, n: int, doubts: tuple[Doubt, ...]) -> None:
+        self.n, self.doubts = n, doubts
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (type(self), str(self), self.n, self.doubts)  # an exception is pickled by its message alone
+
+
+def _again(kind: type[NothingNamed], *given: Any) -> NothingNamed:
+    found = kind.__new__(kind)
+    NothingNamed.__init__(found, *given)
+    return found
+
+
+class Refused(NothingNamed, DataError):
+    """A record of which this cannot be answered, whatever is assumed."""
+
+
+class TooLittle(NothingNamed, FitError):
+    """A record that holds too little to answer from."""
+
+
+class GraveDoubt(NothingNamed, DataError):
+    """A record, or the law on it, looks so wrong that nothing is named; `stops` are the doubts that stop it."""
 
     def __init__(self, where: str, n: int, doubts: tuple[Doubt, ...], stops: tuple[Doubt, ...]) -> None:
-        self.n, self.doubts = n, doubts
-        self._given = (where, n, doubts, stops)
         first, *others = dict.fromkeys(doubt.code for doubt in stops)
         more = f" (and {', '.join(others)})" if others else ""
         codes = " ".join(f"--assume {code}" for code in (first, *others))
         super().__init__(
             f"{where}: nothing is named: {stops[0].text.rstrip('.')}{more}. Mend it in the file or by a "
-            f"columns.toml; if it is meant so, {codes}"
+            f"columns.toml; if it is meant so, {codes}",
+            n,
+            doubts,
         )
-
-    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
-        return type(self), self._given  # an exception is pickled by its message alone
 
 
 def check_codes(assume: Iterable[str]) -> None:
@@ -90,19 +112,16 @@ def warnings_of(one: Fit) -> tuple[Doubt, ...]:
 
 
 def admit(record: Record, naming: bool = False) -> None:
-    """Raises DataError where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer, where the
+    """Raises Refused where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer, where the
     clock stands, and for a force beyond arithmetic."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
-        raise DataError(
-            f"{_name(record)}: sample {row + 1} reads a force of {record.force[row]:.4g} N. Mend or delete the row"
-        )
+        text = f"sample {row + 1} reads a force of {record.force[row]:.4g} N. Mend or delete the row"
+        raise _refused(Refused, record, "impossible_value", text)
     time = record.inputs.time
     if time is not None and len(record) > 1 and np.ptp(time) < LEAST_STEP_S * len(record):
-        raise DataError(
-            f"{_name(record)}: the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Mend its unit, or "
-            "leave the time column out"
-        )
+        text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Mend its unit, or leave the time out"
+        raise _refused(Refused, record, "clock_scale", text)
     kind = kind_of(record)
     if kind in (NAMING if naming else FITTING):
         return
@@ -110,23 +129,30 @@ def admit(record: Record, naming: bool = False) -> None:
         "isotonic": "no law of the force can be told from it",
         "isometric": "no effect can be told from another in it, only `fit` and `compare` answer",
     }[kind]
-    raise DataError(
-        f"{_name(record)}: an {kind} test, {KINDS[kind]}: {why}. Give an isobaric record, or say "
+    text = (
+        f"an {kind} test, {KINDS[kind]}: {why}. Give an isobaric record, or say "
         '`kind = "isobaric"` at the top of specimen.toml if this is one'
     )
+    raise _refused(Refused, record, "kind", text)
 
 
 def require_rows(record: Record) -> None:
-    """Raises FitError where the rows are too few to say where a model fails."""
+    """Raises TooLittle where the rows are too few to say where a model fails."""
     if len(record) < STATES:
-        raise FitError(f"{_name(record)}: {len(record)} rows, and the least is {STATES}. Measure more")
+        text = f"{len(record)} rows, and the least is {STATES}. Measure more"
+        raise _refused(TooLittle, record, "too_little", text)
 
 
 def require_information(record: Record, model: Model) -> None:
-    """Raises FitError, with what to measure, where too little is in the record for names."""
+    """Raises TooLittle, with what to measure, where too little is in the record for names."""
     lacking = _lacking(record, len(model.params))
     if lacking is not None:
-        raise FitError(f"{_name(record)}: {lacking}; too little to name an effect by. Measure more, or mend the record")
+        text = f"{lacking}; too little to name an effect by. Measure more, or mend the record"
+        raise _refused(TooLittle, record, "too_little", text)
+
+
+def _refused(kind: type[NothingNamed], record: Record, code: str, text: str) -> NothingNamed:
+    return kind(f"{_name(record)}: {text}", len(record), (Doubt(code, text),))
 
 
 def _lacking(record: Record, parameters: int) -> str | None:
@@ -159,8 +185,7 @@ def _lacking(record: Record, parameters: int) -> str | None:
 def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tuple[Doubt, ...]:
     """What is doubtful of a record and a model's law on it, none of it grave but what is assumed to be meant.
 
-    Raises DataError for a kind of test that cannot be diagnosed, GraveDoubt, and FitError where too little is in the
-    record.
+    Raises NothingNamed: Refused for a kind of test that cannot be diagnosed, GraveDoubt, and TooLittle.
     """
     if len(record) >= ROWS:
         _stop(record, doubts_of(record), assume)

@@ -19,8 +19,8 @@ def climb_ladder(record: Record, setup: Setup) -> Ladder:
         setup: the law, and effects that are known already.
 
     Raises:
-        FitError, DataError: where the record cannot be fitted at all, or holds too little to name an effect by.
-        GraveDoubt: a DataError, where it looks so wrong that nothing is named.
+        FitError, DataError: where the record cannot be fitted at all.
+        NothingNamed: one of these, where it looks too wrong, or holds too little, to name an effect by.
 
     Example:
         >>> from pam_ident.records.datasets import dataset_record

@@ -14,7 +14,8 @@ from ..fitting.solve import solve
 from ..laws import listed
 from ..model import Model
 from ..records import Record, thinned
-from .gate import admit, computing
+from ..records.doubt import Doubt
+from .gate import TooLittle, admit, computing
 from .setup import AUTO, Setup
 
 if TYPE_CHECKING:
@@ -101,7 +102,8 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
         heldout = math.sqrt(squares[law.name].sum() / len(record)) if masks else math.nan
         trials.append(LawTrial(law.name, len(model.params), one.rmse, heldout, _problem(one)))
     if not squares:
-        raise FitError(f"{record.source or record.name}: no law can be fitted. {trials[0].problem}")
+        text = f"no law can be fitted. {trials[0].problem}"
+        raise TooLittle(f"{record.source or record.name}: {text}", len(record), (Doubt("too_little", text),))
     trials.sort(key=lambda t: (math.isnan(t.rmse), t.heldout_rmse if masks else t.rmse))
     return _chosen(tuple(trials), squares, masks, float(np.max(np.abs(record.force))))
 

@@ -19,7 +19,7 @@ def build_section(
 ) -> Section:
     """Diagnosis, ladder, comparisons before and after, isobars and loops of one record.
 
-    `assume` are codes of grave doubts that are meant so. Raises FitError or DataError, GraveDoubt among them.
+    `assume` are codes of grave doubts that are meant so. Raises FitError or DataError, NothingNamed among them.
     """
     with computing(record):
         may_name(record, model, assume)

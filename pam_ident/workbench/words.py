@@ -13,7 +13,6 @@ from ..records import Record, build_record
 from ..records.doubt import Doubt
 from ..report import tables
 from ..report.words import STATUS, VERDICTS, equation, groups, newtons, titles
-from ..tasks.gate import doubts_about
 from .bench import Bench
 
 
@@ -46,7 +45,7 @@ def head(bench: Bench | None) -> Markup:
     name = Markup('<h2>{}</h2><p class="soft">{} samples at {} MPa gauge pressure</p>').format(
         record.name, len(record), levels
     )
-    return name + Markup("").join(_doubt(one) for one in doubts_about(bench.law_alone))
+    return name + Markup("").join(_doubt(one) for one in bench.doubts)
 
 
 def _doubt(one: Doubt) -> Markup:
@@ -151,4 +150,5 @@ def with_specimen(record: Record, specimen: Specimen) -> Record:
         direction=inputs.direction if inputs.direction.any() else None,
         temperature=inputs.temperature,
     )
-    return replace(made, source=record.source, sha256=record.sha256, columns=record.columns, masked=record.masked)
+    kept = ("source", "sha256", "columns", "masked", "notes", "said_kind")
+    return replace(made, **{key: getattr(record, key) for key in kept})

@@ -86,3 +86,33 @@ def test_a_kind_is_said_by_columns(answer, clean, write_record):
     told.with_name("columns.toml").write_text("\n".join(['kind = "dynamic"', "[columns]", *columns]) + "\n")
     assert answer("inspect", told)[1]["kind"] == "dynamic"
     assert answer("fit", told, *LAW, "--chunked")[0].exit_code == 0
+
+
+@pytest.mark.parametrize("verb", ["diagnose", "ladder", "report"])
+@pytest.mark.parametrize(("what", "expected"), [("kind", 4), ("too_little", 3)])
+@pytest.mark.parametrize("law", [LAW, ()])
+def test_a_refusal_has_its_answer_too(ask, clean, write_record, tmp_path, verb, what, expected, law):
+    specimen, lines = clean.with_name("specimen.toml").read_text(), clean.read_text().splitlines()
+    if what == "kind":
+        told = write_record(clean.read_text(), specimen=f'kind = "isotonic"\n{specimen}')
+    else:
+        told = write_record("\n".join([lines[0], *lines[1:1000:80]]) + "\n")
+    more = ("--out", tmp_path / "page.html") if verb == "report" else ()
+    out = tmp_path / "answer.json"
+    message, code = refused(ask, verb, told, *law, "--json", out, *more)
+    found = json.loads(out.read_text())
+    assert code == expected and len(message.splitlines()) <= 2
+    assert found["verdict"] == "unknown_effect" and found["selected"] == [] and found["rmse_N"] is None
+    first = found["warnings"][0]
+    assert first["code"] == what and first["grave"] is False and first["text"] in " ".join(message.split())
+    assert found["n"] == (1200 if what == "kind" else 13)
+
+
+def test_what_was_left_out_is_a_warning(answer, clean, write_record):
+    lines = clean.read_text().splitlines()
+    told = write_record("\n".join([*lines[:5], lines[5].rpartition(",")[0] + ",", *lines[6:]]) + "\n")
+    for verb in ("fit", "compare", "inspect"):
+        result, found = answer(verb, told, *(() if verb == "inspect" else LAW))
+        (one,) = [one for one in found["warnings"] if one["code"] == "empty_cells"]
+        assert one["column"] == "force_N" and not one["grave"] and "1 row is left out" in one["text"]
+        assert result.stdout.count(one["text"]) == 1
