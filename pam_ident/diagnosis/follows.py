@@ -17,8 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import solve_triangular
-from scipy.linalg.lapack import dposv
+from scipy.linalg import lapack, solve_triangular
 
 from ..core import Inputs
 from ..effects._history import cycles_of_test, relax, runs, since_first, time_held, way_travelled
@@ -378,7 +377,7 @@ def _solved(gram: Array, product: Array, which: Array) -> Array:
         return np.empty(0)
     own = gram[which[:, None], which]
     own.flat[:: len(which) + 1] += RIDGE
-    return dposv(own, product[which])[1]
+    return lapack.dposv(own, product[which])[1]
 
 
 def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
