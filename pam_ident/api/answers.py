@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from ..core.files import check_target, write_json
 from ..fitting import Fit
+from ..records.doubt import Doubt
 from ..schema.diagnosis import candidates, comparison_json, diagnosis_json, ladder_json
 from ..schema.prediction import law_choice_json
 from ..tasks.fit import answer_of
+from ..tasks.gate import warnings_of
 from ..tasks.law_choice import LawChoice
 from .asking import ObjectSetup
 from .drawing import axes_of
@@ -38,6 +40,11 @@ class ShownAnswer(ABC):
     details: Any
     law_choice: LawChoice | None = None
 
+    @cached_property
+    def warnings(self) -> tuple[Doubt, ...]:
+        """What looks wrong in the record, or in the law on it; the grave stop naming unless they are assumed."""
+        return ()
+
     @property
     def sentence(self) -> str:
         """The answer in a sentence."""
@@ -46,19 +53,20 @@ class ShownAnswer(ABC):
         return line(self.details)
 
     def __repr__(self) -> str:
-        return "\n".join(lines_of(self.sentence, *([f"law: {self.law_choice.why}"] if self.law_choice else [])))
+        law = [f"law: {self.law_choice.why}"] if self.law_choice else []
+        return "\n".join(lines_of(*map(str, self.warnings), self.sentence, *law))
 
     def _repr_html_(self) -> str:
-        from ..notebook.pages import page
+        from ..notebook.pages import banner, page
 
-        return page(self.details)
+        return banner(self.warnings) + page(self.details)
 
     @abstractmethod
     def _content(self) -> dict[str, Any]: ...
 
     def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
         """The answer of the command's `--json` as a dictionary, written to `path` where one is given."""
-        found = self._content() | law_choice_json(self.law_choice)
+        found = {"warnings": []} | self._content() | law_choice_json(self.law_choice)
         if path is not None:
             write_json(check_target(path), found)
         return found
@@ -73,6 +81,11 @@ class RecordAnswer(ShownAnswer):
     @property
     @abstractmethod
     def _last(self) -> Fit: ...
+
+    @cached_property
+    def warnings(self) -> tuple[Doubt, ...]:
+        """What looks wrong in the record, or in the law on it; the grave stop naming unless they are assumed."""
+        return warnings_of(self._first)
 
     @cached_property
     def fit(self) -> FitResult:
@@ -133,7 +146,7 @@ class ComparisonResult(RecordAnswer):
         return self.details.fit
 
     def _content(self) -> dict[str, Any]:
-        return comparison_json(self._source, self.details)
+        return comparison_json(self._source, self.details, self.warnings)
 
     @property
     def map(self) -> "pd.DataFrame":
@@ -175,7 +188,7 @@ class DiagnosisResult(RecordAnswer):
         return self.details.base
 
     def _content(self) -> dict[str, Any]:
-        return diagnosis_json(self._source, self.details)
+        return diagnosis_json(self._source, self.details, self.warnings)
 
     @property
     def verdict(self) -> str:
@@ -241,7 +254,7 @@ class LadderResult(RecordAnswer):
         return self.details.first.follows
 
     def _content(self) -> dict[str, Any]:
-        return ladder_json(self._source, self.details)
+        return ladder_json(self._source, self.details, self.warnings)
 
     @property
     def verdict(self) -> str:

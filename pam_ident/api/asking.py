@@ -10,6 +10,7 @@ from ..effects import Effect, load_effect_files
 from ..laws import Law, get_law
 from ..model import Model, Term, as_term
 from ..records import Record
+from ..tasks.gate import check_codes
 from ..tasks.law_choice import LawChoice, settle
 from ..tasks.setup import AUTO, Setup
 
@@ -49,10 +50,12 @@ def setup_of(
     without: Any = (),
     only: Any = (),
     extra: Iterable[Effect] = (),
+    assume: "str | Iterable[str]" = (),
 ) -> ObjectSetup:
-    """What is asked, checked at once; `extra` are effects of one's own that may be named.
+    """What is asked, checked at once; `extra` are effects that may be named, `assume` codes of grave doubts
+    that are meant so.
 
-    Raises UsageError for a name that nobody knows, or something else than a name.
+    Raises UsageError for a name or a code that nobody knows, or something else than a name.
     """
     given = [effects] if isinstance(effects, str | Effect | Term) else list(effects or ())
     own = None
@@ -77,6 +80,7 @@ def setup_of(
         free_geometry=free_geometry,
         without=_names(without),
         only=_names(only),
+        assume=codes(assume),
         objects=objects,
         own_law=own,
     )
@@ -87,6 +91,13 @@ def setup_of(
 def _names(given: Any) -> tuple[str, ...]:
     every = [given] if isinstance(given, str | Effect) else given or ()
     return tuple(one.name if isinstance(one, Effect) else str(one) for one in every)
+
+
+def codes(assume: str | Iterable[str]) -> tuple[str, ...]:
+    """Codes of doubts, one or several. Raises UsageError for one that no doubt has."""
+    found = _names(assume)
+    check_codes(found)
+    return found
 
 
 def settled(record: Record, setup: ObjectSetup) -> tuple[ObjectSetup, LawChoice | None]:

@@ -1,7 +1,8 @@
 """A fit as one meets it at the prompt."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,12 +11,13 @@ from ..core.files import check_target, write_json
 from ..fitting import Fit
 from ..fitting.prediction import Predictor
 from ..model import Model
+from ..records.doubt import Doubt
 from ..schema.fit import fit_json
 from ..schema.prediction import law_choice_json
 from ..tasks.fit import FitAnswer
 from ..tasks.law_choice import LawChoice
 from ..tasks.predict import SavedFit, Validation, validate_fit
-from .asking import ObjectSetup
+from .asking import ObjectSetup, codes
 from .record import ShownRecord, read
 from .saved import COLUMNS, Foretelling
 
@@ -92,8 +94,8 @@ class FitResult(Foretelling):
         return self.details.problems
 
     @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is doubtful about it."""
+    def warnings(self) -> tuple[Doubt, ...]:
+        """What looks wrong in the record, in the law on it, or in the fit."""
         return self.details.warnings
 
     @property
@@ -146,15 +148,15 @@ class FitResult(Foretelling):
             lines.append(told(one) if len(self.fits) == 1 else f"{branch}: {told(one)}")
         if self.law_choice is not None:
             lines.append(f"law: {self.law_choice.why}")
-        return [*lines, *self.warnings]
+        return [*lines, *map(str, self.warnings)]
 
     def __repr__(self) -> str:
         return "\n".join(self._head())
 
     def _repr_html_(self) -> str:
-        from ..notebook.pages import page
+        from ..notebook.pages import banner, page
 
-        return "".join(page(one) for one in self.fits.values())
+        return banner(self.warnings) + "".join(page(one) for one in self.fits.values())
 
     def plot(self) -> "Axes":
         """Measured and modelled force over contraction; the Axes' figure has the error below. Of several branches the
@@ -198,13 +200,17 @@ class FitResult(Foretelling):
             mine.stderr = e.stderr if math.isfinite(e.stderr) else None
         return found
 
-    def report(self, path: str | Path = "report.html") -> Path:
-        """Write the whole answer about this record and model as HTML, Markdown or PDF, by the ending of `path`."""
+    def report(self, path: str | Path = "report.html", *, assume: str | Iterable[str] = ()) -> Path:
+        """Write the whole answer about this record and model as HTML, Markdown or PDF, by the ending of `path`.
+
+        `assume` are codes of grave warnings that are meant so. Raises DataError for a record that looks wrong.
+        """
         from ..tasks.report import report_record
         from .working import working
 
+        setup = replace(self.setup, assume=(*self.setup.assume, *codes(assume)))
         with working():
-            report_record(self.record, self.setup, str(path))
+            report_record(self.record, setup, str(path))
         return Path(path)
 
     def validate(self, record: Any, specimen: Any = None) -> Validation:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 from ..core import Specimen, UsageError
 from ..core.nearest import unknown
 from ..records import Record, read_record, record_from_frame
+from ..records.kind import check_kind
+from ..records.specimen_file import read_kind
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,6 +76,7 @@ def read(
     *,
     columns: "str | os.PathLike[str] | None" = None,
     name: str = "",
+    kind: str = "",
 ) -> ShownRecord:
     """A record from a file, a folder, a pattern, a data set's name, a table of pandas or a dictionary of arrays.
 
@@ -84,6 +87,7 @@ def read(
             `specimen.toml` beside it.
         columns: a `columns.toml` that says which column of a file is what.
         name: of a record that is no file.
+        kind: of the test (isobaric, isometric, isotonic, dynamic); by default as the specimen's file or the data say.
 
     Raises:
         DataError: for what cannot be read, naming file, row and column.
@@ -94,18 +98,20 @@ def read(
         >>> pam.read("nothing_hidden")
         Record nothing_hidden: 4680 samples at 0.1, 0.2, 0.3, 0.4, 0.5 MPa
     """
+    said = check_kind(kind or None, "pam.read")
+    if not said and isinstance(specimen, str | os.PathLike):
+        said = read_kind(Path(specimen))
+    found = _read(source, specimen, columns, name)
+    return ShownRecord.of(replace(found, said_kind=said) if said else found)
+
+
+def _read(source: Any, specimen: Any, columns: Any, name: str) -> Record:
     if isinstance(source, Record):
-        found = source if specimen is None else _on(source, as_specimen(specimen))
-        return ShownRecord.of(found)
+        return source if specimen is None else _on(source, as_specimen(specimen))
     if isinstance(source, str | os.PathLike):
         muscle = as_specimen(specimen) if specimen is not None else None
-        return ShownRecord.of(
-            read_record(
-                Path(source) if isinstance(source, os.PathLike) else source,
-                muscle,
-                None if columns is None else Path(columns),
-            )
-        )
+        path = Path(source) if isinstance(source, os.PathLike) else source
+        return read_record(path, muscle, None if columns is None else Path(columns))
     import pandas as pd
 
     if isinstance(source, Mapping):
@@ -121,7 +127,7 @@ def read(
         raise UsageError(
             f"a table needs its muscle; give specimen={{{', '.join(repr(one) for one in GEOMETRY[1:4])}: …}}"
         )
-    return ShownRecord.of(record_from_frame(source, as_specimen(specimen), name))
+    return record_from_frame(source, as_specimen(specimen), name)
 
 
 def as_specimen(given: Any) -> Specimen:

@@ -105,6 +105,7 @@ def batch(
     out: str | Path,
     branch: str = "together",
     diagnose: bool = False,
+    assume: Any = (),
     workers: int | None = None,
     free_geometry: bool = False,
 ) -> BatchResult:
@@ -115,6 +116,7 @@ def batch(
         law, effects: by name, for other processes look them up; without a law one is chosen on the first records.
         out: folder of the results.
         branch, diagnose, free_geometry: what is fitted, and whether to name what each model lacks, too.
+        assume: as `pam.diagnose` takes it.
         workers: processes at a time; by default the cores.
 
     Raises:
@@ -129,10 +131,10 @@ def batch(
     from ..batch.run import run_batch
     from ..tasks.setup import Setup
 
-    asked = setup_of(law, effects, free_geometry=free_geometry)
+    asked = setup_of(law, effects, free_geometry=free_geometry, assume=assume)
     if asked.objects:
         raise UsageError("a batch takes effects by name, for other processes look them up")
-    plain = Setup(asked.law, asked.effects, free_geometry=free_geometry)
+    plain = Setup(asked.law, asked.effects, free_geometry=free_geometry, assume=asked.assume)
     executor = Executor.of_cores(workers, None)
     return BatchResult(run_batch(folder, plain, out, branch=branch, diagnose=diagnose, executor=executor))
 

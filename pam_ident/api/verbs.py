@@ -112,6 +112,7 @@ def diagnose(
     without: Any = (),
     only: Any = (),
     extra: Any = (),
+    assume: Any = (),
     free_geometry: bool = False,
     **old: Any,
 ) -> DiagnosisResult:
@@ -122,10 +123,12 @@ def diagnose(
         law, effects, specimen, free_geometry: as `pam.fit` takes them.
         without, only: effects that are not tried, or the only ones that are.
         extra: Effects of your own that are tried beside the known ones.
+        assume: codes of grave warnings that are meant so, or `all`; they do not stop naming then.
         old: what the function of this name took before.
 
     Raises:
-        UsageError, DataError, FitError: as `pam.fit`.
+        UsageError, DataError, FitError: as `pam.fit`, and where a record looks wrong, cannot show causes, or holds too
+            little.
 
     Example:
         >>> import pam_ident as pam
@@ -139,7 +142,7 @@ def diagnose(
         _say_old("diagnose", "pam.diagnose(record, law)", "pam_ident.diagnosis")
         return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
     measured, law = _record_and_law(record, law, specimen)
-    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra)
+    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra, assume=assume)
     setup, choice = settled(measured, asked)
     return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
 
@@ -154,15 +157,16 @@ def ladder(
     without: Any = (),
     only: Any = (),
     extra: Any = (),
+    assume: Any = (),
     free_geometry: bool = False,
 ) -> LadderResult:
     """Diagnose and add, down to the noise.
 
     Args:
-        record, law, effects, specimen, without, only, extra, free_geometry: as `pam.diagnose` takes them.
+        record, law, effects, specimen, without, only, extra, assume, free_geometry: as `pam.diagnose` takes them.
 
     Raises:
-        UsageError, DataError, FitError: as `pam.fit`.
+        UsageError, DataError, FitError: as `pam.diagnose`.
 
     Example:
         >>> import pam_ident as pam
@@ -172,7 +176,7 @@ def ladder(
     from ..tasks.ladder import climb_ladder
 
     measured, law = _record_and_law(record, law, specimen)
-    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra)
+    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra, assume=assume)
     setup, choice = settled(measured, asked)
     return LadderResult(climb_ladder(measured, setup), setup, choice)
 
@@ -185,17 +189,17 @@ def report(
     *,
     out: str | Path = "report.html",
     specimen: Any = None,
+    assume: Any = (),
     free_geometry: bool = False,
 ) -> Path:
     """Write the whole answer about a record into one file: HTML, Markdown or PDF, by its ending.
 
     Args:
-        record: a Record, what `pam.read` takes, or a result, whose model is asked about.
-        law, effects, specimen, free_geometry: as `pam.fit` takes them.
+        record, law, effects, specimen, assume, free_geometry: as `pam.diagnose` takes them.
         out: the file.
 
     Raises:
-        UsageError, DataError, FitError: as `pam.fit`, and where the file cannot be written.
+        UsageError, DataError, FitError: as `pam.diagnose`, and where the file cannot be written.
 
     Example:
         >>> import pam_ident as pam
@@ -206,7 +210,7 @@ def report(
 
     check_report(str(out))
     measured, law = _record_and_law(record, law, specimen)
-    setup, _ = settled(measured, setup_of(law, effects, free_geometry=free_geometry))
+    setup, _ = settled(measured, setup_of(law, effects, free_geometry=free_geometry, assume=assume))
     report_record(measured, setup, str(out))
     return Path(out)
 

@@ -3,11 +3,12 @@
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 from ..core.progress import Stage, heard
+from ..core.threads import one_blas_thread
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
@@ -17,13 +18,10 @@ PATIENCE, PAUSE = 1.0, 0.3
 
 @contextmanager
 def working() -> Iterator[None]:
-    """BLAS on one thread, for matrices of a few columns gain nothing by more and lose much on a busy machine; and a bar
-    where a notebook shows it. An interrupt takes the bar away and goes on to the caller."""
+    """BLAS on one thread, and a bar where a notebook shows it. An interrupt takes the bar away and goes on to the
+    caller."""
     with ExitStack() as after:
-        with suppress(ImportError):
-            from threadpoolctl import threadpool_limits
-
-            after.enter_context(threadpool_limits(1, user_api="blas"))
+        after.enter_context(one_blas_thread())
         if in_jupyter():
             bar = NotebookBar()
             after.callback(bar.clear)

@@ -28,7 +28,7 @@ def batch_page(table: str | Path, command: str) -> str:
     frame = read_results(table)
     question, units = frame.attrs["question"], frame.attrs["units"]
     law = " + ".join([question["law"], *question["effects"]])
-    sections = [("All records", (_overview(frame), *_bad(frame)))]
+    sections = [("All records", (_overview(frame), *_bad(frame), *_doubtful(frame)))]
     found = spreads(frame, units)
     seen = trends(frame, found)
     for branch in sorted({spread.branch for spread in found}):
@@ -73,6 +73,21 @@ def _bad(frame: "pd.DataFrame") -> list[Part]:
     table = PageTable(f"Errors ({len(rows)} of {len(bad)})", ("record", "branch", "what went wrong"), rows)
     text = "These rows take no part in the comparison: bad data, or a fit that is not valid."
     return [Part("errors", "Errors", (text,), tables=(table,))]
+
+
+def _doubtful(frame: "pd.DataFrame") -> list[Part]:
+    """What looks wrong in a record, once for all its branches; tables of earlier versions do not have it."""
+    if "warnings" not in frame:
+        return []
+    told = frame.dropna(subset="warnings").drop_duplicates("record")
+    every = [(record, text) for record, texts in zip(told["record"], told["warnings"], strict=True) for text in texts]
+    if not every:
+        return []
+    table = PageTable(
+        f"Warnings ({len(every[:MOST_ROWS])} of {len(every)})", ("record", "what looks wrong"), tuple(every[:MOST_ROWS])
+    )
+    text = "These rows were fitted all the same. Look at their units, signs and sensors before their numbers are used."
+    return [Part("warnings", "Warnings", (text,), tables=(table,))]
 
 
 def _spread_part(branch: str, mine: Sequence[Spread]) -> Part:

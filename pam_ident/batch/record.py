@@ -13,6 +13,7 @@ from ..core import FitError, PamError, Specimen, UsageError
 from ..fitting import Fit, fit, lack_of_fit, noise_floor
 from ..records import Record
 from ..schema.versions import schema
+from ..tasks.gate import admit, computing, warnings_of
 from ..tasks.setup import Setup, load
 from .request import BatchRequest, Item
 
@@ -47,6 +48,7 @@ def answer(question: BatchRequest, item: Item) -> Json:
         if record.sha256 != item.sha256:
             raise Changed("it changed while the batch ran; run the batch again")
         found["specimen"] = _specimen(record.specimen, item.specimen)
+        admit(record)
         diagnosis = None
         if question.diagnose:
             from ..tasks.diagnose import diagnose_record
@@ -63,8 +65,9 @@ def _row(setup: Setup, record: Record, branch: str, diagnosis: "Diagnosis | None
     if diagnosis is not None:
         row |= {"verdict": diagnosis.verdict, "selected": list(diagnosis.selected)}
     try:
-        one = fit(setup.model, record, record.branch_rows(branch))
-        row |= _fitted(one)
+        with computing(record):
+            one = fit(setup.model, record, record.branch_rows(branch))
+            row |= _fitted(one)
         if one.problems:
             raise FitError(f"{item.path}: the fit is not valid. {'; '.join(one.problems)}")
     except Exception as error:
@@ -82,6 +85,7 @@ def _fitted(one: Fit) -> Json:
         "rmse_N": one.rmse,
         "noise_floor_N": None if floor is None else floor.sigma,
         "lack_of_fit": None if lack is None else ("adequate" if lack.adequate else "inadequate"),
+        "warnings": [f"{doubt.code}: {doubt.text}" for doubt in warnings_of(one)],
         "parameters": {e.name: [e.value, e.stderr] for e in one.estimates},
     }
 

@@ -46,7 +46,7 @@ class BatchRequest:
 
     def words(self) -> dict[str, Any]:
         """All that an answer depends on besides the record, for its key; files by their hashes."""
-        setup = asdict(self.setup)
+        setup = {key: value for key, value in asdict(self.setup).items() if key != "assume" or value}
         files = {"effect_files": [file_sha256(path) for path in self.setup.effect_files]}
         return setup | files | {"branch": self.branch, "diagnose": self.diagnose, "version": self.version}
 

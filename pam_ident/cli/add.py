@@ -38,6 +38,7 @@ def add(
     before, after = found.before, found.after
     names = " + ".join(after.model.labels)
     text.say(text.title(record, measured), *text.chosen(choice), *text.equation(after.model), "")
+    text.say(*text.banner(found.warnings))
     text.say(
         f"With {names} the error goes from {text.newtons(before.rmse)} to {text.newtons(after.rmse)}, on held-out data "
         f"from {text.newtons(found.heldout_before)} to {text.newtons(found.heldout_after)}.",
@@ -56,6 +57,4 @@ def add(
         richer = [f"{term.effect.name}:{form.name}" for form in term.effect.forms if form is not term.form]
         if richer:
             text.say(f"  other forms: {', '.join(richer)}")
-    for warning in found.warnings:
-        text.say("", f"Warning: {warning}")
     options.stop_if_invalid(record, after.problems)

@@ -27,6 +27,7 @@ def batch(
     branch: Annotated[
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
     ] = "together",
+    assume: options.Assume = None,
     workers: options.Workers = None,
     scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
@@ -35,7 +36,7 @@ def batch(
 
     Killed at any moment, the same command goes on where it stopped. Needs the extra `cluster`.
     """
-    setup = options.Asked(effect, effect_file, free_geometry).setup(law)
+    setup = options.Asked(effect, effect_file, free_geometry, assume=assume).setup(law)
     from ..batch.run import run_batch
     from ..parallel.executor import Executor
     from ..schema.prediction import law_choice_json

@@ -33,15 +33,18 @@ def compare(
     from ..schema.diagnosis import comparison_json
     from ..schema.prediction import law_choice_json
     from ..tasks.compare import compare_record, failure_picture
+    from ..tasks.gate import warnings_of
     from ..tasks.law_choice import settle
 
     measured = setup.read(record)
     setup, choice = settle(measured, setup)
     comparison = compare_record(measured, setup)
-    options.give_json(asked.json, lambda: comparison_json(record, comparison) | law_choice_json(choice))
+    doubts = warnings_of(comparison.fit)
+    options.give_json(asked.json, lambda: comparison_json(record, comparison, doubts) | law_choice_json(choice))
     if out is not None:
         write_whole(out, failure_picture(comparison, "." + out.rpartition(".")[2]))
-    text.say(text.title(record, measured), *text.chosen(choice), *text.equation(setup.model), "", comparison.sentence)
+    text.say(text.title(record, measured), *text.chosen(choice), *text.equation(setup.model), "")
+    text.say(*text.banner(doubts), comparison.sentence)
     _print(comparison)
     if out is not None:
         text.say("", f"map of the error: {out}")

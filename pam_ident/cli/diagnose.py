@@ -42,19 +42,24 @@ def diagnose(
         check_protocol(protocol, record)
     setup = replace(asked.setup(law), without=tuple(without or ()), only=tuple(only or ()))
     from ..core.files import write_json, write_json_lines
-    from ..schema.diagnosis import diagnosis_json
+    from ..schema.diagnosis import diagnosis_json, stopped_json
     from ..schema.prediction import law_choice_json
     from ..tasks.diagnose import diagnose_records
+    from ..tasks.gate import NothingNamed, warnings_of
 
     answers, code = [], 0
     for path, found, choice in diagnose_records(record, setup):
         if isinstance(found, Exception):
             typer.echo(" ".join(str(found).split()), err=True)
             code = max(code, found.exit_code)
+            if isinstance(found, NothingNamed):
+                taken = law if choice is None else choice.law
+                answers.append(stopped_json(path, taken, found.n, found.doubts) | law_choice_json(choice))
             continue
-        answers.append(diagnosis_json(path, found) | law_choice_json(choice))
+        doubts = warnings_of(found.base)
+        answers.append(diagnosis_json(path, found, doubts) | law_choice_json(choice))
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *text.chosen(choice))
-        text.say(*describe(found))
+        text.say(*text.banner(doubts), *describe(found))
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
     if asked.json is not None and len(record) == 1:

@@ -86,7 +86,7 @@ def fit(
     answer = fit_record(measured, setup, wishes)
     options.give_json(asked.json, lambda: fit_json(record, setup.law, answer) | law_choice_json(choice))
     text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.chosen(choice))
-    text.say(*text.equation(setup.model))
+    text.say(*text.equation(setup.model), *text.banner(answer.warnings))
     _print(answer)
     if figures is not None:
         from ..tasks.figures import paper_figures, write_figures
@@ -118,8 +118,6 @@ def _print(answer: "FitAnswer") -> None:
         ]
         text.say("", "energy of a cycle (positive: taken up):")
         text.say(*text.table(("p [MPa]", "measured [J]", "modelled [J]"), rows))
-    for warning in answer.warnings:
-        text.say("", f"Warning: {warning}")
 
 
 def _print_methods(methods: "tuple[MethodRow, ...]") -> None:

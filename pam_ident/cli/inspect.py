@@ -60,7 +60,10 @@ def _files(found: "Inspection") -> list[str]:
 
 
 def _motion(found: "Inspection") -> list[str]:
-    lines = [f"branches    {', '.join(f'{name} {n}' for name, n in found.branches.items())} samples"]
+    from ..records.kind import KINDS
+
+    lines = [f"kind        {found.kind}: {KINDS[found.kind]}"]
+    lines += [f"branches    {', '.join(f'{name} {n}' for name, n in found.branches.items())} samples"]
     if found.duration_s is None:
         lines.append("time        none: a static table")
         return lines

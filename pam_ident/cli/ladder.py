@@ -17,22 +17,22 @@ def ladder(
     setup = asked.setup(law)
     from ..schema.diagnosis import ladder_json
     from ..schema.prediction import law_choice_json
+    from ..tasks.gate import NothingNamed, warnings_of
     from ..tasks.ladder import climb_ladder
     from ..tasks.law_choice import settle
 
     measured = setup.read(record)
-    setup, choice = settle(measured, setup)
-    found = climb_ladder(measured, setup)
-    options.give_json(asked.json, lambda: ladder_json(record, found) | law_choice_json(choice))
-    text.say(
-        text.title(record, measured),
-        *text.chosen(choice),
-        *text.equation(setup.model),
-        "",
-        found.last.sentence,
-        "",
-        *rungs(found),
-    )
+    choice = None
+    try:
+        setup, choice = settle(measured, setup)
+        found = climb_ladder(measured, setup)
+    except NothingNamed as stop:
+        options.give_stopped(asked.json, record, setup.law, stop, choice)
+        raise
+    doubts = warnings_of(found.rungs[0].fit)
+    options.give_json(asked.json, lambda: ladder_json(record, found, doubts) | law_choice_json(choice))
+    text.say(text.title(record, measured), *text.chosen(choice), *text.equation(setup.model), "", *text.banner(doubts))
+    text.say(found.last.sentence, "", *rungs(found))
     text.say("", "the last rung's parameters:", *text.parameters(found.rungs[-1].fit))
 
 

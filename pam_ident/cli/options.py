@@ -8,6 +8,8 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from ..tasks.gate import NothingNamed
+    from ..tasks.law_choice import LawChoice
     from ..tasks.setup import Setup
 
 
@@ -65,6 +67,10 @@ SpecimenFile = Annotated[
 Where = Annotated[
     str | None, option("--where", "CONDITION", "Only rows for which this holds, such as 'pressure_MPa > 0.1'.")
 ]
+Assume = Annotated[
+    list[str] | None,
+    option("--assume", "CODE", "Name effects although a grave warning of that code, or all, stands; repeatable."),
+]
 JsonFile = Annotated[str | None, option("--json", "FILE", "Write the answer as JSON; - for stdout, alone there.")]
 Workers = Annotated[
     int | None, option("--workers", "N", "So many processes at a time; same answer. Default: the cores; for fit: 1.")
@@ -82,15 +88,19 @@ class Asked:
     effect_file: EffectFiles = None
     free_geometry: FreeGeometry = False
     specimen: SpecimenFile = None
+    assume: Assume = None
     json: JsonFile = None
     where: Where = None
 
     def setup(self, law: str) -> "Setup":
         """What is asked for, with the names looked up."""
+        from ..tasks.gate import check_codes
         from ..tasks.setup import Setup
 
         effects, files = tuple(self.effect or ()), tuple(self.effect_file or ())
-        found = Setup(law, effects, files, self.free_geometry, self.specimen, where=self.where)
+        assume = tuple(self.assume or ())
+        check_codes(assume)
+        found = Setup(law, effects, files, self.free_geometry, self.specimen, where=self.where, assume=assume)
         found.check()
         return found
 
@@ -118,7 +128,17 @@ def give_json(path: str | None, answer: "Callable[[], Mapping[str, Any]]") -> No
     if path is not None:
         from ..core.files import write_json
 
-        write_json(path, answer())
+        write_json(path, {"warnings": [], **answer()})
+
+
+def give_stopped(
+    path: str | None, record: str, law: str, stop: "NothingNamed", choice: "LawChoice | None" = None
+) -> None:
+    """Write, where an answer was asked for, that nothing is named, and why."""
+    from ..schema.diagnosis import stopped_json
+    from ..schema.prediction import law_choice_json
+
+    give_json(path, lambda: stopped_json(record, law, stop.n, stop.doubts) | law_choice_json(choice))
 
 
 def held(pairs: list[str] | None) -> dict[str, float]:

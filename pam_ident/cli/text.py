@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..fitting.fit import Estimate
     from ..model import Model
     from ..records import Record
+    from ..records.doubt import Doubt
     from ..tasks.fit import Checks
     from ..tasks.law_choice import LawChoice
 
@@ -200,6 +201,11 @@ def title(path: str, record: "Record") -> str:
     span = f"{levels[0]:g} MPa" if len(levels) == 1 else f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
     masked = f" ({record.masked} more masked)" if record.masked else ""
     return f"{path} ({record.name}): {len(record)} samples{masked}, {span}"
+
+
+def banner(doubts: "Sequence[Doubt]") -> list[str]:
+    """A line for each doubt, above the verdict."""
+    return [str(doubt) for doubt in doubts]
 
 
 def percent(share: float | None) -> str:

@@ -28,7 +28,8 @@ def validate(
     measured = load(record, specimen)
     found = validate_fit(saved, measured)
     options.give_json(json, lambda: validation_json(fit, record, found))
-    text.say(text.title(record, measured), *text.equation(saved.model), "", found.sentence, "")
+    text.say(text.title(record, measured), *text.equation(saved.model), "", *text.banner(found.warnings))
+    text.say(found.sentence, "")
     rows = [
         (name, text.number(one.rmse, 3), text.number(one.max_error, 3), text.number(one.r2, 5))
         for name, one in [(f"the fit of {fit}", found.trial), *((NAMES[k], v) for k, v in found.simpler.items())]

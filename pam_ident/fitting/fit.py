@@ -27,6 +27,8 @@ Array = np.ndarray
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
 BY_READINGS = "by readings of all rows"
+SWEPT = 0.15
+"""Range of the pressure beside its largest from which it counts as many levels, however they are grouped."""
 
 
 @dataclass(frozen=True)
@@ -321,7 +323,8 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
         if not known[name].lower <= value <= known[name].upper:
             raise UsageError(f"{name} = {value:g} is outside its bounds {known[name].lower:g} to {known[name].upper:g}")
     levels = len(record.levels if rows.all() else np.unique(record.level[rows]))
-    if levels < model.law.min_levels:
+    varied = np.ptp(record.inputs.pressure[rows]) > SWEPT * np.abs(record.inputs.pressure[rows]).max()
+    if levels < model.law.min_levels and not varied:
         raise FitError(
             f"{where}: {levels} pressure level ({record.level[rows][0]:g} MPa), but {model.law.name} needs at least "
             f"{model.law.min_levels} to tell its parameters apart; add isobars or choose another law"

@@ -1,7 +1,7 @@
 """Results as HTML: a sentence, tables, a figure. Every text is escaped; figures are inline and load nothing."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..fitting import Fit
     from ..leg.track import Track
     from ..records import Record
+    from ..records.doubt import Doubt
 
 POINTS = 400
 """Points of a cloud, so that a cell stays small."""
@@ -40,6 +41,11 @@ TABLE = """<table><caption>{{ table.caption }}</caption>
 def page(result: Any) -> str:
     """HTML of a result."""
     return str(PAGES[lines.kind_of(result)](result))
+
+
+def banner(doubts: "Iterable[Doubt]") -> str:
+    """HTML of what looks wrong, a line each."""
+    return str(Markup("").join(Markup('<p role="note">{}</p>').format(str(doubt)) for doubt in doubts))
 
 
 def table(one: PageTable) -> Markup:

@@ -4,53 +4,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .plausible import doubt_clock, doubt_units
+from .doubt import Doubt
+from .kind import kind_of
 from .record import Record
 
 
-def advise(record: Record, speeds: tuple[float, ...]) -> tuple[str, ...]:
-    """What the record cannot show and what looks wrong in it, in plain words; empty when nothing is amiss."""
-    return (*_doubts(record), *doubt_units(record), *doubt_clock(record), *_gaps(record, speeds))
-
-
-def _doubts(record: Record) -> Iterator[str]:
-    """What looks wrong."""
-    contraction = record.inputs.contraction
-    if contraction.max() > 0.35:
-        yield (
-            f"contraction reaches {contraction.max():.3f}: a braided muscle seldom goes beyond 0.35. Check the unit of "
-            "the displacement and initial_length_mm of the specimen."
-        )
-    if contraction.min() < -0.01:
-        yield (
-            f"contraction goes down to {contraction.min():.3f}: the muscle is stretched beyond its initial length. "
-            "Check the zero of the displacement and its sign (contraction is positive)."
-        )
-    if record.force.min() < -0.05 * abs(record.force.max()):
-        yield (
-            f"the force goes down to {record.force.min():.4g} N, but a muscle pulls and cannot push. Check the zero "
-            "of the load cell and its sign (pull is positive)."
-        )
-    floor, n = _clipped(record.force)
-    if n:
-        yield (
-            f"{n} samples read exactly {floor:g} N, the lowest force: the reading is clipped or the muscle is slack. "
-            "Leave those rows out (a column `slack` of 1 and 0 does it), or pretension the muscle."
-        )
-    wander = _wander(record)
-    if wander is not None:
-        level, deviation, low, high = wander
-        yield (
-            f"the pressure is not isobaric: at {level:g} MPa it wanders between {low:.4g} and {high:.4g} MPa (standard "
-            f"deviation {deviation:.2g} MPa). Use a larger reservoir, a closer regulator or slower strokes."
-        )
+def advise(record: Record, doubts: tuple[Doubt, ...], speeds: tuple[float, ...]) -> tuple[str, ...]:
+    """What looks wrong in the record and what it cannot show, in plain words; empty when nothing is amiss."""
+    noted = {note.code for note in record.notes}
+    return (*(doubt.text for doubt in doubts if doubt.code not in noted), *_gaps(record, speeds))
 
 
 def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
     """What the record cannot show."""
     inputs = record.inputs
     levels = len(record.levels)
-    if levels < 3:
+    if levels < 3 and kind_of(record) == "isobaric":
         yield (
             f"{levels} pressure level{'s' if levels > 1 else ''}: what grows with pressure cannot be told from what "
             "does not. Measure at least three, better five."
@@ -97,24 +66,3 @@ def _lone_branches(record: Record) -> Iterator[str]:
             f"the {names[-sign]} branch is missing at {many}: friction cannot be seen there. Measure both ways on each "
             "isobar."
         )
-
-
-def _clipped(force: np.ndarray) -> tuple[float, int]:
-    """The lowest force and how many samples read exactly that, 0 where they are few or the force is constant."""
-    floor = float(force.min())
-    n = int(np.sum(force == floor))
-    return floor, n if n >= max(3, len(force) // 100) and n < len(force) else 0
-
-
-def _wander(record: Record) -> tuple[float, float, float, float] | None:
-    """Level, standard deviation and range of pressure on the worst isobar, None while all stay within 2 % (2 kPa)."""
-    worst: tuple[float, float, float, float] | None = None
-    ratio = 1.0
-    for level in record.levels:
-        pressure = record.inputs.pressure[record.level == level]
-        allowed = max(0.02 * abs(float(level)), 0.002)
-        deviation = float(np.sqrt(np.mean((pressure - level) ** 2)))
-        if deviation / allowed > ratio:
-            ratio = deviation / allowed
-            worst = (float(level), deviation, float(pressure.min()), float(pressure.max()))
-    return worst

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .advice import advise
+from .doubt import Doubt
 from .files import Files, find_files
+from .gate import doubts_of
+from .kind import kind_of
 from .record import Record
 
 
@@ -22,7 +25,8 @@ class Isobar:
 
 @dataclass(frozen=True)
 class Inspection:
-    """A record in numbers. `speeds` are the strokes' speeds in mm/s, `None` fields are not in the record.
+    """A record in numbers. `speeds` are the strokes' speeds in mm/s, `None` fields are not in the record. `kind` is the
+    kind of test, `doubts` what looks wrong.
 
     `cycles` is the largest number of cycles on one isobar; `branches` maps a branch to its number of samples.
     """
@@ -39,11 +43,13 @@ class Inspection:
     duration_s: float | None
     temperature_C: tuple[float, float] | None
     advice: tuple[str, ...]
+    kind: str
+    doubts: tuple[Doubt, ...]
 
 
 def inspect_record(record: Record) -> Inspection:
     """Count what a record holds and say what would make it tell more."""
-    inputs = record.inputs
+    inputs, speeds, doubts = record.inputs, stroke_speeds(record), doubts_of(record)
     names = {"contraction": 1.0, "extension": -1.0, "without a branch": 0.0}
     counts = {name: int(np.sum(inputs.direction == sign)) for name, sign in names.items()}
     held = None if inputs.moving is None else ~inputs.moving
@@ -53,13 +59,15 @@ def inspect_record(record: Record) -> Inspection:
         tuple(_isobar(record, level) for level in record.levels),
         {name: count for name, count in counts.items() if count},
         len(np.unique(record.stroke[record.stroke > 0])),
-        stroke_speeds(record),
+        speeds,
         None if inputs.cycle is None else _most_cycles(record),
         None if held is None else int(np.sum(np.diff(np.r_[False, held].astype(int)) == 1)),
         0 if held is None else int(held.sum()),
         None if inputs.time is None else float(inputs.time[-1] - inputs.time[0]),
         None if inputs.temperature is None else (float(inputs.temperature.min()), float(inputs.temperature.max())),
-        advise(record, stroke_speeds(record)),
+        advise(record, doubts, speeds),
+        kind_of(record),
+        doubts,
     )
 
 

@@ -14,7 +14,7 @@ from .quantities import Source, find_sources
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
-from .specimen_file import read_specimen
+from .specimen_file import read_kind, read_specimen
 from .table import Table
 
 
@@ -43,25 +43,37 @@ def read_record(
         DMSP-20-300: 60 samples, up to 1654 N
     """
     files = find_files(path)
-    specimen = specimen_of(files, specimen)
+    muscle = specimen_of(files, specimen)
     where: dict[str, str] = {}
     runs: list[Values] = []
     notes = Notes()
-    for table, sources, length_mm in tables_of(files, columns, specimen, notes):
+    for table, sources, length_mm in tables_of(files, columns, muscle, notes):
         for values in read_columns(table, sources, length_mm, notes):
-            runs.append(on_length(values, length_mm, specimen.initial_length_mm))
+            runs.append(on_length(values, length_mm, muscle.initial_length_mm))
         where = where or headers(sources)
     values = join_runs(runs, str(path))
     del runs
-    record = build_loaded(record_name(files, specimen), files.given, files_sha256(files), specimen, values, where)
-    return replace(record, notes=notes.told())
+    found = build_loaded(record_name(files, muscle), files.given, files_sha256(files), muscle, values, where)
+    return replace(found, notes=notes.told(), said_kind=said_kind(files, specimen, columns))
 
 
 def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
     """The specimen given, or of the file given, or of `specimen.toml` beside the record. Raises DataError."""
     if isinstance(given, Specimen):
         return given
-    return read_specimen(given if given is not None else files.folder / "specimen.toml", Path(files.given))
+    return read_specimen(given if given is not None else _beside(files), Path(files.given))
+
+
+def said_kind(files: Files, given: str | Path | Specimen | None, columns: str | Path | None) -> str:
+    """The kind of test that columns.toml or the specimen's file says, empty where neither does. Raises DataError."""
+    mapping = read_mapping(columns) if columns is not None else files.mapping
+    if mapping is not None and mapping.kind:
+        return mapping.kind
+    return "" if isinstance(given, Specimen) else read_kind(given if given is not None else _beside(files))
+
+
+def _beside(files: Files) -> Path:
+    return files.folder / "specimen.toml"
 
 
 def tables_of(

@@ -17,7 +17,7 @@ from ..core import Inputs, Specimen
 from .columns import pause_between, read_pieces, same_quantities
 from .columns_on_disk import STRETCH, Columns
 from .files import Files, find_files
-from .load import files_sha256, headers, nothing_left, record_name, specimen_of, tables_of
+from .load import files_sha256, headers, nothing_left, record_name, said_kind, specimen_of, tables_of
 from .long_motion import KINDS, keep_motion
 from .notes import Note, Notes
 from .ranges import Values, contraction_of
@@ -45,6 +45,7 @@ class LongRecord:
     nominal: Array
     on_disk: Columns
     notes: tuple[Note, ...] = ()
+    said_kind: str = ""
 
     def __len__(self) -> int:
         return self.n
@@ -127,7 +128,7 @@ class LongRecord:
         )
         level = self._nominal(read(self._by, np.float64))
         origin = (self.source, self.sha256, self.columns)
-        facts = {"masked": self.masked, "notes": self.notes}
+        facts = {"masked": self.masked, "notes": self.notes, "said_kind": self.said_kind}
         return Record(self.name, inputs, force, level, stroke, none, inputs, *origin, **facts), turn
 
 
@@ -149,7 +150,7 @@ def open_long(
             for begins, values in read_pieces(table, sources, length_mm, notes):
                 spill.put(begins, on_length(values, length_mm, geometry.initial_length_mm))
             where = where or headers(sources)
-        yield replace(spill.record(where), notes=notes.told())
+        yield replace(spill.record(where), notes=notes.told(), said_kind=said_kind(files, specimen, columns))
 
 
 @dataclass

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..core import DataError
 from ..core.units import is_absolute, known_scale, split_header
+from .kind import check_kind
 from .quantities import (
     BRANCHES,
     QUANTITIES,
@@ -30,12 +31,13 @@ ENTRY = {"column", "value", "factor", "offset"}
 class Mapping:
     """What a columns.toml says: `columns` maps a quantity with its unit (`force_N`) to an entry (empty: columns are
     found by name), `layout` is the optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part
-    (a sheet or group); `runs` what differs from file to file."""
+    (a sheet or group); `runs` what differs from file to file; `kind` the kind of test, empty where it is not said."""
 
     path: str
     columns: Dict[str, Dict[str, Any]]
     layout: Dict[str, Any]
     runs: Runs
+    kind: str = ""
 
     @property
     def for_all(self) -> dict[str, str]:
@@ -109,6 +111,7 @@ def read_mapping(path: str | Path) -> Mapping:
         content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    kind = check_kind(content.pop("kind", None), str(path))
     strange = set(content) - {"columns", "file", "runs"}
     runs = read_runs(path, content.get("runs", {}))
     table, layout = content.get("columns", {}), content.get("file", {})
@@ -128,7 +131,7 @@ def read_mapping(path: str | Path) -> Mapping:
         raise DataError(f"{path}: [columns] gives more than one of {', '.join(SHAPES)}; keep one")
     if not runs.constants:
         check_complete(quantities, f"{path}: [columns]", list(columns))
-    return Mapping(str(path), columns, layout, runs)
+    return Mapping(str(path), columns, layout, runs, kind)
 
 
 def _entry(path: str | Path, key: str, value: object) -> dict[str, Any]:

@@ -5,8 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .doubt import Doubt
+from .kind import kind_of
 from .record import Record
 
+Array = np.ndarray
 ATMOSPHERE_MPA = 0.101325
 SLIPS = (
     (4.2, "pound-force and N (4.4) or radius and diameter (4)"),
@@ -20,122 +23,215 @@ SLIPS = (
 """By how much the force is wrong beside the pressure if two units are taken for each other."""
 LIKELY = (0.4, 2.5)
 """Slope of the force over the pressure beside the ideal braid's. Measured muscles (Festo DMSP-20 of two laboratories, a
-hand-made one of a third) and the data sets that come along lie between 0.76 and 1.31."""
-LATEST_MPA = 0.12
-"""Gauge pressure at which a muscle near its full length begins to pull, at the latest; the same ones lie between 0.04
-and 0.09 MPa."""
+hand-made one of a third) and the data sets that come along lie between 0.71 and 1.35."""
+ALONE = (0.25, 2.5)
+"""The force itself beside the ideal braid's, where only one pressure was measured."""
+ENOUGH_MPA = 0.2
+"""Pressure below which a stiff bladder takes so much of the force that this says nothing of its unit."""
+LATEST_MPA, TOO_LATE_MPA = 0.12, 0.135
+"""Gauge pressure at which a muscle near its full length begins to pull, at the latest, and where it cannot be that any
+more; the same ones lie between 0 and 0.09 MPa."""
+LEAST_MPA = 1e-12
+"""Pressure below which arithmetic says nothing any more."""
+AT_THE_AIRS_MPA = 0.02
+"""How near to the air's pressure that is, for pressures that may count from vacuum."""
 BEND = (0.06, 1.0)
 """Contraction at which a straight line through an isobar meets zero force; an ideal braid's free one is 0.36."""
+HALF = (0.1, 0.85)
+"""Contraction, from the shortest on an isobar, at which half of its force is gone, beside the ideal braid's free one;
+the same muscles lie between 0.18 and 0.43."""
+BEYOND = 1.35
+"""Largest contraction beside the ideal braid's free one that a unit can be right with; the same lie below 0.78."""
+STRETCHED = -0.15
+"""Contraction below which the braid would be stretched beyond its own lock at usual angles."""
+BURST_MPA = 2.0
+"""Pressure that a muscle on a test rig does not bear (Festo's bear 0.8 MPa)."""
+FALLS, RISES = -0.5, 0.5
+"""Correlation of force and contraction along an isobar from which it is said to fall or rise."""
 
 
 class Pull(NamedTuple):
-    """Force over pressure near the full length: slope beside the ideal braid's, pressure in MPa at which it begins."""
+    """Force over pressure near the full length, slope and level beside the ideal braid's (slope None where only one
+    pressure was measured), and the pressure in MPa at which it begins."""
 
-    ratio: float
+    slope: float | None
+    level: float
     begins_MPa: float
 
 
-def doubt_units(record: Record) -> Iterator[str]:
-    """What looks like a wrong unit, sign or zero, in plain words."""
+def doubt_units(record: Record) -> Iterator[Doubt]:
+    """What looks like a wrong unit, sign or zero."""
     pressure = record.inputs.pressure
     if pressure.min() < -0.02:
-        yield (
+        yield Doubt(
+            "pressure_sign",
             f"the pressure goes down to {pressure.min():.4g} MPa: below the air's. Check the zero of the sensor, and "
-            "whether the air's pressure was taken off twice."
+            "whether the air's pressure was taken off twice.",
+            "pressure",
+            bool(pressure.min() < -ATMOSPHERE_MPA or pressure.mean() < 0.0),
         )
-    pull = near_full_length(record)
-    if pull is not None and pull.ratio > 0.0:
-        yield from _doubt_pull(pull, float(pressure.min()))
-    yield from _doubt_contraction(record)
+    likeness = _likeness(record)
+    pull = pull_at(record)
+    if pull is not None and likeness is not None and likeness < FALLS:
+        yield from _doubt_pull(pull, record)
+    yield from _doubt_range(record)
+    yield from _doubt_isobar(record, likeness)
 
 
-def near_full_length(record: Record) -> Pull | None:
-    """The pull in the first tenth of the stroke, None where less than two pressures a factor of 1.5 apart are there."""
+def pull_at(record: Record, begin: float = 0.0) -> Pull | None:
+    """The pull in the tenth of the stroke from `begin` on, at more than 0.3 of the largest pressure; None where it
+    means nothing: fewer than three samples, or beyond the ideal braid's free contraction."""
     pressure, contraction = record.inputs.pressure, record.inputs.contraction
-    near = contraction <= contraction.min() + 0.1 * np.ptp(contraction)
-    near &= pressure > 0.3 * pressure.max()
+    along = (contraction - contraction.min()) / max(float(np.ptp(contraction)), 1e-12)
+    near = (along >= begin) & (along <= begin + 0.1) & (pressure > 0.3 * pressure.max())
     p, force = pressure[near], record.force[near]
-    if near.sum() < 3 or p.max() < 1.5 * p.min():
+    if near.sum() < 3 or p.max() < LEAST_MPA:
         return None
     ideal = record.specimen.ideal_force(p, contraction[near])
+    high = p > 0.9 * p.max()
+    if ideal[high].mean() <= 0.0:
+        return None
+    level = float(force[high].mean() / ideal[high].mean())
+    if p.max() < 1.5 * p.min():
+        return Pull(None, level, np.nan)
     slope, offset = np.polyfit(p - p.mean(), force, 1)
     expected = np.polyfit(p - p.mean(), ideal, 1)[0]
     if slope == 0.0 or expected <= 0.0:
         return None
-    return Pull(float(slope / expected), float(p.mean() - offset / slope))
+    return Pull(float(slope / expected), level, float(p.mean() - offset / slope))
 
 
-def _doubt_pull(pull: Pull, lowest_MPa: float) -> Iterator[str]:
-    low, high = LIKELY
-    if not low < pull.ratio < high:
-        size = max(pull.ratio, 1.0 / pull.ratio)
-        known = [words for factor, words in SLIPS if 1.0 / 1.5 < size / factor < 1.5]
-        slip = f"Slips of about that size: {'; '.join(known)}." if known else "Check units and radius."
-        yield (
-            f"the force grows with the pressure {pull.ratio:.3g} times as an ideal braid's would: a unit of force, "
-            f"pressure or radius is wrong, or the muscle is of another kind. {slip}"
-        )
-    elif pull.begins_MPa > LATEST_MPA and lowest_MPa > 0.9 * ATMOSPHERE_MPA:
-        yield (
+def _doubt_pull(pull: Pull, record: Record) -> Iterator[Doubt]:
+    pressure = record.inputs.pressure
+    if pull.slope is None:
+        if pressure.max() > ENOUGH_MPA and not ALONE[0] < pull.level < ALONE[1]:
+            yield _scale(f"the force is {pull.level:.3g} times an ideal braid's", pull.level, True)
+        return
+    if pull.slope > 0.0 and not LIKELY[0] < pull.slope < LIKELY[1]:
+        # A wrong unit changes slope and level alike; a soft fixture or a stiff bladder does not.
+        grave = pull.level < LIKELY[0] if pull.slope < 1.0 else pull.level > LIKELY[1]
+        what = f"the force grows with the pressure {pull.slope:.3g} times as an ideal braid's would"
+        yield _scale(what, pull.slope, grave)
+    elif pressure.min() > 0.9 * ATMOSPHERE_MPA and (pull.begins_MPa > LATEST_MPA or _from_vacuum(record, pull)):
+        yield Doubt(
+            "pressure_absolute",
             f"near its full length the muscle begins to pull at {pull.begins_MPa:.3f} MPa, and no pressure is below "
             f"the air's: the pressure may be absolute. If so, take {ATMOSPHERE_MPA:.4f} MPa off "
-            "(offset in a columns.toml)."
+            "(offset in a columns.toml).",
+            "pressure",
+            pull.begins_MPa > TOO_LATE_MPA or _from_vacuum(record, pull),
         )
 
 
-def _doubt_contraction(record: Record) -> Iterator[str]:
-    """Force must fall along an isobar, and end near the braid's free contraction."""
-    level = record.levels[-1]
-    here = record.level == level
+def _from_vacuum(record: Record, pull: Pull) -> bool:
+    """Whether the muscle begins to pull at the air's pressure, and does so at another length, too: what a bladder takes
+    grows with the contraction."""
+    shorter = pull_at(record, 0.4)
+    if shorter is None:
+        return False
+    return all(abs(begins - ATMOSPHERE_MPA) < AT_THE_AIRS_MPA for begins in (pull.begins_MPa, shorter.begins_MPa))
+
+
+def _scale(what: str, ratio: float, grave: bool) -> Doubt:
+    size = max(ratio, 1.0 / ratio) if ratio > 0.0 else np.inf
+    known = [words for factor, words in SLIPS if 1.0 / 1.5 < size / factor < 1.5]
+    slip = f"Slips of about that size: {'; '.join(known)}." if known else "Check units and radius."
+    kind = "a unit of force, pressure or radius is wrong, or the muscle is of another kind"
+    return Doubt("scale", f"{what}: {kind}. {slip}", None, grave)
+
+
+def _doubt_range(record: Record) -> Iterator[Doubt]:
+    """Contraction and pressure that geometry and bladder permit."""
+    contraction, pressure = record.inputs.contraction, record.inputs.pressure
+    most = max(BEYOND * _free(record), 0.4)
+    if contraction.max() > 0.35:
+        yield Doubt(
+            "displacement_scale",
+            f"contraction reaches {contraction.max():.3f}: a braided muscle seldom goes beyond 0.35. Check the unit of "
+            "the displacement and initial_length_mm of the specimen.",
+            "displacement",
+            bool(contraction.max() > most),
+        )
+    if contraction.min() < -0.01:
+        turned = contraction.min() < STRETCHED or -contraction.min() > max(contraction.max(), 0.06)
+        yield Doubt(
+            "displacement_sign",
+            f"contraction goes down to {contraction.min():.3f}: the muscle is stretched beyond its initial length. "
+            "Check the zero of the displacement and its sign (contraction is positive).",
+            "displacement",
+            bool(turned),
+        )
+    if pressure.max() > BURST_MPA:
+        yield Doubt(
+            "scale",
+            f"the pressure reaches {pressure.max():.4g} MPa, which a muscle on a rig does not bear. Check its unit.",
+            "pressure",
+            True,
+        )
+
+
+def _free(record: Record) -> float:
+    """Contraction at which the ideal braid pulls no more."""
+    return 1.0 - (record.specimen.b / record.specimen.a) ** 0.5
+
+
+def _highest(record: Record) -> Array:
+    """Mask (n,) of the highest pressures; not of the highest isobar, which in a wrong unit may be all there is."""
+    return record.inputs.pressure >= 0.9 * record.inputs.pressure.max()
+
+
+def _likeness(record: Record) -> float | None:
+    """Correlation of force and contraction at the highest pressures, −1 where all is at one length; None where nothing
+    can be said."""
+    here = _highest(record)
     e, force = record.inputs.contraction[here], record.force[here]
+    if np.ptp(record.inputs.contraction) < 1e-3:
+        return -1.0
     if len(e) < 5 or np.ptp(e) < 1e-6 or np.ptp(force) < 1e-9:
+        return None
+    return float(np.corrcoef(e, force)[0, 1])
+
+
+def _doubt_isobar(record: Record, likeness: float | None) -> Iterator[Doubt]:
+    """Force must fall along an isobar, and end near the braid's free contraction."""
+    here = _highest(record)
+    e, force = record.inputs.contraction[here], record.force[here]
+    if likeness is None or np.ptp(e) < 1e-6:
         return
-    likeness = float(np.corrcoef(e, force)[0, 1])
-    if likeness > 0.5:
-        yield (
+    level = float(np.median(record.level[here]))
+    if likeness > RISES:
+        if kind_of(record) == "isotonic":  # there the length answers the pressure
+            return
+        yield Doubt(
+            "displacement_sign",
             f"at {level:g} MPa the force rises with the contraction: a muscle pulls less the shorter it is. Check the "
-            "sign of the displacement (contraction is positive) or of the force."
+            "sign of the displacement (contraction is positive) or of the force.",
+            "displacement",
+            True,
         )
-    elif likeness < -0.7:
+    elif likeness < FALLS and force.mean() > 0.0:
+        half, free = _half(e, force), _free(record)
         slope, offset = np.polyfit(e, force, 1)
         end = float(-offset / slope)
-        if not BEND[0] < end < BEND[1] and force.mean() > 0.0:
-            yield (
+        grave = half is not None and not HALF[0] < half / free < HALF[1]
+        if grave or (likeness < -0.7 and not BEND[0] < end < BEND[1]):
+            yield Doubt(
+                "displacement_scale",
                 f"at {level:g} MPa the force falls as if it ended at a contraction of {end:.3g}, where a braided "
-                "muscle ends at 0.15 to 0.4. Check the unit of the displacement and initial_length_mm of the specimen."
+                "muscle ends at 0.15 to 0.4. Check the unit of the displacement and initial_length_mm of the specimen.",
+                "displacement",
+                grave,
             )
 
 
-def doubt_clock(record: Record) -> Iterator[str]:
-    """Jumps of the clock within an isobar, and a load cell that has drifted from one tare to the next."""
-    time, segment = record.inputs.time, record.inputs.segment
-    if time is None or segment is None:
-        return
-    steps = np.diff(time)[(np.diff(segment) != 0) & (np.diff(record.level) == 0.0)]
-    if len(steps):
-        yield (
-            f"the time jumps {len(steps)} times within an isobar, by up to {steps.max():.4g} s: samples are lost or "
-            "the run was stopped. Log without a break, or give each run a file of its own."
-        )
-    drift = _tare_drift(record)
-    if drift is not None:
-        yield (
-            f"between the first and the last tare (no pressure) the force drifts by {drift:.3g} N. Tare the load cell "
-            "before each isobar, let it warm up, and keep the tares in the record."
-        )
-
-
-def _tare_drift(record: Record) -> float | None:
-    """Change of the mean force without pressure from the first spell to the last, None where it is within the noise,
-    or half a per cent of the largest force, or where there are no two such spells at one length."""
-    rows = np.flatnonzero(np.abs(record.inputs.pressure) < 0.01)
-    spells = [spell for spell in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if len(spell) >= 3]
-    if len(spells) < 2:
+def _half(e: Array, force: Array) -> float | None:
+    """How far from the least contraction the force is half of what it is there, None where it never is."""
+    order = np.argsort(e, kind="stable")
+    bins = [part for part in np.array_split(order, min(20, len(e))) if len(part)]
+    at = np.array([e[part].mean() for part in bins])
+    mean = np.array([np.median(force[part]) for part in bins])
+    below = np.flatnonzero(mean < 0.5 * mean[0])
+    if not len(below) or mean[0] <= 0.0:
         return None
-    first, last = spells[0], spells[-1]
-    contraction, force = record.inputs.contraction, record.force
-    if abs(contraction[first].mean() - contraction[last].mean()) > 0.005:
-        return None
-    drift = float(force[last].mean() - force[first].mean())
-    noise = float(np.hypot(force[first].std() / len(first) ** 0.5, force[last].std() / len(last) ** 0.5))
-    return drift if abs(drift) > max(4.0 * noise, 0.005 * np.abs(force).max()) else None
+    k = below[0]
+    return float(np.interp(-0.5 * mean[0], -mean[[k - 1, k]], at[[k - 1, k]]) - at[0])

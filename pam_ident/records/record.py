@@ -36,6 +36,7 @@ class Record:
         block_kind: `cycle`, `length` or `isobar`.
         masked: how many slack rows were left out.
         notes: what else was left out, or assumed, while it was read.
+        said_kind: which kind of test it is said to be, empty where the data must show it (`kind_of`).
 
     Example:
         >>> from pam_ident.records import read_record
@@ -58,6 +59,7 @@ class Record:
     block_kind: str = "cycle"
     masked: int = 0
     notes: tuple[Note, ...] = ()
+    said_kind: str = ""
 
     def __len__(self) -> int:
         return len(self.force)

@@ -6,21 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from ..core import DataError, Sensors, Specimen
+from .kind import check_kind
 
 
 def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
     """Read the table [specimen] of a TOML file. Raises DataError for missing keys or values out of range."""
     path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        beside = f" beside {record}" if record else ""
-        raise DataError(
-            f"{path}: no specimen file{beside}; write one with a table [specimen] (name, initial_length_mm, "
-            "initial_radius_mm, braid_angle_deg) or pass --specimen FILE"
-        ) from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    content = _content(path, record)
     table = content.get("specimen")
     if not isinstance(table, dict):
         raise DataError(
@@ -38,6 +30,29 @@ def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
         return Specimen(**given, sensors=_read_sensors(path, content.get("sensors")))
     except DataError as error:
         raise DataError(f"{path}: {error}") from None
+
+
+def read_kind(path: str | Path) -> str:
+    """The kind of test that a specimen file says, `kind` at its top or in [specimen]; empty where it says none.
+
+    Raises DataError for another word.
+    """
+    content = _content(Path(path))
+    table = content.get("specimen")
+    return check_kind(content.get("kind", table.get("kind") if isinstance(table, dict) else None), str(path))
+
+
+def _content(path: Path, record: Path | None = None) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        beside = f" beside {record}" if record else ""
+        raise DataError(
+            f"{path}: no specimen file{beside}; write one with a table [specimen] (name, initial_length_mm, "
+            "initial_radius_mm, braid_angle_deg) or pass --specimen FILE"
+        ) from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise DataError(f"{path}: not a readable TOML file ({error})") from None
 
 
 def _read_sensors(path: Path, table: object) -> Sensors | None:

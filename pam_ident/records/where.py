@@ -39,7 +39,7 @@ def rows_where(record: Record, condition: str) -> Record:
     Raises UsageError for anything else in the condition, DataError where no row is left.
 
     Example:
-        >>> from pam_ident import read_record
+        >>> from pam_ident.records import read_record
         >>> from pam_ident.records.datasets import dataset_record
         >>> from pam_ident.records.where import rows_where
         >>> record = read_record(dataset_record("hidden_effect"))

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..core import Param
-from .versions import schema
+from .versions import schema, warnings_json
 
 if TYPE_CHECKING:
     from ..effects import Effect
@@ -80,4 +80,6 @@ def inspection_json(path: str, found: "Inspection") -> Json:
         "holds": found.holds,
         "temperature_C": None if found.temperature_C is None else list(found.temperature_C),
         "advice": list(found.advice),
+        "kind": found.kind,
+        "warnings": warnings_json(found.doubts),
     }

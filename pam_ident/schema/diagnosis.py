@@ -5,15 +5,18 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from .fit import Json, covariance, muscle, parameters
-from .versions import schema
+from .versions import schema, warnings_json
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region, Suspect
     from ..fitting import Fit
+    from ..records.doubt import Doubt
     from ..tasks.add import Addition
 
 
-def comparison_json(record: str, comparison: "Comparison") -> Json:
+def comparison_json(record: str, comparison: "Comparison", doubts: "Sequence[Doubt]" = ()) -> Json:
     """Schema pam-ident/comparison/1."""
     fit = comparison.fit
     return {
@@ -39,6 +42,7 @@ def comparison_json(record: str, comparison: "Comparison") -> Json:
         },
         "follows": _follows(comparison.follows),
         "sentence": comparison.sentence,
+        "warnings": warnings_json(doubts),
     }
 
 
@@ -62,7 +66,22 @@ def candidates(diagnosis: "Diagnosis") -> "list[Suspect]":
     )
 
 
-def diagnosis_json(record: str, diagnosis: "Diagnosis") -> Json:
+def stopped_json(record: str, law: str, n: int, doubts: "Sequence[Doubt]") -> Json:
+    """Schema pam-ident/diagnosis/1 of `n` samples of which nothing is named, because of `doubts`."""
+    numbers = ("rmse_N", "noise_floor_N", "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N")
+    return {
+        "schema": schema("diagnosis"),
+        "record": record,
+        "law": law,
+        "n": n,
+        "verdict": "unknown_effect",
+        **{key: [] for key in ("selected", "groups", "ranking", "follows")},
+        **dict.fromkeys((*numbers, "pattern", "next_experiment")),
+        "warnings": warnings_json(doubts),
+    }
+
+
+def diagnosis_json(record: str, diagnosis: "Diagnosis", doubts: "Sequence[Doubt]" = ()) -> Json:
     """Schema pam-ident/diagnosis/1."""
     return {
         "schema": schema("diagnosis"),
@@ -90,6 +109,7 @@ def diagnosis_json(record: str, diagnosis: "Diagnosis") -> Json:
         "follows": _follows(diagnosis.follows),
         "pattern": _pattern(diagnosis.pattern),
         "next_experiment": _experiment(diagnosis.next_experiment),
+        "warnings": warnings_json(doubts),
     }
 
 
@@ -121,6 +141,7 @@ def addition_json(record: str, addition: "Addition") -> Json:
         "before": _errors(addition.before, addition.heldout_before),
         "after": _errors(addition.after, addition.heldout_after),
         "parameters": parameters(addition.after.estimates),
+        "warnings": warnings_json(addition.warnings),
     }
 
 
@@ -128,7 +149,7 @@ def _errors(one: "Fit", heldout: float) -> Json:
     return {"rmse_N": one.rmse, "heldout_rmse_N": heldout, "max_error_N": one.max_error}
 
 
-def ladder_json(record: str, ladder: "Ladder") -> Json:
+def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -> Json:
     """Schema pam-ident/ladder/1."""
     return {
         "schema": schema("ladder"),
@@ -147,4 +168,5 @@ def ladder_json(record: str, ladder: "Ladder") -> Json:
         ],
         "noise_floor_N": ladder.noise_floor,
         "verdict": ladder.verdict,
+        "warnings": warnings_json(doubts),
     }

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from .versions import schema
+from .versions import schema, warnings_json
 
 if TYPE_CHECKING:
     from ..fitting import Fit
@@ -76,6 +76,7 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
         for p, energy in sorted(answer.measured_loops.items())
     ]
     found["passive"] = answer.passive
+    found["warnings"] = warnings_json(answer.warnings)
     return found
 
 

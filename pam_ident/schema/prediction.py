@@ -4,7 +4,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from .fit import Json
-from .versions import schema
+from .versions import schema, warnings_json
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,6 +44,7 @@ def validation_json(fit: str, record: str, found: "Validation") -> Json:
         "outside_share": found.outside,
         "simpler": [{"name": name, **_trial(one)} for name, one in found.simpler.items()],
         "sentence": found.sentence,
+        "warnings": warnings_json(found.warnings),
     }
 
 

@@ -40,6 +40,7 @@ def track_json(found: "Track") -> Json:
             "all_rms_deg": budget.by_hand,
             "automatic_rms_deg": budget.automatic,
         },
+        "warnings": [],
     }
 
 

@@ -1,5 +1,12 @@
 """The versions of all that is written as JSON: a new one when a field changes its meaning or goes."""
 
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..records.doubt import Doubt
+
 VERSIONS = {
     "add": 1,
     "batch": 1,
@@ -22,6 +29,11 @@ VERSIONS = {
     "validation": 1,
     "workbench": 1,
 }
+
+
+def warnings_json(doubts: "Sequence[Doubt]") -> list[dict[str, Any]]:
+    """What stands under "warnings" in every answer."""
+    return [asdict(doubt) for doubt in doubts]
 
 
 def schema(kind: str) -> str:

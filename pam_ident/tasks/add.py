@@ -6,6 +6,8 @@ from ..core import UsageError
 from ..diagnosis import heldout_rmse
 from ..fitting import Fit, fit
 from ..records import Record
+from ..records.doubt import Doubt
+from .gate import admit, computing, warnings_of
 from .setup import Setup
 
 
@@ -17,7 +19,7 @@ class Addition:
     after: Fit
     heldout_before: float
     heldout_after: float
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Doubt, ...] = ()
 
 
 def add_effects(record: Record, setup: Setup) -> Addition:
@@ -27,8 +29,9 @@ def add_effects(record: Record, setup: Setup) -> Addition:
     """
     if not setup.effects:
         raise UsageError("no effect to add; name one with --effect (see pam-ident effects)")
+    admit(record)
     model, alone = setup.model, setup.law_alone
-    after = fit(model, record)
-    before = fit(alone, record)
-    warnings = tuple(f"{term.effect.name}: {term.effect.warning}" for term in model.terms if term.effect.warning)
-    return Addition(before, after, heldout_rmse(alone, record), heldout_rmse(model, record), warnings)
+    with computing(record):
+        after = fit(model, record)
+        before = fit(alone, record)
+        return Addition(before, after, heldout_rmse(alone, record), heldout_rmse(model, record), warnings_of(after))

@@ -4,12 +4,16 @@ from ..diagnosis.compare import compare
 from ..diagnosis.nouns import Comparison
 from ..fitting import fit
 from ..records import Record
+from .gate import admit, computing, require_rows
 from .setup import Setup
 
 
 def compare_record(record: Record, setup: Setup) -> Comparison:
     """Fit `setup.model` to both branches together and split the error by place. Raises FitError or DataError."""
-    return compare(fit(setup.model, record))
+    admit(record)
+    require_rows(record)
+    with computing(record):
+        return compare(fit(setup.model, record))
 
 
 def failure_picture(comparison: Comparison, suffix: str) -> str | bytes:

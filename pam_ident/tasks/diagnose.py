@@ -11,6 +11,7 @@ from ..diagnosis.nouns import Diagnosis
 from ..parallel.executor import Executor, WorkerLost
 from ..records import Record
 from ..schema.diagnosis import candidates
+from .gate import check_completed, computing, may_name
 from .law_choice import LawChoice, settle
 from .setup import Setup
 
@@ -27,6 +28,7 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
 
     Raises:
         FitError, DataError: where the record cannot be fitted at all.
+        NothingNamed: one of these, where it looks too wrong, or holds too little, to name an effect by.
 
     Example:
         >>> from pam_ident.records.datasets import dataset_record
@@ -36,7 +38,11 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
         >>> print(diagnose_record(setup.read(dataset_record("nothing_hidden")), setup).sentence)
         exponential_law leaves 2.08 N rms; the noise is about 2.01 N. Nothing is missing that this record could show.
     """
-    return diagnose(setup.model, record, setup.extra, setup.without, setup.only)
+    with computing(record):
+        may_name(record, setup.model, setup.assume)
+        found = diagnose(setup.model, record, setup.extra, setup.without, setup.only)
+        check_completed(found.best, setup.assume)
+        return found
 
 
 def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str, Answer, LawChoice | None]]:
@@ -57,14 +63,15 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
 
 
 def _diagnose(setup: Setup, path: str) -> tuple[Answer, LawChoice | None]:
+    choice = None
     try:
         record = setup.read(path)
         setup, choice = settle(record, setup)
         return diagnose_record(record, setup), choice
     except PamError as error:
-        return error, None
+        return error, choice
     except Exception as error:
         if os.environ.get("PAM_IDENT_DEBUG"):
             raise
         said = f"{path}: the diagnosis broke down ({type(error).__name__}: {error}); please report the record"
-        return PamError(said), None
+        return PamError(said), choice

@@ -21,7 +21,9 @@ from ..fitting.profile import Profile
 from ..fitting.weigh import LOSSES, Weighing
 from ..parallel.executor import Executor
 from ..records import Record
+from ..records.doubt import Doubt
 from ..records.long import open_long
+from .gate import admit, computing, warnings_of
 from .intervals import bootstrap_of, profiles_of
 from .setup import Setup
 
@@ -119,13 +121,12 @@ class FitAnswer:
         """The fits by branch, to be asked elsewhere."""
         return {branch: Predictor.of(one, self.spreads[branch]) for branch, one in self.fits.items()}
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What effects warn of, and modelled loops that give energy."""
-        effects = [term.effect for term in next(iter(self.fits.values())).model.terms]
-        found = [f"{effect.name}: {effect.warning}" for effect in effects if effect.warning]
+    @cached_property
+    def warnings(self) -> tuple[Doubt, ...]:
+        """What is doubtful of record and law, what effects warn of, and modelled loops that give energy."""
+        found = warnings_of(next(iter(self.fits.values())))
         energy = energy_warning(self.loops)
-        return tuple(found if energy is None else [*found, energy])
+        return found if energy is None else (*found, Doubt("energy", energy))
 
     @property
     def passive(self) -> bool | None:
@@ -168,9 +169,14 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
         >>> print(f"{answer.fits['together'].rmse:.2f} N rms; problems: {answer.problems}")
         3.21 N rms; problems: []
     """
-    wishes = wishes or FitOptions()
+    with computing(record):
+        return _fit_record(record, setup, wishes or FitOptions())
+
+
+def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -> FitAnswer:
     branches = branch_names(wishes.branch)
     if isinstance(record, Record):
+        admit(record)
         fits = {
             name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
             for name in branches
@@ -180,6 +186,7 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
         with open_long(record, setup.specimen) as on_disk:
             fits = {name: fit_long(setup.model, on_disk, name, wishes.held) for name in branches}
         record = fits[branches[0]].record
+        admit(record)
     isobars, straight = None, ()
     if wishes.method == "two-stage":
         isobars = fit_isobars(setup.model, record, branches, wishes.held)

@@ -7,6 +7,7 @@ from ..diagnosis import climb, heldout_rmse
 from ..diagnosis.nouns import Diagnosis, Ladder, Rung
 from ..fitting import Fit, fit
 from ..records import Record
+from .gate import admit, check_completed, computing, may_name
 from .setup import Setup
 
 
@@ -19,6 +20,7 @@ def climb_ladder(record: Record, setup: Setup) -> Ladder:
 
     Raises:
         FitError, DataError: where the record cannot be fitted at all.
+        NothingNamed: one of these, where it looks too wrong, or holds too little, to name an effect by.
 
     Example:
         >>> from pam_ident.records.datasets import dataset_record
@@ -29,21 +31,27 @@ def climb_ladder(record: Record, setup: Setup) -> Ladder:
         >>> print(len(found.rungs), "rung,", found.last.verdict, f"at {found.noise_floor:.1f} N")
         1 rung, adequate at 2.0 N
     """
-    return climb(setup.model, record, setup.extra, setup.without, setup.only)
+    with computing(record):
+        may_name(record, setup.model, setup.assume)
+        found = climb(setup.model, record, setup.extra, setup.without, setup.only)
+        check_completed(found.rungs[-1].fit, setup.assume)
+        return found
 
 
 def ladder_by_hand(
     record: Record, setup: Setup, known: Mapping[tuple[str, ...], Rung], latest: Diagnosis | None
 ) -> tuple[Rung, ...]:
     """A rung for the law and for each effect more, those that are known taken over; `latest` led to a new one."""
+    admit(record)
     whole = setup.model
     rungs: list[Rung] = []
     for count in range(len(whole.terms) + 1):
         model = replace(whole, terms=whole.terms[:count])
         found = known.get(tuple(model.labels))
         if found is None:
-            one = fit(model, record)
-            found = Rung(one, heldout_rmse(model, record, one), _why(rungs, one), latest if rungs else None)
+            with computing(record):
+                one = fit(model, record)
+                found = Rung(one, heldout_rmse(model, record, one), _why(rungs, one), latest if rungs else None)
         rungs.append(found)
     return tuple(rungs)
 

@@ -14,6 +14,8 @@ from ..fitting.solve import solve
 from ..laws import listed
 from ..model import Model
 from ..records import Record, thinned
+from ..records.doubt import Doubt
+from .gate import TooLittle, admit, computing
 from .setup import AUTO, Setup
 
 if TYPE_CHECKING:
@@ -53,11 +55,13 @@ class LawChoice:
 def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
     """The setup with a law in place of `auto`, and how it was chosen; as it is where a law was named.
 
-    Raises FitError where no law can be fitted to the record.
+    Raises FitError where no law can be fitted to the record, DataError for a kind of test that no law is for.
     """
     if setup.law != AUTO:
         return setup, None
-    choice = choose_law(record, setup)
+    admit(record)
+    with computing(record):
+        choice = choose_law(record, setup)
     return replace(setup, law=choice.law), choice
 
 
@@ -98,7 +102,8 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
         heldout = math.sqrt(squares[law.name].sum() / len(record)) if masks else math.nan
         trials.append(LawTrial(law.name, len(model.params), one.rmse, heldout, _problem(one)))
     if not squares:
-        raise FitError(f"{record.source or record.name}: no law can be fitted. {trials[0].problem}")
+        text = f"no law can be fitted. {trials[0].problem}"
+        raise TooLittle(f"{record.source or record.name}: {text}", len(record), (Doubt("too_little", text),))
     trials.sort(key=lambda t: (math.isnan(t.rmse), t.heldout_rmse if masks else t.rmse))
     return _chosen(tuple(trials), squares, masks, float(np.max(np.abs(record.force))))
 

@@ -14,6 +14,8 @@ from ..fitting.prediction import Prediction, Predictor, ReadingSpread, Simpler
 from ..leg.fit_file import Answer, fitted_branches, read_answer, read_specimen_of
 from ..model import Model
 from ..records import Record, build_record, read_record, record_from_frame
+from ..records.doubt import Doubt
+from ..records.gate import doubts_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,6 +69,11 @@ class Validation:
     coverage: float
     outside: float
     simpler: Mapping[str, ErrorsThere]
+
+    @property
+    def warnings(self) -> tuple[Doubt, ...]:
+        """What looks wrong in the record."""
+        return doubts_of(self.record)
 
     @property
     def as_well(self) -> list[str]:

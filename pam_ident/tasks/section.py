@@ -11,16 +11,22 @@ from ..fitting.energy import energy_warning, model_loops
 from ..model import Model
 from ..records import Record
 from ..report import Section
+from .gate import check_completed, computing, doubts_about, may_name
 
 
-def build_section(model: Model, record: Record, extra: tuple[Effect, ...] = ()) -> Section:
+def build_section(
+    model: Model, record: Record, extra: tuple[Effect, ...] = (), assume: tuple[str, ...] = ()
+) -> Section:
     """Diagnosis, ladder, comparisons before and after, isobars and loops of one record.
 
-    Raises FitError or DataError.
+    `assume` are codes of grave doubts that are meant so. Raises FitError or DataError, NothingNamed among them.
     """
-    ladder = climb(model, record, extra)
-    diagnosis = ladder.first
-    return section_of(record, diagnosis.base, diagnosis, ladder, completed(diagnosis, ladder))
+    with computing(record):
+        may_name(record, model, assume)
+        ladder = climb(model, record, extra)
+        check_completed(ladder.rungs[-1].fit, assume)
+        diagnosis = ladder.first
+        return section_of(record, diagnosis.base, diagnosis, ladder, completed(diagnosis, ladder))
 
 
 def section_of(record: Record, base: Fit, diagnosis: Diagnosis, ladder: Ladder, best: Fit | None) -> Section:
@@ -35,7 +41,7 @@ def section_of(record: Record, base: Fit, diagnosis: Diagnosis, ladder: Ladder, 
         _isobars(base.model, record),
         loop_energies(record, record.force),
         loops,
-        _warnings(best or base, loops),
+        _warnings(base, best or base, loops),
     )
 
 
@@ -61,7 +67,8 @@ def _isobars(model: Model, record: Record) -> tuple[IsobarTable, ...]:
         return ()
 
 
-def _warnings(best: Fit, loops: dict[float, float]) -> tuple[str, ...]:
-    found = [f"{term.effect.title}: {term.effect.warning}" for term in best.model.terms if term.effect.warning]
+def _warnings(base: Fit, best: Fit, loops: dict[float, float]) -> tuple[str, ...]:
+    found = [doubt.text for doubt in doubts_about(base)]
+    found += [f"{term.effect.title}: {term.effect.warning}" for term in best.model.terms if term.effect.warning]
     energy = energy_warning(loops)
     return tuple([*found, energy] if energy else found)

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..core import Specimen, UsageError
 from ..effects import Effect, load_effect_files
 from ..model import Model
-from ..records import Record, read_record, read_specimen
+from ..records import Record, read_record
 from ..records.files import share_of_memory
 from ..records.where import rows_where
 
@@ -38,6 +38,7 @@ class Setup:
         specimen: file of the muscle; without it each record takes the `specimen.toml` beside it.
         without, only: names of effects that a diagnosis does not try, or the only ones that it tries.
         where: condition on the rows of a record that are taken, such as `pressure_MPa > 0.1`.
+        assume: codes of grave doubts that are meant so (`all` for every one), which do not stop naming.
 
     Example:
         >>> from pam_ident.tasks.setup import Setup
@@ -54,6 +55,7 @@ class Setup:
     without: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
     where: str | None = None
+    assume: tuple[str, ...] = ()
 
     @cached_property
     def extra(self) -> tuple[Effect, ...]:
@@ -74,10 +76,6 @@ class Setup:
         """The law without effects."""
         return Model.build(self.law, free_geometry=self.free_geometry)
 
-    @cached_property
-    def _specimen(self) -> Specimen | None:
-        return read_specimen(self.specimen) if self.specimen is not None else None
-
     def read(self, record: str | Path) -> Record:
         """The record with its specimen. Raises DataError, UsageError for one that memory cannot hold."""
         if share_of_memory(record) > MOST_OF_MEMORY:
@@ -85,7 +83,7 @@ class Setup:
                 f"{record}: its text is more than half of the memory that is free, and only `fit` reads a record in "
                 "chunks; take a part of it, or a larger machine"
             )
-        return load(record, self._specimen, self.where)
+        return load(record, self.specimen, self.where)
 
     def bare(self) -> "Setup":
         """The same for another process: files of effects by absolute path, nothing loaded from them."""
@@ -107,4 +105,5 @@ class Setup:
         if verb in ("diagnose", "ladder"):
             words += [word for name in self.without for word in ("--without", name)]
             words += [word for name in self.only for word in ("--only", name)]
+        words += [word for code in self.assume for word in ("--assume", code)]
         return shlex.join([*words, *more])

@@ -13,8 +13,9 @@ from ..core.files import write_json_lines
 from ..effects import catalogue
 from ..parallel.executor import Executor, WorkerLost
 from ..rig import make_challenge
-from ..schema.diagnosis import diagnosis_json
+from ..schema.diagnosis import diagnosis_json, stopped_json
 from ..tasks.diagnose import diagnose_records
+from ..tasks.gate import NothingNamed
 from ..tasks.setup import Setup
 from .calibration import Reliability, reliability
 from .holdout import left_out
@@ -132,6 +133,8 @@ def answer_case(folder: Path, case: str, setup: Setup) -> Json:
     """One case; a diagnosis that breaks down is an answer too, and a wrong one."""
     path = str(folder / case / "record.csv")
     ((_, found, _),) = diagnose_records([path], setup)
+    if isinstance(found, NothingNamed):
+        return stopped_json(path, setup.law, found.n, found.doubts)
     if isinstance(found, PamError):
         return _none(path, setup.law, found)
     return diagnosis_json(path, found)

@@ -10,9 +10,11 @@ from ..effects import catalogue
 from ..fitting import Fit
 from ..model import Term
 from ..records import Record
+from ..records.doubt import Doubt, grave
 from ..report import Story, render
 from ..report.provenance import provenance
 from ..tasks.diagnose import diagnose_record
+from ..tasks.gate import doubts_about
 from ..tasks.ladder import ladder_by_hand
 from ..tasks.section import section_of
 from ..tasks.setup import Setup
@@ -47,6 +49,20 @@ class Bench:
     def law_alone(self) -> Fit:
         """The law without effects."""
         return self.rungs[0].fit
+
+    @cached_property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What looks wrong in the record, or in the law on it, the grave first."""
+        return doubts_about(self.law_alone)
+
+    @property
+    def stopped(self) -> bool:
+        """Whether a grave doubt stops naming."""
+        return bool(grave(self.doubts, self.setup.assume))
+
+    def all_the_same(self) -> "Bench":
+        """With every grave doubt taken as meant so."""
+        return replace(self, setup=replace(self.setup, assume=("all",)))
 
     @cached_property
     def comparison(self) -> Comparison:

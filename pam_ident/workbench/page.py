@@ -89,6 +89,8 @@ class Workbench(Viewer):
         self.stop.on_click(lambda _: self.work and self.work.stop())
         self.find = pn.widgets.Button(label="Find what is missing", color="primary", visible=False)
         self.find.on_click(lambda _: self._change(lambda bench: bench))
+        self.anyway = pn.widgets.Button(label="Answer all the same", visible=False)
+        self.anyway.on_click(lambda _: self._change(lambda bench: bench.all_the_same()))
         self.verdict = html()
         self.suspects = pn.Column(**wide)
         self.views = {name: html() for name in ("falling", "measured", "where", "trace", "parameters")}
@@ -100,7 +102,7 @@ class Workbench(Viewer):
             **wide,
         )
         self.main = pn.Column(
-            self.head, self.error, pn.Row(self.find, self.bar, self.stop, self.status), self.verdict,
+            self.head, self.error, pn.Row(self.find, self.anyway, self.bar, self.stop, self.status), self.verdict,
             self.views["falling"], self.suspects, self.tabs,
             styles={"flex": "1 1 30rem", "min-width": "0"},
         )  # fmt: skip
@@ -217,7 +219,9 @@ class Workbench(Viewer):
     def _busy(self, stopped: bool = False) -> None:
         work, bench = self.work, self.bench
         self.bar.visible = self.stop.visible = work is not None
-        self.find.visible = work is None and bench is not None and bench.diagnosis is None
+        waiting = work is None and bench is not None and bench.diagnosis is None
+        stopped_by_doubt = bench is not None and bench.stopped
+        self.find.visible, self.anyway.visible = waiting and not stopped_by_doubt, waiting and stopped_by_doubt
         said = words.stage(work.stage) if work is not None else "stopped" if stopped else ""
         self.status.object = str(words.status(said, "busy" if work is not None else ""))
         self.side.save.disabled = bench is None or bench.ladder is None

@@ -10,6 +10,7 @@ from ..core.progress import Stage
 from ..diagnosis.nouns import Diagnosis, Suspect
 from ..notebook.pages import table
 from ..records import Record, build_record
+from ..records.doubt import Doubt
 from ..report import tables
 from ..report.words import STATUS, VERDICTS, equation, groups, newtons, titles
 from .bench import Bench
@@ -41,9 +42,14 @@ def head(bench: Bench | None) -> Markup:
         )
     record = bench.record
     levels = ", ".join(f"{p:g}" for p in record.levels[:8]) + (" …" if len(record.levels) > 8 else "")
-    return Markup('<h2>{}</h2><p class="soft">{} samples at {} MPa gauge pressure</p>').format(
+    name = Markup('<h2>{}</h2><p class="soft">{} samples at {} MPa gauge pressure</p>').format(
         record.name, len(record), levels
     )
+    return name + Markup("").join(_doubt(one) for one in bench.doubts)
+
+
+def _doubt(one: Doubt) -> Markup:
+    return Markup('<p role="note" class="{}">{}</p>').format("error" if one.grave else "soft", one.text)
 
 
 def verdict(bench: Bench | None) -> Markup:
@@ -144,4 +150,5 @@ def with_specimen(record: Record, specimen: Specimen) -> Record:
         direction=inputs.direction if inputs.direction.any() else None,
         temperature=inputs.temperature,
     )
-    return replace(made, source=record.source, sha256=record.sha256, columns=record.columns, masked=record.masked)
+    kept = ("source", "sha256", "columns", "masked", "notes", "said_kind")
+    return replace(made, **{key: getattr(record, key) for key in kept})

@@ -1,6 +1,5 @@
 """Long work in a notebook shows a bar, and an interrupt takes it away; small matrices have one thread."""
 
-import numpy as np
 import pytest
 
 import pam_ident as pam
@@ -60,11 +59,3 @@ def test_without_a_notebook_nothing_is_shown(capsys):
 
 def test_a_stage_without_a_count_has_a_bar_without_an_end():
     assert working.bar_html(Stage("fitting")) == "<progress></progress> fitting"
-
-
-def test_matrices_have_one_thread_meanwhile():
-    threadpoolctl = pytest.importorskip("threadpoolctl")
-    np.ones((2, 2)) @ np.ones((2, 2))
-    with working.working():
-        blas = [one["num_threads"] for one in threadpoolctl.threadpool_info() if one["user_api"] == "blas"]
-    assert set(blas) <= {1}

@@ -7,7 +7,7 @@ import pytest
 LAW = ("--law", "exponential_law")
 DIAGNOSIS = {
     "schema", "record", "law", "n", "rmse_N", "noise_floor_N", "verdict", "selected", "groups", "ranking",
-    "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N", "follows", "pattern", "next_experiment",
+    "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N", "follows", "pattern", "next_experiment", "warnings",
 }  # fmt: skip
 
 
@@ -132,6 +132,7 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     result, found = answer("ladder", rubbing, *LAW)
     assert result.exit_code == 0
     keys = {"schema", "record", "law", "specimen", "free_geometry", "range", "rungs", "noise_floor_N", "verdict"}
+    keys |= {"warnings"}
     assert set(found) == keys and found["free_geometry"] is False
     assert found["schema"] == "pam-ident/ladder/1" and found["verdict"] == "adequate"
     assert found["rungs"][0]["effects"] == [] and len(found["rungs"]) == 2

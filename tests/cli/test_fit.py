@@ -7,7 +7,10 @@ PAPER = {
     "contraction": {"a0": -197.8, "a1": 2442.0, "b0": 1735.0, "b1": 5464.0, "c0": -9.3, "c1": 688.3, "mu": 45.0},
     "extension": {"a0": -344.5, "a1": 2554.0, "b0": -43.2, "b1": 8430.0, "c0": 43.24, "c1": 899.2, "mu": 45.0},
 }
-KEYS = {"schema", "record", "law", "effects", "specimen", "free_geometry", "range", "branches", "loops", "passive"}
+KEYS = {
+    "schema", "record", "law", "effects", "specimen", "free_geometry", "range", "branches", "loops", "passive",
+    "warnings",
+}  # fmt: skip
 
 
 @pytest.fixture

@@ -92,6 +92,11 @@ def written(root, tmp_path_factory):
         ("rig", folder / "set", "--n", 1, "--only", "null"),
         ("batch", tree, "--out", folder / "results", "--workers", 1),
     ]
+    doubtful = root / "datasets" / "festo_dmsp20_catalogue" / "catalogue.csv"  # it pushes, and is stretched
+    for verb in ("fit", "compare", "diagnose", "ladder", "add", "inspect"):
+        more = () if verb == "inspect" else law if verb != "add" else (*law, "--effect", "bladder_elasticity")
+        asked.append((verb, doubtful, *more))
+    asked.append(("validate", folder / "fit.json", doubtful))
     answers = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("pam_ident.tasks.demo.STAGES", STAGES[2:])  # all three take half a minute

@@ -6,6 +6,7 @@ import pytest
 
 pn = pytest.importorskip("panel")
 
+import pam_ident.tasks.diagnose as tasks_diagnose  # noqa: E402
 from pam_ident.core import UsageError  # noqa: E402
 from pam_ident.workbench import Workbench  # noqa: E402
 
@@ -53,6 +54,23 @@ def test_the_story_from_verdict_to_adequate_and_back(folder):
     click(page, "Remove coulomb_friction")
     assert "Effect missing" in page.verdict.object and "--effect" not in page.side.command.object
     assert not buttons(page, "Remove") and not page.views["falling"].object
+
+
+def test_a_grave_warning_stops_naming_until_it_is_answered_all_the_same(folder, undrawn, tmp_path, monkeypatch):
+    whole = tasks_diagnose.diagnose  # one suspect is enough
+    monkeypatch.setattr(tasks_diagnose, "diagnose", lambda *given: whole(*given[:-1], ("coulomb_friction",)))
+    lines = (folder / "record.csv").read_text().splitlines()
+    rows = [line.rpartition(",") for line in lines[1:]]
+    clipped = "\n".join([lines[0], *(f"{rest},{min(float(force), 500.0)}" for rest, _, force in rows)])
+    (tmp_path / "record.csv").write_text(clipped + "\n", encoding="utf-8")
+    (tmp_path / "specimen.toml").write_bytes((folder / "specimen.toml").read_bytes())
+    page = Workbench(tmp_path / "record.csv")
+    page.wait()
+    assert page.anyway.visible and not page.find.visible and page.bench.diagnosis is None
+    assert "nothing is named" in page.error.object
+    click(page, "Answer all the same")
+    assert page.bench.diagnosis is not None and not page.anyway.visible and not page.error.visible
+    assert "--assume all" in page.side.command.object
 
 
 @pytest.mark.long

@@ -1,0 +1,74 @@
+"""Which kind of test a record is: what was driven, what was held, what answered."""
+
+import numpy as np
+
+from ..core import DataError
+from .record import Record
+from .turning import pivots
+
+Array = np.ndarray
+KINDS = {
+    "isobaric": "the pressure is held and the length driven",
+    "isometric": "the length is held and the pressure driven",
+    "isotonic": "the load is held, the pressure driven, and the length answers",
+    "dynamic": "pressure and length both change",
+}
+LOOKED_AT = 20_000
+"""Rows, evenly taken, that a long record is judged by."""
+HELD_LENGTH = 0.004
+"""Contraction within which a clamped muscle stays."""
+HELD_FORCE, LIGHT = 0.1, 0.02
+"""Standard deviation of a held load beside its mean, or beside the blocked force where there is hardly a load."""
+HELD_PRESSURE = 0.08
+"""Standard deviation of a held pressure on an isobar beside its level; regulators stay within 0.05."""
+VARIED = 0.15
+"""Range of a driven pressure beside its largest."""
+WAY = 0.25
+"""Way of a length that is locked, and locked elsewhere, beside the way of the pressure, both in their ranges."""
+
+
+def check_kind(kind: object, where: str) -> str:
+    """The kind as it was said, empty for None. Raises DataError for another word."""
+    if kind is None:
+        return ""
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise DataError(f"{where}: kind = {kind!r}; expected one of {', '.join(KINDS)}")
+    return kind
+
+
+def kind_of(record: Record) -> str:
+    """`isobaric`, `isometric`, `isotonic` or `dynamic`: as was said (`kind` in specimen.toml or columns.toml), or as
+    the data show it. A static table is isobaric unless one of length and force never changes."""
+    with np.errstate(all="ignore"):
+        return record.said_kind or _found(record)
+
+
+def _found(record: Record) -> str:
+    step = max(1, len(record) // LOOKED_AT)
+    p, e, force, level = (
+        values[::step] for values in (record.inputs.pressure, record.inputs.contraction, record.force, record.level)
+    )
+    driven = np.ptp(p) > VARIED * np.abs(p).max()
+    if driven and np.ptp(e) < HELD_LENGTH:
+        return "isometric"
+    blocked = abs(float(record.specimen.ideal_force(np.abs(p).max(), np.zeros(()))))
+    if driven and force.std() < max(HELD_FORCE * abs(force.mean()), LIGHT * blocked):
+        return "isotonic"
+    if record.inputs.time is None:
+        return "isobaric"
+    if driven and _way(e) < WAY * _way(p):
+        return "isometric"
+    return "dynamic" if _wander(p, level) > HELD_PRESSURE else "isobaric"
+
+
+def _way(values: Array) -> float:
+    """Way from turn to turn in multiples of the range (n,), turns of less than a tenth of it left out."""
+    span = float(np.ptp(values))
+    turns = pivots(values, 0.1 * span)
+    return float(np.sum(np.abs(np.diff(values[turns])))) / span if span > 0.0 else 0.0
+
+
+def _wander(pressure: Array, level: Array) -> float:
+    """Standard deviation of the pressure on its isobars beside their levels, over all rows."""
+    off = (pressure - level) / np.maximum(np.abs(level), 0.05)
+    return float(np.sqrt(np.mean(off**2)))

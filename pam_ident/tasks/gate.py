@@ -1,0 +1,236 @@
+"""The gate before every answer: what looks wrong, what a verb cannot answer, and what is too little to name from."""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..core import DataError, FitError, PamError, UsageError
+from ..core.threads import one_blas_thread
+from ..fitting import Fit, fit
+from ..model import Model
+from ..records import Record
+from ..records.doubt import GRAVE, Doubt, grave
+from ..records.gate import doubts_of
+from ..records.kind import KINDS, kind_of
+
+FITTING = {"isobaric", "isometric", "dynamic"}
+NAMING = {"isobaric", "dynamic"}
+"""Kinds of test whose force a law can be fitted to, and those whose error can be given names."""
+LITTLE, UNLIKE = 0.1, 0.3
+"""Share of the squared force, and correlation with it where it varies, from which a law explains anything at all."""
+CONSTANT = 0.2
+"""Standard deviation of a force beside its mean, below which it hardly varies."""
+MOST_LEFT = 0.2
+"""Share of a force's variance that a model may leave with all that was found missing, or nothing was found."""
+LEAST_STEP_S = 1e-9
+"""Mean step of a clock that does not stand."""
+BEYOND_N = 1e100
+"""A force whose square no number holds."""
+ROWS, ROWS_A_PARAMETER, STATES, ROWS_A_STROKE = 20, 3, 8, 4
+"""The floor of information for naming: rows in all and a free parameter of the law, different states of pressure and
+contraction (and two more than free parameters), rows of a stroke on average."""
+SPAN, PRESSURE_MPA, FORCE_N = 1e-4, 1e-4, 1e-9
+"""The same for ranges: contraction, largest pressure, force."""
+STEADY = 0.5
+"""Correlation of the pressure with itself one sample later, below which it jumps faster than it is logged."""
+
+
+class NothingNamed(PamError):
+    """Nothing is named of a record of `n` samples; `doubts` are why, and what else looks wrong."""
+
+    def __init__(self, message: str, n: int, doubts: tuple[Doubt, ...]) -> None:
+        self.n, self.doubts = n, doubts
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (type(self), str(self), self.n, self.doubts)  # an exception is pickled by its message alone
+
+
+def _again(kind: type[NothingNamed], *given: Any) -> NothingNamed:
+    found = kind.__new__(kind)
+    NothingNamed.__init__(found, *given)
+    return found
+
+
+class Refused(NothingNamed, DataError):
+    """A record of which this cannot be answered, whatever is assumed."""
+
+
+class TooLittle(NothingNamed, FitError):
+    """A record that holds too little to answer from."""
+
+
+class GraveDoubt(NothingNamed, DataError):
+    """A record, or the law on it, looks so wrong that nothing is named; `stops` are the doubts that stop it."""
+
+    def __init__(self, where: str, n: int, doubts: tuple[Doubt, ...], stops: tuple[Doubt, ...]) -> None:
+        first, *others = dict.fromkeys(doubt.code for doubt in stops)
+        more = f" (and {', '.join(others)})" if others else ""
+        codes = " ".join(f"--assume {code}" for code in (first, *others))
+        super().__init__(
+            f"{where}: nothing is named: {stops[0].text.rstrip('.')}{more}. Mend it in the file or by a "
+            f"columns.toml; if it is meant so, {codes}",
+            n,
+            doubts,
+        )
+
+
+def check_codes(assume: Iterable[str]) -> None:
+    """Raises UsageError for a code that no doubt has."""
+    for code in assume:
+        if code != "all" and code not in GRAVE:
+            raise UsageError(f"--assume {code}: expected all or one of {', '.join(GRAVE)}")
+
+
+def doubts_about(one: Fit) -> tuple[Doubt, ...]:
+    """What looks wrong in the record of a fit, and in its law on it, the grave first."""
+    found = doubts_of(one.record)
+    force = one.record.force[one.rows]
+    size = float(np.sqrt(np.mean(force**2)))
+    modelled = one.model.force(one.record.inputs, one.values)[one.rows]
+    varies = force.std() > CONSTANT * abs(force.mean()) and modelled.std() > 0.0
+    unlike = varies and np.corrcoef(modelled, force)[0, 1] < UNLIKE
+    if one.rmse**2 < (1.0 - LITTLE) * size**2 and not unlike:
+        return found
+    law = Doubt(
+        "explains_nothing",
+        f"{_formula(one)} leaves {one.rmse:.3g} N rms of a force of {size:.3g} N rms: it "
+        "explains nothing. Check units, signs and the specimen, or take another law.",
+        "force",
+        True,
+    )
+    return tuple(sorted((law, *found), key=lambda doubt: not doubt.grave))
+
+
+def warnings_of(one: Fit) -> tuple[Doubt, ...]:
+    """The same, and what the effects of its model warn of."""
+    effects = [term.effect for term in one.model.terms]
+    return (*doubts_about(one), *(Doubt("effect", f"{e.name}: {e.warning}") for e in effects if e.warning))
+
+
+def admit(record: Record, naming: bool = False) -> None:
+    """Raises Refused where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer, where the
+    clock stands, and for a force beyond arithmetic."""
+    if not np.abs(record.force).max() < BEYOND_N:
+        row = int(np.abs(record.force).argmax())
+        text = f"sample {row + 1} reads a force of {record.force[row]:.4g} N. Mend or delete the row"
+        raise _refused(Refused, record, "impossible_value", text)
+    time = record.inputs.time
+    if time is not None and len(record) > 1 and np.ptp(time) < LEAST_STEP_S * len(record):
+        text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Mend its unit, or leave the time out"
+        raise _refused(Refused, record, "clock_scale", text)
+    kind = kind_of(record)
+    if kind in (NAMING if naming else FITTING):
+        return
+    why = {
+        "isotonic": "no law of the force can be told from it",
+        "isometric": "no effect can be told from another in it, only `fit` and `compare` answer",
+    }[kind]
+    text = (
+        f"an {kind} test, {KINDS[kind]}: {why}. Give an isobaric record, or say "
+        '`kind = "isobaric"` at the top of specimen.toml if this is one'
+    )
+    raise _refused(Refused, record, "kind", text)
+
+
+def require_rows(record: Record) -> None:
+    """Raises TooLittle where the rows are too few to say where a model fails."""
+    if len(record) < STATES:
+        text = f"{len(record)} rows, and the least is {STATES}. Measure more"
+        raise _refused(TooLittle, record, "too_little", text)
+
+
+def require_information(record: Record, model: Model) -> None:
+    """Raises TooLittle, with what to measure, where too little is in the record for names."""
+    lacking = _lacking(record, len(model.params))
+    if lacking is not None:
+        text = f"{lacking}; too little to name an effect by. Measure more, or mend the record"
+        raise _refused(TooLittle, record, "too_little", text)
+
+
+def _refused(kind: type[NothingNamed], record: Record, code: str, text: str) -> NothingNamed:
+    return kind(f"{_name(record)}: {text}", len(record), (Doubt(code, text),))
+
+
+def _lacking(record: Record, parameters: int) -> str | None:
+    inputs, n = record.inputs, len(record)
+    rows, states = max(ROWS, ROWS_A_PARAMETER * parameters), max(STATES, parameters + 2)
+    if n < rows:
+        return f"{n} rows, and the least for {parameters} free parameters is {rows}"
+    if np.ptp(inputs.contraction) < SPAN:
+        return f"the length changes by {np.ptp(inputs.displacement_mm):.2g} mm in all"
+    if np.abs(inputs.pressure).max() < PRESSURE_MPA:
+        return f"the pressure reaches {np.abs(inputs.pressure).max():.2g} MPa"
+    if np.ptp(record.force) < FORCE_N:
+        return f"the force is {record.force[0]:.4g} N in every row"
+    different = len(np.unique(np.round(np.column_stack([inputs.pressure, inputs.contraction]), 5), axis=0))
+    if different < states:
+        return f"{different} different states of pressure and length, and the least for this law is {states}"
+    if inputs.time is None:
+        return None
+    strokes = len(np.unique(record.stroke[record.stroke > 0]))
+    if not strokes:
+        return "no stroke in one direction"
+    if n / strokes < ROWS_A_STROKE:
+        return f"{n / strokes:.2g} rows a stroke, and the least is {ROWS_A_STROKE}"
+    off = inputs.pressure - record.level
+    if kind_of(record) == "dynamic" and np.mean(off[1:] * off[:-1]) < STEADY * np.mean(off**2):
+        return "the pressure jumps from row to row, faster than it is logged"
+    return None
+
+
+def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tuple[Doubt, ...]:
+    """What is doubtful of a record and a model's law on it, none of it grave but what is assumed to be meant.
+
+    Raises NothingNamed: Refused for a kind of test that cannot be diagnosed, GraveDoubt, and TooLittle.
+    """
+    if len(record) >= ROWS:
+        _stop(record, doubts_of(record), assume)
+    admit(record, naming=True)
+    require_information(record, model)
+    doubts = doubts_about(fit(model, record, detail=False))
+    _stop(record, doubts, assume)
+    return doubts
+
+
+def check_completed(one: Fit, assume: tuple[str, ...] = ()) -> None:
+    """Raises GraveDoubt where a model with all that was named still leaves a large part of what varies."""
+    force = one.record.force
+    if not one.model.terms or force.std() < CONSTANT * abs(force.mean()) or one.r2 > 1.0 - MOST_LEFT:
+        return
+    text = (
+        f"{_formula(one)} would leave {one.rmse:.3g} N rms of a force that varies by "
+        f"{force.std():.3g} N rms: names explain little here. Check units, signs and the specimen, or take another law."
+    )
+    law = Doubt("explains_nothing", text, "force", True)
+    _stop(one.record, (law, *doubts_of(one.record)), assume)
+
+
+def _formula(one: Fit) -> str:
+    return " + ".join([one.model.law.name, *one.model.labels])
+
+
+def _stop(record: Record, doubts: tuple[Doubt, ...], assume: tuple[str, ...]) -> None:
+    stops = grave(doubts, assume)
+    if stops:
+        raise GraveDoubt(_name(record), len(record), doubts, stops)
+
+
+@contextmanager
+def computing(record: Record | str | Path) -> Iterator[None]:
+    """Numbers worked out on one thread; arithmetic that a degenerate record breaks becomes a FitError."""
+    try:
+        with one_blas_thread(), np.errstate(all="ignore"):
+            yield
+    except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError, OverflowError) as error:
+        raise FitError(
+            f"{_name(record)}: the arithmetic breaks down on this record ({error}); check it for constant columns and "
+            "values beyond reason"
+        ) from None
+
+
+def _name(record: Record | str | Path) -> str:
+    return record.source or record.name if isinstance(record, Record) else str(record)

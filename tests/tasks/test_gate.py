@@ -1,0 +1,215 @@
+"""The gate before every answer: what is grave stops naming, what is degenerate is refused, what is good passes."""
+
+import os
+import subprocess
+import sys
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from degenerate import KINDS, NAMELESS, frame, good
+
+from pam_ident.core import DataError, PamError, Specimen, UsageError
+from pam_ident.core.threads import one_blas_thread
+from pam_ident.records import read_record, record_from_frame
+from pam_ident.records.datasets import dataset_names, dataset_record
+from pam_ident.records.doubt import GRAVE
+from pam_ident.records.gate import doubts_of
+from pam_ident.records.inspection import inspect_record
+from pam_ident.records.kind import kind_of
+from pam_ident.tasks.compare import compare_record
+from pam_ident.tasks.diagnose import diagnose_record
+from pam_ident.tasks.fit import fit_record
+from pam_ident.tasks.gate import GraveDoubt, admit, check_codes, may_name
+from pam_ident.tasks.setup import Setup
+
+MUSCLE = Specimen("made", 200.0, 10.0, 25.4, 1.5)
+QUICK = ("3 rows", "1000 identical rows", "hardly a pressure", "no force", "a saw of every row", "a spike of 1e300")
+SETUP = Setup("chou_hannaford")
+
+
+def record_of(table):
+    return record_from_frame(frame(np.asarray(table, float)), MUSCLE)
+
+
+@pytest.fixture
+def fine():
+    return record_of(good(np.random.default_rng(3)))
+
+
+def codes(record):
+    return [doubt.code for doubt in doubts_of(record) if doubt.grave]
+
+
+def asked(record, setup):
+    """All verbs; the names that are given, or None where that is refused. Anything but a PamError of 3 or 4 fails."""
+    inspect_record(record)
+    names = None
+    for verb in (fit_record, compare_record, diagnose_record):
+        try:
+            found = verb(record, setup)
+        except PamError as error:
+            assert error.exit_code in (3, 4) and "\n" not in str(error) and len(str(error)) < 700, str(error)
+        else:
+            names = found.selected if verb is diagnose_record else None
+    return names
+
+
+def check_degenerate(name, seed, law):
+    try:
+        record = record_of(KINDS[name](np.random.default_rng(seed)))
+    except PamError as error:
+        assert error.exit_code == 4
+        return
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        names = asked(record, Setup(law))
+    if name in NAMELESS:
+        assert not names, name
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_degenerate_record_is_refused_in_one_sentence(name):
+    check_degenerate(name, 1, "chou_hannaford")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("law", ["chou_hannaford", "exponential_law"])
+@pytest.mark.parametrize("name", KINDS)
+def test_no_degenerate_record_breaks_anything_or_is_named(name, law):
+    check_degenerate(name, 2, law)
+
+
+def test_there_are_sixty_kinds_of_degenerate_records():
+    assert len(KINDS) >= 60 and set(QUICK) <= NAMELESS <= set(KINDS)
+
+
+@pytest.mark.parametrize("name", [n for n in dataset_names() if n not in ("gait",)])
+def test_no_data_set_is_stopped(name):
+    record = read_record(dataset_record(name))
+    assert not codes(record) and kind_of(record) == "isobaric"
+    may_name(record, Setup("exponential_law").model)
+
+
+SLIPS = {
+    "pressure in bar": (1, lambda p: 10.0 * p, "scale"),
+    "pressure in psi": (1, lambda p: 145.0 * p / 20.0, "scale"),
+    "absolute pressure": (1, lambda p: p + 0.101325, "pressure_absolute"),
+    "turned pressure": (1, lambda p: -p, "pressure_sign"),
+    "force in pounds": (3, lambda f: f / 4.448, "scale"),
+    "force in kN": (3, lambda f: f / 1000.0, "scale"),
+    "turned force": (3, lambda f: -f, "force_sign"),
+    "clipped force": (3, lambda f: np.minimum(f, 0.5 * f.max()), "force_clipped"),
+    "a spike": (3, lambda f: np.where(np.arange(len(f)) == 9, 1e6, f), "impossible_value"),
+    "length in m": (2, lambda x: x / 1000.0, "displacement_scale"),
+    "length in inches": (2, lambda x: x / 25.4, "displacement_scale"),
+    "turned length": (2, lambda x: -x, "displacement_sign"),
+    "milliseconds": (0, lambda t: 1e3 * t, "clock_scale"),
+    "a clock a thousand times too fast": (0, lambda t: 1e-3 * t, "clock_scale"),
+}
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_is_grave_and_stops_naming_until_it_is_assumed(fine, slip):
+    column, change, code = SLIPS[slip]
+    assert not codes(fine)
+    table = good(np.random.default_rng(3))
+    table[:, column] = change(table[:, column])
+    record = record_of(table)
+    assert code in codes(record) and set(codes(record)) <= set(GRAVE)
+    with pytest.raises(GraveDoubt, match="nothing is named") as stopped:
+        may_name(record, SETUP.model)
+    assert stopped.value.exit_code == 4 and f"--assume {code}" in str(stopped.value)
+    assert [d.grave for d in stopped.value.doubts] == sorted((d.grave for d in stopped.value.doubts), reverse=True)
+
+
+def test_what_is_assumed_does_not_stop():
+    table = good(np.random.default_rng(3))
+    table[:, 3] = np.minimum(table[:, 3], 0.6 * table[:, 3].max())
+    record = record_of(table)
+    with pytest.raises(GraveDoubt):
+        may_name(record, SETUP.model)
+    for assume in (("force_clipped",), ("all",)):
+        assert [d.code for d in may_name(record, SETUP.model, assume) if d.grave] == ["force_clipped"]
+    with pytest.raises(UsageError, match="--assume clipped: expected all or one of"):
+        check_codes(["clipped"])
+
+
+def test_a_doubt_names_the_column_as_the_file_does():
+    table = frame(good(np.random.default_rng(3))).rename(columns={"force_N": "Force (kN)"})
+    found = doubts_of(record_from_frame(table, MUSCLE))
+    assert "scale" in [doubt.code for doubt in found]
+    table["Force (kN)"] *= -1e-3
+    (turned,) = [d for d in doubts_of(record_from_frame(table, MUSCLE)) if d.code == "force_sign"]
+    assert turned.column == "Force (kN)"
+
+
+def test_a_law_that_explains_nothing_is_said_first(fine):
+    shuffled = replace(fine, force=np.random.default_rng(1).permutation(fine.force))
+    for law in ("chou_hannaford", "exponential_law"):
+        with pytest.raises(GraveDoubt, match="explains nothing") as stopped:
+            may_name(shuffled, Setup(law).model)
+        assert stopped.value.doubts[0].code == "explains_nothing"
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("one pressure", "isobaric"),
+        ("locked at one length", "isometric"),
+        ("locked at four lengths", "isometric"),
+        ("a dead weight", "isotonic"),
+        ("no load", "isotonic"),
+        ("a pressure that rises all the time", "dynamic"),
+    ],
+)
+def test_the_kind_of_test_is_found_and_can_be_said(name, kind):
+    record = record_of(KINDS[name](np.random.default_rng(1)))
+    assert kind_of(record) == kind
+    assert kind_of(replace(record, said_kind="isobaric")) == "isobaric"
+
+
+def test_what_a_verb_cannot_answer_is_refused():
+    weight, locked = (record_of(KINDS[n](np.random.default_rng(1))) for n in ("a dead weight", "locked at one length"))
+    for naming in (False, True):
+        with pytest.raises(DataError, match="an isotonic test"):
+            admit(weight, naming)
+    admit(locked)
+    with pytest.raises(DataError, match="an isometric test"):
+        admit(locked, naming=True)
+    assert fit_record(locked, SETUP).fits["together"].rmse < 3.0
+
+
+BLAS = """
+import hashlib, sys
+from pam_ident.records.datasets import dataset_record
+from pam_ident.tasks.fit import fit_record
+from pam_ident.tasks.setup import Setup
+import pam_ident as pam
+setup = Setup("exponential_law", ("coulomb_friction",))
+record = setup.read(dataset_record("hidden_effect"))
+one, other = fit_record(record, setup).fits["together"], pam.fit(record, setup.model)
+assert one.values == other.values
+numbers = [*one.values.values(), *(e.stderr for e in one.estimates), one.rmse]
+print(" ".join(float(x).hex() for x in numbers))
+"""
+
+
+def test_numbers_do_not_hang_on_the_callers_threads():
+    told = []
+    for threads in ("1", "2"):
+        more = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), threads)
+        done = subprocess.run([sys.executable, "-c", BLAS], env=os.environ | more, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        told.append(done.stdout)
+    assert told[0] == told[1] and len(told[0].split()) > 10
+
+
+def test_blas_has_one_thread_inside():
+    import scipy.linalg  # noqa: F401
+    from threadpoolctl import threadpool_info
+
+    with one_blas_thread():
+        pools = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
+        assert pools and all(pool["num_threads"] == 1 for pool in pools)
