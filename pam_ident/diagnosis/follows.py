@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import lapack, solve_triangular
+from scipy.linalg import get_lapack_funcs, solve_triangular
 
 from ..core import Inputs
 from ..effects._history import cycles_of_test, relax, runs, since_first, time_held, way_travelled
@@ -42,6 +42,8 @@ SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
+(POSITIVE_SOLVE,) = get_lapack_funcs(("posv",), dtype=np.float64)
+"""Solves with a positive definite matrix, at a third of the time of numpy's general one."""
 SEEN, RIDGE = 1e-4, 1e-6
 """Share of a column that the model must leave for it to count, and what keeps dependent ones solvable."""
 
@@ -377,7 +379,7 @@ def _solved(gram: Array, product: Array, which: Array) -> Array:
         return np.empty(0)
     own = gram[which[:, None], which]
     own.flat[:: len(which) + 1] += RIDGE
-    return lapack.dposv(own, product[which])[1]
+    return POSITIVE_SOLVE(own, product[which])[1]
 
 
 def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
