@@ -5,6 +5,7 @@ they leave. It has a likelihood and a price as a set of names has, and no name.
 """
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -93,16 +94,17 @@ class Adequacy:
     def standing(self) -> Verdict:
         """The set with those of its names alone that may stand.
 
-        What they follow must be there, whatever else is, and what is left must follow nothing of it.
+        What they follow must be there, whatever else is, and neither what is left nor another name may follow it.
         """
-        sure = set(self.trial.following.needed) - self.left.drivers
+        followed = Counter(name for term in self.verdict.terms for name in term.effect.follows)
+        sure = {name for name in self.trial.following.needed if followed[name] == 1} - self.left.drivers
         kept = [t for t in self.verdict.terms if not t.effect.candidate or sure.issuperset(t.effect.follows[:1])]
         return self.trial.refit(kept, self.verdict.values)
 
     def pattern(self) -> Pattern:
         """What is left, in the words of the contract."""
-        first = self.left.shares()[0]
+        first = next((f for f in self.left.shares() if f.what != "noise"), None)
         beyond, share = self.unexplained
         size = math.sqrt(max(beyond, 0.0)) * self.free.noise.whole
-        text = f"about {size:.3g} N rms that no name explains; it follows {first.text}"
-        return Pattern("other", first.what, None, "", min(max(share, 0.0), 1.0), text)
+        text = f"about {size:.3g} N rms that no name explains{f'; it follows {first.text}' if first else ''}"
+        return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)

@@ -6,15 +6,13 @@ import numpy as np
 
 from ..effects import Effect
 from ..model import Term
-from ..records import Record
+from .follows import one_speed
 from .search import Choice
 from .trial import Trial, Verdict
 
 Array = np.ndarray
 CLOSE = 18.0
 """Difference in cost up to which two effects count as not told apart: odds of 10, tempered (`probability.TEMPER`)."""
-SPEED_RATIO = 1.5
-"""Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 
 
 def groups(trial: Trial, verdict: Verdict) -> tuple[tuple[str, ...], ...]:
@@ -33,15 +31,6 @@ def groups(trial: Trial, verdict: Verdict) -> tuple[tuple[str, ...], ...]:
         if twins:
             found.append((term.effect.name, *twins[:3]))
     return tuple(found)
-
-
-def one_speed(record: Record) -> bool:
-    """Whether all strokes of a record in time have practically the same speed."""
-    speed = record.inputs.stroke_speed
-    if speed is None or record.inputs.moving is None:
-        return False
-    live = speed[record.inputs.moving]
-    return len(live) > 0 and float(np.quantile(live, 0.95)) < SPEED_RATIO * float(np.quantile(live, 0.05))
 
 
 def _same_form(trial: Trial, term: Term) -> list[str]:

@@ -87,6 +87,7 @@ def diagnose(
         beside = None
     if beside is not None:
         verdict = beside.standing()
+        beside = replace(beside, verdict=verdict)
     named = [t for t in verdict.terms if t.effect.candidate]
     weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}
     named.sort(key=lambda t: -weights[t.effect.name])

@@ -109,12 +109,13 @@ def free_form(
     shapes: tuple[Param, ...] = (),
     role: type[Form] = AddsForce,
     unit: tuple[str, float] = ("N", 10.0),
-    uses_force: bool = False,
     remembers: bool = False,
     name: str = "free",
 ) -> Form:
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
+
+    Static effects have none, because all of them follow the same: only their written forms tell them apart.
 
     `pressure` and `contraction` are the surface's orders; `text` says the states in the formula, `unit` that of the
     coefficients with their usual size.
@@ -131,8 +132,8 @@ def free_form(
         surface = inputs.xp.stack([p**i * e**j for i, j in orders]).T
         return (states(inputs, shape, force)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
 
-    formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j" if len(orders) > 1 else f"Σ f_k · {text}"
-    return role(name, formula, sizes, columns, shapes, uses_force, remembers)
+    formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j"
+    return role(name, formula, sizes, columns, shapes, remembers=remembers)
 
 
 def one(values: Array) -> Array:

@@ -3,7 +3,7 @@
 import math
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, free_form, one
+from .base import AddsForce, Array, Effect, Shape, one
 
 E_MOD = Param("E", "MPa", "Young's modulus of the bladder", 0.0, 200.0, scale=1.0)
 K = Param("K", "N", "stiffness of the bladder over contraction", 0.0, 1e5, scale=50.0)
@@ -70,10 +70,6 @@ def _yeoh(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return -section * d1[:, None] * xp.stack([xp.ones_like(i1), 2.0 * i1, 3.0 * i1**2]).T
 
 
-def _even(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-inputs.xp.ones(len(inputs)))
-
-
 EFFECT = Effect(
     name="bladder_elasticity",
     title="Elasticity of the bladder",
@@ -85,7 +81,6 @@ EFFECT = Effect(
         AddsForce("mooney_rivlin", "−2π r0 t (C1 dI1/dε + C2 dI2/dε)", (C1, C2), _mooney_rivlin),
         AddsForce("gent", "−π r0 t G (dI1/dε)/(1 − (I1−3)/J_m)", (G,), _gent, (J_M,)),
         AddsForce("yeoh", "−2π r0 t (dI1/dε)(C10 + 2 C20 (I1−3) + 3 C30 (I1−3)²)", (C10, C20, C30), _yeoh),
-        free_form("−1", _even, pressure=0, contraction=4),
     ),
     follows=("map",),
     test="a sweep at low pressure, down to none: the force that is left is the bladder's",

@@ -2,7 +2,7 @@
 
 from ..core import Inputs, Param
 from ._history import since_first
-from .base import AddsForce, Array, Effect, Shape, free_form, one
+from .base import AddsForce, Array, Effect, Shape, one
 
 RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0)
 LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0)
@@ -42,11 +42,6 @@ def _swinging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return xp.stack([xp.sin(angle), 1.0 - xp.cos(angle)]).T
 
 
-def _powers(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    late = elapsed(inputs) / 600.0
-    return inputs.xp.stack([late, late**2, late**3]).T
-
-
 EFFECT = Effect(
     name="force_drift",
     title="Drift of the force",
@@ -58,7 +53,6 @@ EFFECT = Effect(
         AddsForce("logarithmic", "+F_d ln(1 + t/τ)", (LEVEL,), _logarithmic, (TAU,)),
         AddsForce("settling_on", "+F_d (1 − exp(−t/τ)) + rate · t", (LEVEL, RATE), _settling_on, (TAU,)),
         AddsForce("swinging", "+F_sin sin(2πt/T) + F_cos (1 − cos(2πt/T))", SWING, _swinging, (PERIOD,)),
-        free_form("(t, t², t³)/10 min", _powers, 3, pressure=0, contraction=0),
     ),
     follows=("clock",),
     test="tare before and after; pressures in random order",

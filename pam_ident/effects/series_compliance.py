@@ -1,7 +1,7 @@
 """Fixture and load cell give way under load, so that the muscle is shorter than the sensor says."""
 
 from ..core import Inputs, Param
-from .base import Array, Effect, Shape, TransformsContraction, free_form, one
+from .base import Array, Effect, Shape, TransformsContraction, one
 
 COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0)
 N = Param("n", "1", "exponent of the stretch over force", 0.3, 1.0, start=0.67, grid=(0.5, 0.67))
@@ -22,10 +22,6 @@ def _contact(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return one(share ** shape["n"] / inputs.specimen.initial_length_mm)
 
 
-def _powers(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _columns(inputs, shape, force) * inputs.xp.stack([force / 500.0] * 3).T ** inputs.xp.arange(3)
-
-
 EFFECT = Effect(
     name="series_compliance",
     title="Compliance in series",
@@ -36,16 +32,6 @@ EFFECT = Effect(
             "stiffening", "ε → ε + F/(K L0 (1 + F/F_1))", (COMPLIANCE,), _stiffening, (F_1,), uses_force=True
         ),
         TransformsContraction("contact", "ε → ε + (F/1000 N)^n/(K L0)", (COMPLIANCE,), _contact, (N,), uses_force=True),
-        free_form(
-            "ε → ε + (F, F²/500 N, F³/(500 N)²)/L0",
-            _powers,
-            3,
-            pressure=0,
-            contraction=0,
-            role=TransformsContraction,
-            unit=("mm/kN", 1.0),
-            uses_force=True,
-        ),
     ),
     follows=("map",),
     test="a steel bar in place of the muscle",

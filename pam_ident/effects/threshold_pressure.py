@@ -1,7 +1,7 @@
 """Pressure that is spent before the bladder touches the braid."""
 
 from ..core import Inputs, Param
-from .base import Array, Effect, Shape, TransformsPressure, free_form, one
+from .base import Array, Effect, Shape, TransformsPressure, one
 
 P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01)
 GROWTH = Param(
@@ -32,7 +32,6 @@ EFFECT = Effect(
         TransformsPressure("textbook", "p → max(p − p_th, 0)", (P_TH,), _hard),
         TransformsPressure("stretching", "p → max(p − p_th (1 + g ε), 0)", (P_TH,), _stretching, (GROWTH,)),
         TransformsPressure("soft", "p → p − p_th (1 − exp(−p/w))", (P_TH,), _soft, (WIDTH,)),
-        free_form("p → p − 1", _hard, role=TransformsPressure, unit=("MPa", 0.01)),
     ),
     follows=("map",),
     test="low pressures in small steps, and the pressure gauge against a second one",
