@@ -76,7 +76,7 @@ def diagnose(
     suspects = [e for e in _allowed(extra, without, only) if e.candidate and e.name not in model.effect_names]
     steady = thinned(replace(record, inputs=record.steady), MOST)
     alone = fit(model, steady, start=base.values, detail=False)
-    following = Following(steady, model, alone.values)
+    following = Following.steady(record, model, alone.values)
     seen = [e for e in suspects if not e.missing(record.inputs)]
     uncovered = following.uncovered([*seen, *(term.effect for term in model.terms)])
     tried = () if uncovered else [e.name for e in seen if following.supports(e.follows)]

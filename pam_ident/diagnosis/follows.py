@@ -27,6 +27,8 @@ from ..fitting.floor import repeats
 from ..fitting.solve import jacobian
 from ..model import Model
 from ..records import Record, thinned
+from ..records.motion import noise_around
+from .dictionary import slopes
 from .nouns import Follows
 from .repeats import in_common
 from .search import orthonormal
@@ -38,6 +40,10 @@ ORDERS = 120
 """Orders of drivers over which shares are averaged, at most."""
 EQUAL = 20.0
 """Twice the log odds up to which drivers could stand in each other's place."""
+NEGLIGIBLE = 0.05
+"""Share of the noise's variance below which it does not matter how unsure the position is."""
+AROUND, SMOOTHED = 2, 0.5
+"""Samples at each side of a corner that are as unsure as the sensor, and the share of its noise that others keep."""
 SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 BESIDE = 0.01
@@ -162,32 +168,55 @@ class Following:
     """What a model leaves, and how much of it smooth surfaces over each set of drivers explain.
 
     `chosen` are the drivers of the likeliest set, `remainder` (n,) in N what the richest surfaces of all of them leave,
-    `freedom` the degrees of freedom that they take, and `memory` the samples of it that count as one.
+    `freedom` the degrees of freedom that they take, and `memory` the samples of it that count as one. `unsure` (n,) is
+    how far the position may be off, in mm: where the force is steep, such rows have less weight.
     """
 
-    def __init__(self, record: Record, model: Model, values: Mapping[str, float]) -> None:
-        inputs = record.inputs
-        left = record.force - model.force(inputs, values)
-        law = orthonormal(jacobian(model, inputs, values, record.force))
-        self.record, self.left = record, left - law @ (law.T @ left)
-        self.surfaces = Surfaces(inputs, law, self.left)
+    def __init__(self, record: Record, model: Model, values: Mapping[str, float], unsure: Array | None = None) -> None:
+        self.record, self.unsure = record, unsure
+        self._look(model, values, np.ones(len(record)))
+        if unsure is not None:
+            slope = slopes(model, record.inputs, values).contraction / record.specimen.initial_length_mm
+            extra = (unsure * slope) ** 2 / max(self.variance, 1e-300)
+            if np.mean(extra) > NEGLIGIBLE:
+                self._look(model, values, 1.0 / np.sqrt(1.0 + extra))
         names = self.surfaces.names
-        richest = frozenset({name: k for k, name in enumerate(names)}.values())
+        self.best = self._found() if self.left.any() else frozenset[int]()
+        self.chosen = frozenset(names[k] for k in self.best)
+
+    def _look(self, model: Model, values: Mapping[str, float], weight: Array) -> None:
+        """Work out what is left, surfaces and noise, rows by their weight (n,)."""
+        inputs, self.weight = self.record.inputs, weight
+        left = (self.record.force - model.force(inputs, values)) * weight
+        law = orthonormal(jacobian(model, inputs, values, self.record.force) * weight[:, None])
+        self.left = left - law @ (law.T @ left)
+        self.surfaces = Surfaces(inputs, law, self.left, weight)
+        richest = frozenset({name: k for k, name in enumerate(self.surfaces.names)}.values())
         self.remainder = self.left - self.surfaces.explained(richest)
         self.freedom = self.surfaces.of(richest)[1]
         self.variance = float(self.remainder @ self.remainder) / max(len(left) - self.freedom, 1.0)
         self.memory = _memory(self.remainder)
-        self.best = self._found() if self.left.any() else frozenset[int]()
-        self.chosen = frozenset(names[k] for k in self.best)
 
     @classmethod
     def of(cls, fit: Fit) -> "Following":
-        """Of the rows of a fit, by the record's steady inputs.
-
-        The noise of pressure and length, which the model turns into force, would follow what is measured.
-        """
+        """Of the rows of a fit."""
         record = fit.record if fit.rows.all() else fit.record.take(fit.rows)
-        return cls(thinned(replace(record, inputs=record.steady), ROWS), fit.model, fit.values)
+        return cls.steady(record, fit.model, fit.values)
+
+    @classmethod
+    def steady(cls, record: Record, model: Model, values: Mapping[str, float]) -> "Following":
+        """Of a model, by the record's steady inputs.
+
+        The noise of pressure and length, which the model turns into force, would follow what is measured. Next to where
+        a move begins or ends no smooth track takes the position's noise out.
+        """
+        steady, raw = thinned(replace(record, inputs=record.steady), ROWS), thinned(record, ROWS)
+        unsure = None
+        if raw.inputs.time is not None and raw.inputs.moving is not None:
+            changes = np.abs(np.diff(raw.inputs.direction * raw.inputs.moving, prepend=0.0)) > 0.0
+            near = np.convolve(changes, np.ones(2 * AROUND + 1), "same") > 0.0
+            unsure = noise_around(raw.inputs.displacement_mm, raw.inputs.time) * np.where(near, 1.0, SMOOTHED)
+        return cls(steady, model, values, unsure)
 
     def evidence(self, groups: frozenset[int]) -> float:
         """Gain of a set of groups of surfaces, in variances of the noise, less its price.
@@ -310,7 +339,7 @@ class Surfaces:
     A group is a driver at one degree of detail: some of its states, times polynomials up to some orders.
     """
 
-    def __init__(self, inputs: Inputs, law: Array, left: Array) -> None:
+    def __init__(self, inputs: Inputs, law: Array, left: Array, weight: Array) -> None:
         parts: list[Array] = []
         self.names: list[str] = []
         self.columns: list[Array] = []
@@ -329,7 +358,7 @@ class Surfaces:
                 for p, e in driver.orders:
                     self.columns.append(place[list(which), : p + 1, : e + 1].ravel())
                     self.names.append(driver.what)
-            parts.append(product.reshape(len(left), -1))
+            parts.append(product.reshape(len(left), -1) * weight[:, None])
             begin += place.size
         matrix = np.hstack([np.empty((len(left), 0)), *parts])
         before = np.linalg.norm(matrix, axis=0)
