@@ -48,7 +48,7 @@ class FreeModel:
         surfaces, best = following.surfaces, following.best
         _, freedom = surfaces.of(best)
         slope = trial.law.around.contraction / trial.record.specimen.initial_length_mm
-        left = (following.left - surfaces.explained(best)) / following.weight
+        left = following.newtons - surfaces.explained(best) / following.weight
         noise = estimate_noise(trial.record, left, slope, freedom + len(trial.base.values), trial.noise.outlier)
         return cls(noise.deviance + trial.price.per_parameter * freedom, noise)
 
@@ -75,10 +75,8 @@ class Adequacy:
     @cached_property
     def unexplained(self) -> tuple[float, float]:
         """Squares that the set leaves beyond noise: as a share of the noise's, and of what is to be explained."""
-        left, alone = (
-            float(np.mean((one.left / one.weight)[~self.free.noise.outlier] ** 2))
-            for one in (self.left, self.trial.following)
-        )
+        clean = ~self.free.noise.outlier
+        left, alone = (float(np.mean(one.newtons[clean] ** 2)) for one in (self.left, self.trial.following))
         noise = self.free.noise.whole**2
         return (left - noise) / noise, (left - noise) / max(alone - noise, 1e-9 * noise)
 

@@ -265,6 +265,11 @@ class Following:
                 return best
             best = better
 
+    @property
+    def newtons(self) -> Array:
+        """What the model leaves in N, its own slopes projected out, (n,)."""
+        return self.left / self.weight
+
     @cached_property
     def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
         """For each of the likeliest drivers what is lost without it, and the likeliest then."""
@@ -379,7 +384,7 @@ class Surfaces:
         return self.known[groups]
 
     def beyond(self, groups: frozenset[int]) -> Array:
-        """What each group gains beyond a set of others, (number of groups,)."""
+        """What each group gains beyond a set of others, shape (groups,)."""
         if groups not in self.added:
             gram, product = self.gram, self.product
             which = self._which(groups)

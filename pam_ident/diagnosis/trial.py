@@ -251,9 +251,8 @@ class Trial:
 
     def _noise(self, view: "View") -> Noise:
         """Noise is what the law, surfaces over all drivers and free curves over contraction still leave."""
-        free = (
-            [] if self.record.inputs.time is None else [self.following.surfaces.matrix / self.following.weight[:, None]]
-        )
+        following = self.following
+        free = [] if self.record.inputs.time is None else [following.surfaces.matrix / following.weight[:, None]]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
         left, taken = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
         slope = view.around.contraction / self.record.specimen.initial_length_mm
