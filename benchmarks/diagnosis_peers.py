@@ -1,6 +1,6 @@
 """The diagnosis beside what a careful user would try: stepwise regression by BIC, and PySINDy on the residual.
 
-    python benchmarks/diagnosis_peers.py [--n 60] [--seed 103] [--workers 2] [--markdown docs/diagnosis.md] [--out SET]
+    python benchmarks/diagnosis_peers.py [--n 60] [--seed 103] [--workers 2] [--markdown FILE] [--out SET]
 
 All answer the same sealed set, are scored by the same rules, and have the textbook formulas from the same catalogue.
 Prints right / exact by kind and the median time of a record for each; `--markdown` writes the table between the marks

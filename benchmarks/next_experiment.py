@@ -1,6 +1,6 @@
 """How often the next experiment splits a confused pair: the chosen run beside a random one and the old rule's.
 
-python benchmarks/next_experiment.py [SEEDS] prints the table of docs/diagnosis.md. A poor record is made on the virtual
+python benchmarks/next_experiment.py [SEEDS] prints a table. A poor record is made on the virtual
 rig and diagnosed; where another effect is grouped with the answer, or named in its place, each run is made on the same
 muscle and diagnosed by itself. It is split when the hidden effect is named alone, with nothing in its group.
 """

@@ -1,4 +1,4 @@
-"""The ladder on measured muscles: what docs/diagnosis.md tells of them, against fits made here without the program."""
+"""The ladder on measured muscles: what docs/validation.md tells of them, against fits made here without the program."""
 
 import math
 import re
@@ -148,7 +148,7 @@ def test_in_a_table_the_form_is_the_one_that_foretells(measured_map):
 
 
 def test_the_page_tells_the_ladder_on_the_map(root, bench, measured_map):
-    page = (root / "docs" / "diagnosis.md").read_text(encoding="utf-8")
+    page = (root / "docs" / "validation.md").read_text(encoding="utf-8")
     part = page.split("**DMSP-20-300**")[1].split("\n\n**")[0]
     figures = r"\| (\d+) \| ([\d.]+) \| ([\d.]+) \|"
     told, now = (

@@ -65,7 +65,7 @@ def test_types_come_along(root):
 
 def test_figures_of_the_paper_stand_in_the_pages(root):
     paper = read(root / "paper" / "paper.md")
-    pages = [read(root / "docs" / f"{name}.md") for name in ("diagnosis", "benchmarks", "laws")]
+    pages = [read(root / "docs" / f"{name}.md") for name in ("validation", "benchmarks", "laws")]
     lines = [line for page in pages for line in page.splitlines()]
     evidence = re.sub(r"\[@\w+\]|DMSP-20-300", "", paper.partition("# Evidence")[2].partition("# References")[0])
     told = re.findall(r"(\d+(?:\.\d+)?(?: %)?)(?: of (?:the )?(\d+))?", evidence)
