@@ -24,7 +24,7 @@ COLOUR = {
 """A colour each, the same in every figure."""
 DARK = {BLUE, VERMILION, PURPLE, BLACK, GREEN, GREY}
 SEEN = 0.005
-"""Shares below this are neither drawn nor named."""
+"""Shares below this are neither drawn nor named, but for the noise."""
 WRITTEN = 0.09
 """Shares from this on are written into the bar."""
 
@@ -41,7 +41,7 @@ class Piece:
 
 def data(follows: Sequence[Follows]) -> tuple[Piece, ...]:
     """The pieces from left to right in the order given, which is largest first and noise last."""
-    shown = [one for one in follows if one.share >= SEEN]
+    shown = [one for one in follows if one.share >= SEEN or one.what == "noise"]
     begins = accumulate((one.share for one in shown), initial=0.0)
     return tuple(
         Piece(one.text, begin, one.share, COLOUR.get(one.what, INK)) for one, begin in zip(shown, begins, strict=False)

@@ -138,10 +138,11 @@ def _added(before: Fit, after: Fit) -> str:
 def _mark_isobars(axes: Axes, shown: Signature) -> None:
     """Pale stripes for every second isobar and the pressure in each, as far as there is room."""
     whole = shown.isobars[-1][1] - shown.isobars[0][0] or 1.0
+    room = 0.075 * WIDTH / axes.get_figure(root=True).get_figwidth()
     for i, (begin, end, level) in enumerate(shown.isobars):
         if i % 2 == 0:
             axes.axvspan(begin, end, color=SKY, alpha=0.1, linewidth=0.0, zorder=0)
-        if (end - begin) / whole > 0.06:
+        if (end - begin) / whole > room:
             axes.text(
                 0.5 * (begin + end),
                 0.98,

@@ -41,16 +41,17 @@ def _added(section: Section) -> tuple[str, ...]:
 
 
 def _verdict(section: Section) -> str:
-    """Of the model as it is in the end."""
-    if section.ladder is not None:
-        return section.ladder.verdict
-    return section.diagnosis.verdict if section.after is None else "adequate"
+    """Of the model as it is in the end; nothing where nobody asked it about more."""
+    last = section.ladder.last if section.ladder is not None else section.diagnosis
+    asked = last is not section.diagnosis or section.after is None or last.verdict == "unknown_effect"
+    return last.verdict if asked else ""
 
 
 def _headline(section: Section) -> str:
     added, verdict = _added(section), _verdict(section)
     if added:
-        return f"Missing: {', and '.join(added)}.{REMAINS.get(verdict, '')}"
+        named = " and ".join(filter(None, (", ".join(added[:-1]), added[-1])))
+        return f"Missing: {named}.{REMAINS.get(verdict, '')}"
     if verdict == "adequate":
         return "Nothing is missing that this record could show."
     return REMAINS.get(verdict, section.diagnosis.verdict).strip()
@@ -83,15 +84,14 @@ def _falling(section: Section, easel: Easel) -> tuple[Picture, ...]:
     if ladder is None or len(ladder.rungs) < 2:
         return ()
     known = titles(ladder.rungs[-1].fit.model)
-    names, before = ["law alone"], set[str]()
+    before = set(ladder.rungs[0].fit.model.effect_names)
+    names = ["model as given" if before else "law alone"]
     for rung in ladder.rungs[1:]:
         new = [f"+ {known.get(name, name)}" for name in rung.fit.model.effect_names if name not in before]
         before |= set(rung.fit.model.effect_names)
         names.append("\n".join(fill(one, max(44 // len(ladder.rungs), 9)) for one in new))
     label = "Falling rms error as effects are added, down to the noise"
-    caption = (
-        f"The error falls to {newtons(ladder.rungs[-1].fit.rmse)}; the noise is about {newtons(ladder.noise_floor)}."
-    )
+    caption = "The error as effects are added, down to the noise."
     return (easel.hang(plot.ladder.draw(ladder, names, BESIDE), label, caption),)
 
 
@@ -119,7 +119,7 @@ def _next(section: Section) -> tuple[str, ...]:
     experiment = diagnosis.next_experiment if found else last.next_experiment or diagnosis.next_experiment
     if experiment is not None:
         todo = experiment.text
-    elif _verdict(section) == "adequate":
+    elif _verdict(section) in ("adequate", ""):
         todo = f"use the {'completed model' if section.after else 'model'}; its parameters are below."
     else:
         todo = "look at where the model fails, below."
