@@ -122,7 +122,7 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
     for axes in panels:
         zero_line(axes)
         axes.set_ylabel("error (N)")
-        _mark_isobars(axes, shown)
+        _mark_isobars(axes, shown, width)
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, labelcolor=INK)
     low.set_xlabel(shown.axis)
     reach = 1.3 * float(np.quantile(np.abs(np.r_[shown.before, shown.after]), 0.995))
@@ -135,10 +135,10 @@ def _added(before: Fit, after: Fit) -> str:
     return f" adding {', '.join(labels or ['nothing']) if sum(map(len, labels)) < 60 else f'{len(labels)} effects'}"
 
 
-def _mark_isobars(axes: Axes, shown: Signature) -> None:
+def _mark_isobars(axes: Axes, shown: Signature, width: float) -> None:
     """Pale stripes for every second isobar and the pressure in each, as far as there is room."""
     whole = shown.isobars[-1][1] - shown.isobars[0][0] or 1.0
-    room = 0.075 * WIDTH / axes.get_figure(root=True).get_figwidth()
+    room = 0.075 * WIDTH / width
     for i, (begin, end, level) in enumerate(shown.isobars):
         if i % 2 == 0:
             axes.axvspan(begin, end, color=SKY, alpha=0.1, linewidth=0.0, zorder=0)
