@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..diagnosis.nouns import Ladder
-from .style import BEHIND, BLUE, GREY, INK, VERMILION, canvas, styled
+from .style import BEHIND, BLUE, GREY, INK, VERMILION, WIDTH, canvas, styled
 
 Array = np.ndarray
 
@@ -46,10 +46,11 @@ def data(ladder: Ladder) -> LadderData:
 
 
 @styled
-def draw(ladder: Ladder) -> Figure:
-    """Both errors over the rungs on a logarithmic scale, the noise floor as a line."""
+def draw(ladder: Ladder, names: Sequence[str] = (), width: float = WIDTH) -> Figure:
+    """Both errors over the rungs on a logarithmic scale, the noise floor as a line; `names` of the rungs in place of
+    the code's."""
     shown = data(ladder)
-    figure = canvas(3.6)
+    figure = canvas(min(3.6, 0.48 * width), width)
     axes = figure.subplots()
     x = np.arange(len(shown.names))
     axes.axhline(shown.noise_floor, color=GREY, linestyle="--", linewidth=1.2)
@@ -68,7 +69,9 @@ def draw(ladder: Ladder) -> Figure:
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_xlim(-0.5, max(len(x) - 0.5, 0.5) + 0.15)
-    if len(x) > 4:
+    if names:
+        axes.set_xticks(x, list(names), fontsize=8.0 if len(x) < 4 else 7.0)
+    elif len(x) > 4:
         tilt = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"} if len(x) > 6 else {}
         axes.set_xticks(x, [name.replace(":", "\n:") for name in shown.names], fontsize=7.5, **tilt)
     else:

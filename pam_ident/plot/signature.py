@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from ..fitting import Fit
 from ..records import Record
-from .style import BLUE, GREY, INK, SKY, VERMILION, canvas, running_mean, styled, thin, zero_line
+from .style import BLUE, GREY, INK, SKY, VERMILION, WIDTH, canvas, running_mean, styled, thin, zero_line
 
 Array = np.ndarray
 
@@ -88,13 +88,16 @@ def _isobars(level: Array, place: Array) -> tuple[tuple[float, float, float], ..
 
 
 @styled
-def draw(before: Fit, after: Fit, limit: int = 1500) -> Figure:
-    """Error before with the effect's trace through it, and below what is left after, on one scale."""
-    shown = data(before, after, limit)
-    figure = canvas(5.2)
-    panels = figure.subplots(2, 1, sharex=True, sharey=True)
-    top, low = panels
-    smooth = f", mean of {shown.window} samples" if shown.window > 1 else ""
+def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float = WIDTH) -> Figure:
+    """Error before with the effect's trace through it, and below what is left after, on one scale.
+
+    Without a second fit the first's error alone. Below the usual `width` (inches) the words are fewer.
+    """
+    shown, narrow = data(before, after or before, limit), width < WIDTH
+    figure = canvas(5.2 if after else 3.0, width)
+    panels = figure.subplots(2 if after else 1, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    top, low = panels[0], panels[-1]
+    smooth = f"mean of {shown.window} samples" if shown.window > 1 else ""
     dots = {
         "linestyle": "",
         "marker": ".",
@@ -103,21 +106,23 @@ def draw(before: Fit, after: Fit, limit: int = 1500) -> Figure:
         "color": GREY,
         "alpha": 0.45,
     }
+
+    def label(when: str) -> str:
+        return smooth or when if narrow else ", ".join(filter(None, (when, smooth)))
+
     top.plot(shown.x, shown.before, **dots)
-    top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label=f"error before{smooth}")
-    top.plot(
-        shown.line, shown.effect, color=VERMILION, linewidth=1.0, label="what the added effects change in the model"
-    )
-    low.plot(shown.x, shown.after, **dots)
-    low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=f"error after{smooth}")
-    top.set_title(f"Before: {before.rmse:.3g} N rms")
-    labels = [label for label in after.model.labels if label not in before.model.labels]
-    what = ", ".join(labels or ["nothing"]) if sum(map(len, labels)) < 60 else f"{len(labels)} effects"
-    low.set_title(f"After adding {what}: {after.rmse:.3g} N rms")
+    top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label=label("error before" if after else "error"))
+    top.set_title(f"{'Before' if after else 'Error'}: {before.rmse:.3g} N rms")
+    if after is not None:
+        changes = "what is added" if narrow else "what the added effects change in the model"
+        top.plot(shown.line, shown.effect, color=VERMILION, linewidth=1.0, label=changes)
+        low.plot(shown.x, shown.after, **dots)
+        low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=label("error after"))
+        low.set_title(f"After{'' if narrow else _added(before, after)}: {after.rmse:.3g} N rms")
     for axes in panels:
         zero_line(axes)
         axes.set_ylabel("error (N)")
-        _mark_isobars(axes, shown)
+        _mark_isobars(axes, shown, width)
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, labelcolor=INK)
     low.set_xlabel(shown.axis)
     reach = 1.3 * float(np.quantile(np.abs(np.r_[shown.before, shown.after]), 0.995))
@@ -125,13 +130,19 @@ def draw(before: Fit, after: Fit, limit: int = 1500) -> Figure:
     return figure
 
 
-def _mark_isobars(axes: Axes, shown: Signature) -> None:
+def _added(before: Fit, after: Fit) -> str:
+    labels = [label for label in after.model.labels if label not in before.model.labels]
+    return f" adding {', '.join(labels or ['nothing']) if sum(map(len, labels)) < 60 else f'{len(labels)} effects'}"
+
+
+def _mark_isobars(axes: Axes, shown: Signature, width: float) -> None:
     """Pale stripes for every second isobar and the pressure in each, as far as there is room."""
     whole = shown.isobars[-1][1] - shown.isobars[0][0] or 1.0
+    room = 0.075 * WIDTH / width
     for i, (begin, end, level) in enumerate(shown.isobars):
         if i % 2 == 0:
             axes.axvspan(begin, end, color=SKY, alpha=0.1, linewidth=0.0, zorder=0)
-        if (end - begin) / whole > 0.06:
+        if (end - begin) / whole > room:
             axes.text(
                 0.5 * (begin + end),
                 0.98,

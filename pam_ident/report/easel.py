@@ -26,7 +26,8 @@ class Picture:
 class Part:
     """A heading with, in this order, text, facts, figures, tables and notes; `id` is its anchor.
 
-    `steps` are parts of which a screen shows one at a time, each under a short name, and paper all.
+    `steps` are parts of which a screen shows one at a time, each under a short name, and paper all. What follows an
+    `opening` on a page is folded; its first picture is the largest.
     """
 
     id: str
@@ -38,6 +39,7 @@ class Part:
     badge: tuple[str, str] | None = None
     facts: tuple[tuple[str, str], ...] = ()
     steps: tuple[tuple[str, "Part"], ...] = ()
+    opening: bool = False
 
 
 @dataclass

@@ -6,21 +6,22 @@ from .. import plot
 from ..diagnosis.nouns import Diagnosis
 from . import tables
 from .easel import Easel, Part
+from .opening import opening
 from .rungs import steps
 from .story import Section
-from .words import VERDICTS, equation, groups, named, newtons, titles
+from .words import equation, groups, named, newtons, titles
 
 
 def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
     """All parts that the section has something to say in."""
     easel = Easel(prefix, points)
     builders: tuple[Callable[[Section, Easel], Part | None], ...] = (
-        _verdict,
+        opening,
+        _numbers,
         _measured,
         _failure,
         _suspects,
         _ladder,
-        _signature,
         _pattern,
         _parameters,
         _isobars,
@@ -32,10 +33,8 @@ def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
     return tuple(part for part in found if part is not None)
 
 
-def _verdict(section: Section, easel: Easel) -> Part:
-    diagnosis = section.diagnosis
-    badge = VERDICTS.get(diagnosis.verdict, (diagnosis.verdict, ""))
-    after = section.after
+def _numbers(section: Section, easel: Easel) -> Part:
+    diagnosis, after = section.diagnosis, section.after
     facts = [("law", section.before.model.law.name), ("error of the law", newtons(section.before.rmse) + " rms")]
     if after is not None:
         facts.append(("error after", newtons(after.rmse) + " rms"))
@@ -47,7 +46,7 @@ def _verdict(section: Section, easel: Easel) -> Part:
         ("held-out error", heldout),
         ("record", f"{len(section.record)} samples, {len(section.record.levels)} isobars"),
     ]
-    return Part(f"{easel.prefix}-verdict", "Verdict", (diagnosis.sentence,), badge=badge, facts=tuple(facts))
+    return Part(f"{easel.prefix}-numbers", "The answer in numbers", (diagnosis.sentence,), facts=tuple(facts))
 
 
 def _measured(section: Section, easel: Easel) -> Part:
@@ -138,35 +137,14 @@ def _ladder(section: Section, easel: Easel) -> Part | None:
         f"From {newtons(first)} to {newtons(last)} rms in {count} step{'' if count == 1 else 's'}; "
         f"the noise floor is {newtons(ladder.noise_floor)}."
     )
-    picture = easel.hang(
-        plot.ladder.draw(ladder),
-        "Falling rms error over the rungs of the ladder",
-        "The rms error as effects are added one by one, on the fitted data and on data held out of the fit.",
-    )
     return Part(
         anchor,
         heading,
         (text,),
-        (picture,),
-        (tables.ladder(ladder),),
-        (end,),
+        tables=(tables.ladder(ladder),),
+        notes=(end,),
         steps=steps(ladder, easel),
     )
-
-
-def _signature(section: Section, easel: Easel) -> Part | None:
-    after, ladder = section.after, section.ladder
-    if after is None or not after.model.labels:
-        return None
-    if ladder is not None and len(ladder.rungs) == 2 and ladder.rungs[1].fit.model == after.model:
-        return None  # the only rung shows it
-    caption = (
-        "Above: the error of the law alone over the record, with what the added effects change in the modelled force. "
-        "Where the two coincide, the effects explain the error. Below: what is left."
-    )
-    label = f"Error over the record before and after adding {', '.join(after.model.labels)}"
-    picture = easel.hang(plot.signature.draw(section.before, after, easel.points), label, caption)
-    return Part(f"{easel.prefix}-signature", "The trace of the added effects", pictures=(picture,))
 
 
 def _pattern(section: Section, easel: Easel) -> Part | None:

@@ -57,6 +57,11 @@ def newtons(value: float | None) -> str:
     return f"{number(value, 3)} N"
 
 
+def likely(probability: float) -> str:
+    """A probability in per cent; nothing is certain."""
+    return "> 99 %" if probability > 0.99 else "< 1 %" if probability < 0.01 else f"{probability:.0%}"
+
+
 def titles(model: Model) -> dict[str, str]:
     """Plain names of the effects by name: the catalogue's, and those of the model's own terms."""
     known: dict[str, Effect] = catalogue() | {term.effect.name: term.effect for term in model.terms}

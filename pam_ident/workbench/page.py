@@ -93,7 +93,7 @@ class Workbench(Viewer):
         self.anyway.on_click(lambda _: self._change(lambda bench: bench.all_the_same()))
         self.verdict = html()
         self.suspects = pn.Column(**wide)
-        self.views = {name: html() for name in ("falling", "measured", "where", "trace", "parameters")}
+        self.views = {name: html() for name in ("follows", "falling", "measured", "where", "trace", "parameters")}
         self.tabs = pn.Tabs(
             ("Measured against model", self.views["measured"]),
             ("Where it fails", self.views["where"]),
@@ -103,7 +103,7 @@ class Workbench(Viewer):
         )
         self.main = pn.Column(
             self.head, self.error, pn.Row(self.find, self.anyway, self.bar, self.stop, self.status), self.verdict,
-            self.views["falling"], self.suspects, self.tabs,
+            self.views["follows"], self.views["falling"], self.suspects, self.tabs,
             styles={"flex": "1 1 30rem", "min-width": "0"},
         )  # fmt: skip
         self.page = Page(
@@ -235,8 +235,9 @@ class Workbench(Viewer):
         bench, drawn = self.bench, drawn or {}
         self.head.object = str(words.head(bench))
         self.verdict.object = str(words.verdict(bench))
-        for name in ("falling", "measured", "trace"):
+        for name in ("follows", "falling", "measured", "trace"):
             self.views[name].object = str(drawn.get(name, ""))
+        self.views["follows"].object = str(words.follows(bench, drawn))
         self.views["where"].object = str(words.where(bench, drawn))
         self.views["parameters"].object = str(words.parameters(bench))
         self.side.show(bench, self.setup)

@@ -18,7 +18,7 @@ _drawing = threading.Lock()
 
 
 def pictures(bench: Bench) -> dict[str, Markup]:
-    """Figures by name: `measured`, `where`, `along`, after a diagnosis `falling`, with an effect `trace`."""
+    """Figures by name: `follows`, `measured`, `where`, `along`, after a diagnosis `falling`, with an effect `trace`."""
     ladder = bench.ladder
     before, after = bench.law_alone, bench.fit if bench.fit.model.terms else None
     found: dict[str, Markup] = {}
@@ -27,6 +27,8 @@ def pictures(bench: Bench) -> dict[str, Markup]:
         found[name] = embed(draw(), f"w{next(_numbers)}", label, tips=tips)
 
     with _drawing:
+        hang("follows", "What the error of the present model follows, as one bar",
+             lambda: plot.follows.draw(bench.comparison.follows))  # fmt: skip
         if ladder is not None and len(ladder.rungs) > 1:
             hang("falling", "Rms error as effects are added", lambda: plot.ladder.draw(ladder))
         hang("measured", "Measured and modelled force over contraction, and the error below",

@@ -7,6 +7,7 @@ from markupsafe import Markup
 
 from ..core import Specimen, UsageError
 from ..core.progress import Stage
+from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis, Suspect
 from ..notebook.pages import table
 from ..records import Record, build_record
@@ -113,6 +114,13 @@ def where(bench: Bench | None, drawn: Mapping[str, Markup]) -> Markup:
         return Markup("")
     figures = Markup("").join(drawn.get(name, Markup("")) for name in ("where", "along"))
     return Markup("<p>{}</p>{}").format(bench.comparison.sentence, figures)
+
+
+def follows(bench: Bench | None, drawn: Mapping[str, Markup]) -> Markup:
+    """What the present model's error follows, in a sentence and as a bar."""
+    if bench is None:
+        return Markup("")
+    return Markup("<p>{}</p>{}").format(told(bench.comparison.follows), drawn.get("follows", Markup("")))
 
 
 def parameters(bench: Bench | None) -> Markup:

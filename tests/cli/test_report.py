@@ -18,7 +18,13 @@ def reported(ask, rubbing, tmp_path_factory):
 
 def test_the_page_tells_all_and_loads_nothing(reported, rubbing):
     _, out, page = reported
-    for word in ("Verdict", "Where the model fails", "The falling error", "Isobar by isobar", "Energy of the loops"):
+    for word in (
+        "The answer in numbers",
+        "Where the model fails",
+        "The falling error",
+        "Isobar by isobar",
+        "Energy of the loops",
+    ):
         assert word in page, word
     assert "Coulomb friction" in page
     assert hashlib.sha256(rubbing.read_bytes()).hexdigest() in page

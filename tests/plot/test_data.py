@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from pam_ident.diagnosis.compare import compare
-from pam_ident.diagnosis.nouns import Pattern
+from pam_ident.diagnosis.follows import DRIVERS
+from pam_ident.diagnosis.nouns import Follows, Pattern
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.plot import (
     failure_map,
+    follows,
     measured_against_model,
     profiles,
     residual_pattern,
@@ -175,3 +177,18 @@ def test_pattern_in_time_and_folded(diagnosis):
     fine = residual_pattern.data(diagnosis.base, Pattern("periodic", "contraction", 1.5, "mm", 0.2, ""))
     assert fine.folded
     assert max(fine.series[0].centre) < 1.5
+
+
+def test_the_bar_of_what_the_error_follows_fills_its_length_in_the_order_given(diagnosis):
+    found = compare(diagnosis.base).follows
+    pieces = follows.data(found)
+    assert pieces[0].text == "the direction of motion" and pieces[-1].text == "noise"
+    assert pieces[0].share == pytest.approx(1.0 - 0.5**2 / diagnosis.base.rmse**2, abs=0.01)
+    assert [piece.begin for piece in pieces] == pytest.approx([0.0, pieces[0].share], abs=0.01)
+    assert sum(piece.share for piece in pieces) == pytest.approx(1.0, abs=0.01)
+    few = follows.data([Follows("map", 0.6, "a"), Follows("way", 0.001, "b"), Follows("noise", 0.399, "c")])
+    assert [piece.text for piece in few] == ["a", "c"]
+    drivers = {driver.what for driver in DRIVERS}
+    assert set(follows.COLOUR) == drivers | {"repeats", "noise"}
+    assert len(set(follows.COLOUR.values())) == len(follows.COLOUR)
+    assert follows.draw(()).axes  # an answer that nobody split

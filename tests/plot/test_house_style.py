@@ -14,7 +14,7 @@ from matplotlib.text import Text
 
 from pam_ident import plot
 from pam_ident.diagnosis.compare import compare
-from pam_ident.diagnosis.nouns import Pattern
+from pam_ident.diagnosis.nouns import Follows, Pattern
 from pam_ident.fitting import fit, fit_isobars
 from pam_ident.leg.anatomy import KNEE
 from pam_ident.leg.muscle import Muscle
@@ -86,6 +86,9 @@ DRAW = {
     ),
     "confusion": lambda d, _: plot.confusion.draw(hidden_and_named()),
     "failure_map": lambda d, _: plot.failure_map.draw(compare(d.base)),
+    "follows": lambda d, _: plot.follows.draw(
+        [Follows(what, 0.1, f"something called {what}") for what in plot.follows.COLOUR]
+    ),
     "four_bar": lambda d, _: plot.four_bar.draw(KNEE),
     "isobars": lambda d, _: plot.isobars.draw(d.base.record),
     "ladder": lambda _, steps: plot.ladder.draw(steps),

@@ -37,8 +37,17 @@ def opened(page, file):
     page.on("request", lambda request: asked.append(request.url))
     page.emulate_media(reduced_motion="reduce")
     page.goto(file.as_uri())
+    assert not page.locator("details[open]").count()
     yield page
     assert complaints == [] and [url for url in asked if not url.startswith("data:")] == [file.as_uri()]
+
+
+@pytest.fixture
+def unfolded(opened):
+    """The page with its details and its contents open."""
+    for summary in opened.locator(".rest > summary").all():
+        summary.click()
+    return opened
 
 
 def shown(page):
@@ -46,21 +55,44 @@ def shown(page):
     return [h.text_content() for h in page.locator(".steps").first.locator("h4").all() if h.is_visible()]
 
 
-def test_it_opens_with_the_verdict_and_every_figure(opened, diagnosis):
+@pytest.mark.parametrize("width", [1400, 500])
+def test_it_opens_with_the_answer_and_nothing_else(opened, width):
+    """The first screen: what is missing, its trace before and after; nothing is cut at either width."""
+    opened.set_viewport_size({"width": width, "height": 900})
+    assert opened.get_by_role("heading", name="Missing: Coulomb friction.").first.is_visible()
+    figures = opened.locator(".first").first.locator("figure svg")
+    assert figures.count() == 3
+    inside = 3 if width == 1400 else 1
+    for k in range(3):
+        box = figures.nth(k).bounding_box()
+        assert box["width"] > 300 and box["x"] >= 0 and box["x"] + box["width"] <= width
+        assert k >= inside or box["y"] + box["height"] <= 900
+        sizes = figures.nth(k).evaluate(
+            "one => [...one.querySelectorAll('text')].map(t => t.getBoundingClientRect().height)"
+        )
+        assert min(sizes) > 8.0
+    sure = opened.get_by_text("How sure: ").first.bounding_box()
+    assert width < 1400 or sure["y"] + sure["height"] <= 900
+    assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+
+
+def test_it_unfolds_every_figure_and_part(unfolded, diagnosis):
+    opened = unfolded
     assert opened.title() and opened.locator("h1").count() == 1
     assert opened.get_by_text(diagnosis.sentence).first.is_visible()
     figures = opened.locator("figure svg:visible, figure img:visible")
     assert figures.count() >= 10
     for k in range(figures.count()):
         box = figures.nth(k).bounding_box()
-        assert box is not None and box["width"] > 200 and box["height"] > 100
+        assert box is not None and box["width"] > 200 and box["height"] > 80
     assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
     for link in opened.locator("nav a").all():
         link.click()
         assert opened.locator(f"[id='{opened.url.partition('#')[2]}']").is_visible()
 
 
-def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(opened):
+def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(unfolded):
+    opened = unfolded
     choice = opened.locator("fieldset").first.get_by_role("radio")
     assert choice.count() == 3
     names = ["Rung 0", "Rung 1: + Coulomb friction", "Rung 2: + Viscous damping"]
@@ -79,7 +111,8 @@ def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(opened):
     assert other.count() == 1 and "Rung 0" in other.text_content()
 
 
-def test_the_map_tells_its_numbers_under_the_pointer_and_in_a_table(opened, diagnosis):
+def test_the_map_tells_its_numbers_under_the_pointer_and_in_a_table(unfolded, diagnosis):
+    opened = unfolded
     figure = opened.locator("figure", has_text="Mean error (N) in each cell").first
     cells = figure.locator("svg g:has(> title)")
     comparison = compare(diagnosis.base)
@@ -89,9 +122,9 @@ def test_the_map_tells_its_numbers_under_the_pointer_and_in_a_table(opened, diag
         text = opened.evaluate("[...document.querySelectorAll('g:hover > title')].pop().textContent")
         assert text == cells.nth(k).locator("title").text_content()
         assert re.search(r"MPa, ε .* mean error [+−0].* N, rms .* of the squared error, n = \d+$", text)
-    table = opened.locator("details table").first
+    table = opened.locator("details details table").first
     assert not table.is_visible()
-    opened.locator("summary").first.focus()
+    opened.locator("details details summary").first.focus()
     opened.keyboard.press("Enter")
     assert table.is_visible() and table.locator("tbody tr").count() == cells.count()
 
@@ -106,19 +139,20 @@ def test_the_first_tab_skips_to_the_verdict(opened):
 
 def test_paper_holds_every_rung_and_the_folded_table(opened):
     opened.emulate_media(media="print")
-    assert len(shown(opened)) == 3 and opened.locator("details table").first.is_visible()
-    assert not opened.locator("nav").is_visible() and not opened.locator("fieldset").first.is_visible()
+    assert len(shown(opened)) == 3 and opened.locator("details details table").first.is_visible()
+    assert not opened.locator("nav:visible").count() and not opened.locator("fieldset").first.is_visible()
     pdf = opened.pdf(prefer_css_page_size=True)
     assert pdf.startswith(b"%PDF-") and len(pdf) < 3_000_000
 
 
-def test_a_screen_reader_is_told_the_verdict_first_and_every_figure_and_table_by_name(opened, diagnosis):
+def test_a_screen_reader_is_told_the_verdict_first_and_every_figure_and_table_by_name(unfolded):
     """Chromium's accessibility tree, in reading order, is what such a reader speaks."""
+    opened = unfolded
     told = opened.locator("main").aria_snapshot().splitlines()
     roles = [line.strip().removeprefix("- ").strip("'\"") for line in told]
     where = {role: [k for k, line in enumerate(roles) if line.startswith(role)] for role in ("heading", "img", "table")}
-    assert roles[where["heading"][1]].startswith('heading "Verdict" [level=3]')
-    spoken = next(k for k, line in enumerate(roles) if diagnosis.sentence[:40] in line)
+    assert roles[where["heading"][1]].startswith('heading "Missing: Coulomb friction." [level=3]')
+    spoken = next(k for k, line in enumerate(roles) if "With what was missing" in line)
     assert where["heading"][1] < spoken < min(where["img"][0], where["table"][0])
     levels = [int(re.search(r"level=(\d)", roles[k])[1]) for k in where["heading"]]
     assert all(after <= before + 1 for before, after in pairwise(levels))

@@ -1,0 +1,126 @@
+"""A record's first screen: what is missing in plain words, its trace, how far the error falls, what it follows."""
+
+from textwrap import fill
+
+from .. import plot
+from ..diagnosis.follows import told
+from .easel import Easel, Part, Picture
+from .story import Section
+from .words import VERDICTS, groups, likely, newtons, titles
+
+HERO, BESIDE = 6.4, 5.0
+"""Widths of the figures in inches; they are shown narrower than a page, and their words must stay readable."""
+REMAINS = {
+    "adequate": "",
+    "missing_effect": " More is missing, and a known effect explains it.",
+    "unknown_effect": " Something is left that no known effect explains.",
+}
+
+
+def opening(section: Section, easel: Easel) -> Part:
+    """The answer, before any detail."""
+    diagnosis = section.diagnosis
+    return Part(
+        f"{easel.prefix}-verdict",
+        _headline(section),
+        (_fall(section),),
+        (_trace(section, easel), *_falling(section, easel), _bar(section, easel)),
+        notes=(_sure(section), *_next(section)),
+        badge=VERDICTS.get(diagnosis.verdict, (diagnosis.verdict, "")),
+        opening=True,
+    )
+
+
+def _added(section: Section) -> tuple[str, ...]:
+    """Titles of the effects that the law lacked."""
+    if section.after is None:
+        return ()
+    known, held = titles(section.after.model), section.before.model.effect_names
+    names = [name for name in section.after.model.effect_names if name not in held]
+    return tuple(known.get(name, name) for name in names)
+
+
+def _verdict(section: Section) -> str:
+    """Of the model as it is in the end; nothing where nobody asked it about more."""
+    last = section.ladder.last if section.ladder is not None else section.diagnosis
+    asked = last is not section.diagnosis or section.after is None or last.verdict == "unknown_effect"
+    return last.verdict if asked else ""
+
+
+def _headline(section: Section) -> str:
+    added, verdict = _added(section), _verdict(section)
+    if added:
+        named = " and ".join(filter(None, (", ".join(added[:-1]), added[-1])))
+        return f"Missing: {named}.{REMAINS.get(verdict, '')}"
+    if verdict == "adequate":
+        return "Nothing is missing that this record could show."
+    return REMAINS.get(verdict, section.diagnosis.verdict).strip()
+
+
+def _fall(section: Section) -> str:
+    law, after, floor = section.before, section.after, newtons(section.diagnosis.noise_floor)
+    if after is None:
+        return f"{law.model.law.title} leaves {newtons(law.rmse)} rms; the noise is about {floor}."
+    return (
+        f"{law.model.law.title} leaves {newtons(law.rmse)} rms. With what was missing {newtons(after.rmse)} are left; "
+        f"the noise is about {floor}."
+    )
+
+
+def _trace(section: Section, easel: Easel) -> Picture:
+    before, after = section.before, section.after
+    figure = plot.signature.draw(before, after, easel.points, HERO)
+    if after is None:
+        return easel.hang(figure, "Error of the law over the record", "The error of the law over the whole record.")
+    caption = (
+        "The error before (above), with what is added to the modelled force drawn through it, and after (below). "
+        "Where the two lines above coincide, the addition explains the error."
+    )
+    return easel.hang(figure, f"Error over the record before and after adding {', '.join(_added(section))}", caption)
+
+
+def _falling(section: Section, easel: Easel) -> tuple[Picture, ...]:
+    ladder = section.ladder
+    if ladder is None or len(ladder.rungs) < 2:
+        return ()
+    known = titles(ladder.rungs[-1].fit.model)
+    before = set(ladder.rungs[0].fit.model.effect_names)
+    names = ["model as given" if before else "law alone"]
+    for rung in ladder.rungs[1:]:
+        new = [f"+ {known.get(name, name)}" for name in rung.fit.model.effect_names if name not in before]
+        before |= set(rung.fit.model.effect_names)
+        names.append("\n".join(fill(one, max(44 // len(ladder.rungs), 9)) for one in new))
+    label = "Falling rms error as effects are added, down to the noise"
+    caption = "The error as effects are added, down to the noise."
+    return (easel.hang(plot.ladder.draw(ladder, names, BESIDE), label, caption),)
+
+
+def _bar(section: Section, easel: Easel) -> Picture:
+    follows = section.comparison.follows
+    label = f"What the error of the law follows, as one bar. {told(follows)}"
+    return easel.hang(plot.follows.draw(follows, BESIDE), label, f"What the law's error follows. {told(follows)}")
+
+
+def _sure(section: Section) -> str:
+    diagnosis, known = section.diagnosis, titles(section.diagnosis.best.model)
+    chances = {one.effect: one.probability for one in diagnosis.ranking}
+    said = [f"{known.get(name, name)} {likely(chances[name])}" for name in diagnosis.selected if name in chances]
+    held = f"error on data held out of the fit {newtons(diagnosis.heldout_rmse)}"
+    if diagnosis.selected:
+        held += f" → {newtons(diagnosis.heldout_rmse_after)}"
+    return f"How sure: {'; '.join([*said, held])}."
+
+
+def _next(section: Section) -> tuple[str, ...]:
+    """What the record cannot tell, and what to do."""
+    diagnosis = section.diagnosis
+    found = groups(diagnosis, titles(diagnosis.best.model))
+    last = section.ladder.last if section.ladder is not None else diagnosis
+    experiment = diagnosis.next_experiment if found else last.next_experiment or diagnosis.next_experiment
+    if experiment is not None:
+        todo = experiment.text
+    elif _verdict(section) in ("adequate", ""):
+        todo = f"use the {'completed model' if section.after else 'model'}; its parameters are below."
+    else:
+        todo = "look at where the model fails, below."
+    return (*found, f"What to do next: {todo}")
