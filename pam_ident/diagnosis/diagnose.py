@@ -54,7 +54,7 @@ def diagnose(
         record: what it is held against.
         extra: effects of the user's own, tried beside the catalogue's.
         without: names of effects, or of forms (`name:form`), that are not tried, because the rig cannot have them.
-        only: names of the only effects that are tried; all where none is named.
+        only: names of the only effects, or forms, that are tried; all where none is named.
 
     Raises:
         FitError: when the record cannot identify the law at all.
@@ -137,8 +137,11 @@ def _allowed(extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[st
         get_effect(name, extra)
     fewer = []
     for effect in catalogue(extra).values():
-        forms = tuple(form for form in effect.forms if f"{effect.name}:{form.name}" not in without)
-        if forms and effect.name not in without and (not only or effect.name in only):
+        labels = {form: f"{effect.name}:{form.name}" for form in effect.forms}
+        forms = tuple(form for form in effect.forms if not {effect.name, labels[form]} & set(without))
+        if only and effect.name not in only:
+            forms = tuple(form for form in forms if labels[form] in only)
+        if forms:
             fewer.append(replace(effect, forms=forms))
     return fewer
 
