@@ -31,7 +31,8 @@ class Term:
     @property
     def label(self) -> str:
         """The effect's name, with the form's behind a colon where that is not the simplest."""
-        return self.effect.name if self.form is self.effect.forms[0] else f"{self.effect.name}:{self.form.name}"
+        simplest = self.form.name == self.effect.simplest
+        return self.effect.name if simplest else f"{self.effect.name}:{self.form.name}"
 
     def qualified(self, params: tuple[Param, ...]) -> tuple[Param, ...]:
         """Parameters under the name `effect.parameter`."""

@@ -66,7 +66,8 @@ class Effect:
     forms is the same physics, and whose name is preferred where both explain a record alike.
     `follows` says what its force follows, in the words of `diagnosis.follows`: it is named only where the error follows
     one of these; an effect that says nothing may follow anything.
-    `candidate` False keeps an effect out of the diagnosis. Raises UsageError without a form or a source.
+    `candidate` False keeps an effect out of the diagnosis. `simplest` is the form that goes by the effect's name: the
+    first, where nothing is said. Raises UsageError without a form or a source.
     """
 
     name: str
@@ -80,6 +81,7 @@ class Effect:
     special_case_of: str = ""
     candidate: bool = True
     warning: str = ""
+    simplest: str = ""
 
     def __post_init__(self) -> None:
         if not self.forms or not self.source or not self.name.isidentifier():
@@ -89,6 +91,8 @@ class Effect:
                 f"effect {self.name}: write each form as AddsForce, ScalesForce, TransformsPressure "
                 "or TransformsContraction"
             )
+
+        object.__setattr__(self, "simplest", self.simplest or self.forms[0].name)
 
     @property
     def kin(self) -> str:
