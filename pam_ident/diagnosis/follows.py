@@ -145,7 +145,7 @@ DRIVERS = (
     Driver("way", "the way since the last reversal", _way, ONE_OR_ALL),
     Driver("rest", "rest and relaxation", _rest, RELAXED),
     Driver("cycle", "the cycle and the distance travelled", _cycle, COUNTED),
-    Driver("clock", "the clock", _clock, DRIFTED, ((0, 0), (0, 1))),
+    Driver("clock", "the clock", _clock, DRIFTED, ((0, 0),)),
     Driver("temperature", "the temperature", _temperature),
 )
 
@@ -300,11 +300,11 @@ class Following:
         return tuple(name for name, (loss, _) in self._instead.items() if loss > least)
 
     def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
-        """Drivers that must be there, and that none of some effects follows."""
-        if any(not effect.follows for effect in effects):
+        """Drivers that none of some effects follows, and without which the error is less likely; none in a table."""
+        if self.record.inputs.time is None or any(not effect.follows for effect in effects):
             return ()
         covered = {name for effect in effects for name in effect.follows}
-        return tuple(name for name in self.needed if name not in covered)
+        return tuple(name for name, (loss, _) in self._instead.items() if loss > EQUAL and name not in covered)
 
     def supports(self, follows: Collection[str]) -> bool:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may."""
