@@ -11,6 +11,7 @@ SWING = (
     Param("F_sin", "N", "sine part of a swing", -5000.0, 5000.0, scale=10.0),
     Param("F_cos", "N", "cosine part of a swing", -5000.0, 5000.0, scale=10.0),
 )
+FREE = tuple(Param(f"F_{k}", "N", f"coefficient of (t/10 min)^{k}", scale=10.0) for k in (1, 2, 3))
 PERIOD = Param("T", "s", "period of the swing", 120.0, 1e5, start=1800.0, grid=(450.0, 900.0, 1800.0, 3600.0, 7200.0))
 
 
@@ -42,6 +43,11 @@ def _swinging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return xp.stack([xp.sin(angle), 1.0 - xp.cos(angle)]).T
 
 
+def _powers(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    late = elapsed(inputs) / 600.0
+    return inputs.xp.stack([late, late**2, late**3]).T
+
+
 EFFECT = Effect(
     name="force_drift",
     title="Drift of the force",
@@ -53,6 +59,7 @@ EFFECT = Effect(
         AddsForce("logarithmic", "+F_d ln(1 + t/τ)", (LEVEL,), _logarithmic, (TAU,)),
         AddsForce("settling_on", "+F_d (1 − exp(−t/τ)) + rate · t", (LEVEL, RATE), _settling_on, (TAU,)),
         AddsForce("swinging", "+F_sin sin(2πt/T) + F_cos (1 − cos(2πt/T))", SWING, _swinging, (PERIOD,)),
+        AddsForce("free", "+Σ F_k (t/10 min)^k, k = 1, 2, 3", FREE, _powers),
     ),
     follows=("clock",),
     test="tare before and after; pressures in random order",

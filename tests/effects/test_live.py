@@ -28,7 +28,7 @@ REMEMBER = {
         f"presliding_hysteresis:{form}"
         for form in ("textbook", "dahl", "pressed", "lugre", "maxwell_slip_3", "rested", "free")
     ),
-    *(f"force_drift:{form}" for form in ("textbook", "settling", "settling_on", "logarithmic", "swinging")),
+    *(f"force_drift:{form}" for form in ("textbook", "settling", "settling_on", "logarithmic", "swinging", "free")),
     *(
         f"thermal_softening:{form}"
         for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear", "free")
