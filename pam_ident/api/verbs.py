@@ -9,9 +9,9 @@ from ..fitting import Fit
 from ..fitting import fit as old_fit
 from ..model import Model
 from ..tasks.fit import FitOptions, fit_record
-from ..tasks.law_choice import AUTO
+from ..tasks.law_choice import AUTO, LawChoice
 from .answers import ComparisonResult, DiagnosisResult, LadderResult, RecordAnswer
-from .asking import settled, setup_of
+from .asking import ObjectSetup, settled, setup_of
 from .fitted import FitResult
 from .record import ShownRecord, read
 from .working import worked
@@ -97,8 +97,7 @@ def compare(
     if isinstance(record, Fit):
         _say_old("compare", "pam.compare(record, law)", "pam_ident.diagnosis")
         return old_compare(record)  # type: ignore[return-value]
-    measured, law = _record_and_law(record, law, specimen)
-    setup, choice = settled(measured, setup_of(law, effects, free_geometry=free_geometry))
+    measured, setup, choice = _asked(record, law, effects, specimen, free_geometry=free_geometry)
     return ComparisonResult(compare_record(measured, setup), setup, choice)
 
 
@@ -141,9 +140,8 @@ def diagnose(
     if isinstance(record, Model) or old:
         _say_old("diagnose", "pam.diagnose(record, law)", "pam_ident.diagnosis")
         return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
-    measured, law = _record_and_law(record, law, specimen)
-    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra, assume=assume)
-    setup, choice = settled(measured, asked)
+    more = {"without": without, "only": only, "extra": extra, "assume": assume, "free_geometry": free_geometry}
+    measured, setup, choice = _asked(record, law, effects, specimen, **more)
     return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
 
 
@@ -175,9 +173,8 @@ def ladder(
     """
     from ..tasks.ladder import climb_ladder
 
-    measured, law = _record_and_law(record, law, specimen)
-    asked = setup_of(law, effects, free_geometry=free_geometry, without=without, only=only, extra=extra, assume=assume)
-    setup, choice = settled(measured, asked)
+    more = {"without": without, "only": only, "extra": extra, "assume": assume, "free_geometry": free_geometry}
+    measured, setup, choice = _asked(record, law, effects, specimen, **more)
     return LadderResult(climb_ladder(measured, setup), setup, choice)
 
 
@@ -209,18 +206,21 @@ def report(
     from ..tasks.report import check_report, report_record
 
     check_report(str(out))
-    measured, law = _record_and_law(record, law, specimen)
-    setup, _ = settled(measured, setup_of(law, effects, free_geometry=free_geometry, assume=assume))
+    measured, setup, _ = _asked(record, law, effects, specimen, free_geometry=free_geometry, assume=assume)
     report_record(measured, setup, str(out))
     return Path(out)
 
 
-def _record_and_law(record: Any, law: Any, specimen: Any) -> tuple[ShownRecord, Any]:
-    """The record, and the law that was asked for; of a result its own model, where none was."""
+def _asked(
+    record: Any, law: Any, effects: Any, specimen: Any, **more: Any
+) -> tuple[ShownRecord, ObjectSetup, LawChoice | None]:
+    """The record, what is asked of it, and how its law was chosen; of a result its own model, where none was named."""
     if isinstance(record, FitResult | RecordAnswer):
         own = record if isinstance(record, FitResult) else record.fit
-        return own.record, own.model if law == AUTO else law
-    return read(record, specimen), law
+        measured, law = own.record, own.model if law == AUTO else law
+    else:
+        measured = read(record, specimen)
+    return measured, *settled(measured, setup_of(law, effects, **more))
 
 
 def _say_old(name: str, new: str, home: str) -> None:

@@ -6,7 +6,7 @@ they leave. It has a likelihood and a price as a set of names has, and no name.
 
 import math
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -65,12 +65,21 @@ class Adequacy:
     verdict: Verdict
     free: FreeModel
 
+    @classmethod
+    def lacking(cls, trial: Trial, verdict: Verdict) -> "Adequacy | None":
+        """What a set leaves with the names alone that may stand; None where it is complete, and of a table."""
+        if trial.record.inputs.time is None:
+            return None
+        found = cls(trial, verdict, FreeModel.of(trial))
+        return None if found.complete else replace(found, verdict=found.standing())
+
     @cached_property
     def left(self) -> Following:
         """What the set leaves, and what that follows."""
         trial, verdict = self.trial, self.verdict
-        unsure = trial.following.unsure
-        return Following(trial.record, trial.base.model.adding(*verdict.terms), verdict.values, unsure)
+        if not verdict.terms and verdict.values == trial.base.values:
+            return trial.following
+        return Following(trial.record, trial.base.model.adding(*verdict.terms), verdict.values, trial.following.unsure)
 
     @cached_property
     def unexplained(self) -> tuple[float, float]:

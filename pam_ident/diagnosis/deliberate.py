@@ -70,7 +70,7 @@ def investigate(
 
     def judge_again(noise: Noise) -> None:
         if not heard(noise):
-            again = Trial(base, suspects, trial.following, tried, noise, trial)
+            again = Trial(base, suspects, noise=noise, before=trial)
             trials.append((again, _answer(again, most)))
 
     judge_again(trial.noise_left_by(verdict, white=True))
@@ -84,11 +84,11 @@ def investigate(
     if unheard:
         judge_again(unheard[0])
         _, noise, found = _compared(trials)[0]
-    final = Trial(base, suspects, trial.following, tried, noise, trial)
+    final = Trial(base, suspects, noise=noise, before=trial)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _weighed(final, final.refit(seen, found.values))
     if len(kept.terms) < len(found.terms):
-        final = Trial(base, suspects, trial.following, tried, final.noise_left_by(kept), trial)
+        final = Trial(base, suspects, noise=final.noise_left_by(kept), before=trial)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
 

@@ -9,13 +9,13 @@ import numpy as np
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
-from ..records import Record, thinned
-from .adequacy import Adequacy, FreeModel
+from ..records import Record
+from .adequacy import Adequacy
 from .confounding import groups
 from .deliberate import EXACT, investigate
 from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
-from .follows import Following
+from .follows import Following, steadied
 from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
 from .nouns import Diagnosis, Pattern, Suspect
 from .patterns import catalogue as catalogue_of_patterns
@@ -33,8 +33,6 @@ CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
 HEAVY, STRUCK = 3.0, 0.1
 """Excess kurtosis of the innovations, and share of their squares that lies far out, from which bursts are told."""
-MOST = 10_000
-"""Rows of a record in time that are looked at: in so many what deserves a name earns ten times its cost."""
 
 
 def diagnose(
@@ -74,42 +72,38 @@ def diagnose(
     """
     base = fit(model, record)
     suspects = [e for e in _allowed(extra, without, only) if e.candidate and e.name not in model.effect_names]
-    steady = thinned(replace(record, inputs=record.steady), MOST)
+    steady, unsure = steadied(record)
     alone = fit(model, steady, start=base.values, detail=False)
-    following = Following.steady(record, model, alone.values)
+    following = Following(steady, model, alone.values, unsure)
     seen = [e for e in suspects if not e.missing(record.inputs)]
     uncovered = following.uncovered([*seen, *(term.effect for term in model.terms)])
     tried = () if uncovered else [e.name for e in seen if following.supports(e.follows)]
     trial, verdict = investigate(alone, suspects, following, tried)
     verdict = _likely(trial, verdict)
-    beside = None if record.inputs.time is None else Adequacy(trial, verdict, FreeModel.of(trial))
-    if beside is not None and beside.complete:
-        beside = None
-    if beside is not None:
-        verdict = beside.standing()
-        beside = replace(beside, verdict=verdict)
+    lacking = Adequacy.lacking(trial, verdict)
+    verdict = lacking.verdict if lacking else verdict
     named = [t for t in verdict.terms if t.effect.candidate]
     weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
     heldout = heldout_rmse(model, record, base)
     best, after, named = _confirmed(base, heldout, named, verdict)
     shapes = [t for t in verdict.terms if not t.effect.candidate]
-    pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
-    if beside is not None and not shapes:
-        pattern = beside.pattern()
+    if lacking and not shapes:
+        pattern = lacking.pattern()
+    else:
+        pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
     follows = following.shares()
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
     chance = probabilities(trial, classes)
-    if beside is not None:
+    if lacking:
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     ranking = _ranking(trial, suspects, selected, chance)
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     experiment = after_pattern(pattern, trial, verdict) if pattern else next_experiment(trial, verdict, classes)
     labels = tuple(t.label for t in named)
-    shaped = any(not t.effect.candidate for t in verdict.terms)
-    noise = trial.noise_left_by(verdict) if shaped else trial.noise
+    noise = trial.noise_left_by(verdict) if shapes else trial.noise
     left = trial.view(verdict).residual[~noise.outlier]
     floor = min(noise.whole, float(np.sqrt(np.mean(left**2))))
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)

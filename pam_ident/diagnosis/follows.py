@@ -35,7 +35,7 @@ from .search import orthonormal
 
 Array = np.ndarray
 ROWS = 10_000
-"""Rows of a record in time that are looked at."""
+"""Rows of a record in time that are looked at: in so many what deserves a name earns ten times its cost."""
 ORDERS = 120
 """Orders of drivers over which shares are averaged, at most."""
 EQUAL = 20.0
@@ -159,6 +159,20 @@ def one_speed(record: Record) -> bool:
     return len(live) > 0 and float(np.quantile(live, 0.95)) < SPEED_RATIO * float(np.quantile(live, 0.05))
 
 
+def steadied(record: Record) -> tuple[Record, Array | None]:
+    """At most ROWS rows of a record with its steady inputs, and how far their position may be off in mm, (n,).
+
+    The noise of pressure and length, which a model turns into force, would follow what is measured. Next to where a
+    move begins or ends no smooth track takes the position's noise out. None where there is no motion.
+    """
+    steady, raw = thinned(replace(record, inputs=record.steady), ROWS), thinned(record, ROWS).inputs
+    if raw.time is None or raw.moving is None:
+        return steady, None
+    changes = np.abs(np.diff(raw.direction * raw.moving, prepend=0.0)) > 0.0
+    near = np.convolve(changes, np.ones(2 * AROUND + 1), "same") > 0.0
+    return steady, noise_around(raw.displacement_mm, raw.time) * np.where(near, 1.0, SMOOTHED)
+
+
 def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
     """Shares of a fit's squared error, largest first, noise last; they add to 1, and none is what chance would give."""
     return Following.of(fit).shares()
@@ -167,9 +181,8 @@ def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
 class Following:
     """What a model leaves, and how much of it smooth surfaces over each set of drivers explain.
 
-    `chosen` are the drivers of the likeliest set, `remainder` (n,) in N what the richest surfaces of all of them leave,
-    `freedom` the degrees of freedom that they take, and `memory` the samples of it that count as one. `unsure` (n,) is
-    how far the position may be off, in mm: where the force is steep, such rows have less weight.
+    `variance` is that of what the richest surfaces over all drivers leave, and `memory` the samples of it that count as
+    one. `unsure` (n,) is how far the position may be off, in mm: where the force is steep, such rows have less weight.
     """
 
     def __init__(self, record: Record, model: Model, values: Mapping[str, float], unsure: Array | None = None) -> None:
@@ -180,9 +193,6 @@ class Following:
             extra = (unsure * slope) ** 2 / max(self.variance, 1e-300)
             if np.mean(extra) > NEGLIGIBLE:
                 self._look(model, values, 1.0 / np.sqrt(1.0 + extra))
-        names = self.surfaces.names
-        self.best = self._found() if self.left.any() else frozenset[int]()
-        self.chosen = frozenset(names[k] for k in self.best)
 
     def _look(self, model: Model, values: Mapping[str, float], weight: Array) -> None:
         """Work out what is left, surfaces and noise, rows by their weight (n,)."""
@@ -192,31 +202,25 @@ class Following:
         self.left = left - law @ (law.T @ left)
         self.surfaces = Surfaces(inputs, law, self.left, weight)
         richest = frozenset({name: k for k, name in enumerate(self.surfaces.names)}.values())
-        self.remainder = self.left - self.surfaces.explained(richest)
-        self.freedom = self.surfaces.of(richest)[1]
-        self.variance = float(self.remainder @ self.remainder) / max(len(left) - self.freedom, 1.0)
-        self.memory = _memory(self.remainder)
+        remainder = self.left - self.surfaces.explained(richest)
+        self.variance = float(remainder @ remainder) / max(len(left) - self.surfaces.of(richest)[1], 1.0)
+        self.memory = _memory(remainder)
 
     @classmethod
     def of(cls, fit: Fit) -> "Following":
         """Of the rows of a fit."""
-        record = fit.record if fit.rows.all() else fit.record.take(fit.rows)
-        return cls.steady(record, fit.model, fit.values)
+        record, unsure = steadied(fit.record if fit.rows.all() else fit.record.take(fit.rows))
+        return cls(record, fit.model, fit.values, unsure)
 
-    @classmethod
-    def steady(cls, record: Record, model: Model, values: Mapping[str, float]) -> "Following":
-        """Of a model, by the record's steady inputs.
+    @cached_property
+    def best(self) -> frozenset[int]:
+        """The likeliest set of groups."""
+        return self._search[0]
 
-        The noise of pressure and length, which the model turns into force, would follow what is measured. Next to where
-        a move begins or ends no smooth track takes the position's noise out.
-        """
-        steady, raw = thinned(replace(record, inputs=record.steady), ROWS), thinned(record, ROWS)
-        unsure = None
-        if raw.inputs.time is not None and raw.inputs.moving is not None:
-            changes = np.abs(np.diff(raw.inputs.direction * raw.inputs.moving, prepend=0.0)) > 0.0
-            near = np.convolve(changes, np.ones(2 * AROUND + 1), "same") > 0.0
-            unsure = noise_around(raw.inputs.displacement_mm, raw.inputs.time) * np.where(near, 1.0, SMOOTHED)
-        return cls(steady, model, values, unsure)
+    @property
+    def chosen(self) -> frozenset[str]:
+        """The drivers of the likeliest set."""
+        return frozenset(self.surfaces.names[k] for k in self.best)
 
     def evidence(self, groups: frozenset[int]) -> float:
         """Gain of a set of groups of surfaces, in variances of the noise, less its price.
@@ -224,7 +228,7 @@ class Following:
         The price is the Bayesian information criterion's, that so many groups were looked at, and that one driver is
         likelier than two that are as good.
         """
-        return self._worth(self.surfaces.of(groups)[0], sum(len(self.surfaces.columns[k]) for k in groups), len(groups))
+        return self._worth(*self.surfaces.of(groups), len(groups))
 
     def _worth(self, gain: Any, freedom: Any, count: int) -> Any:
         price = freedom * math.log(max(len(self.left) / self.memory, 3.0))
@@ -255,14 +259,18 @@ class Following:
                 return chosen
             chosen = best
 
-    def _found(self) -> frozenset[int]:
-        """The likeliest set, sought anew from what is likeliest without each of its drivers as long as that helps."""
-        best = self.likeliest()
+    @cached_property
+    def _search(self) -> tuple[frozenset[int], dict[str, frozenset[int]]]:
+        """The likeliest set, and the likeliest without each of its drivers, from which it is sought anew."""
+        if not self.left.any():
+            return frozenset(), {}
+        best, names = self.likeliest(), self.surfaces.names
         while True:
-            others = [self.likeliest(start=self.likeliest({self.surfaces.names[k]}, best - {k})) for k in best]
+            without = {names[k]: self.likeliest({names[k]}, best - {k}) for k in best}
+            others = [self.likeliest(start=one) for one in without.values()]
             better = max(others, key=self.evidence, default=best)
             if self.evidence(better) <= self.evidence(best):
-                return best
+                return best, without
             best = better
 
     @property
@@ -273,13 +281,11 @@ class Following:
     @cached_property
     def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
         """For each of the likeliest drivers what is lost without it, and the likeliest then."""
-        found = {}
-        for k in self.best:
-            name = self.surfaces.names[k]
-            other = self.likeliest({name}, self.best - {k})
-            loss = self.evidence(self.best) - self.evidence(other)
-            found[name] = loss, frozenset(self.surfaces.names[k] for k in other)
-        return found
+        best, without = self._search
+        return {
+            name: (self.evidence(best) - self.evidence(other), frozenset(self.surfaces.names[k] for k in other))
+            for name, other in without.items()
+        }
 
     @cached_property
     def drivers(self) -> frozenset[str]:

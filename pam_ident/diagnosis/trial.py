@@ -87,7 +87,10 @@ class Trial:
         before: "Trial | None" = None,
     ) -> None:
         self.base = base
+        if before is not None:
+            following, tried = before.following, before.tried
         self.following: Following = following or Following(base.record, base.model, base.values)
+        self.tried = tried
         self.record: Record = base.record
         self.excluded: dict[str, tuple[str, str]] = {}
         self.suspects: list[Effect] = []

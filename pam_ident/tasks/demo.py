@@ -60,7 +60,7 @@ def demo(out: str = "pam-ident-demo", done: Callable[[DemoPart], None] | None = 
         record = setup.read(path)
         records[f"{name}/{path.name}"] = record
         with part(name):
-            stage = DemoPart(name, about, build_section(setup.model, record))
+            stage = DemoPart(name, about, build_section(record, setup))
         stages.append(stage)
         if done is not None:
             done(stage)

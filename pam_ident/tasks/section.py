@@ -3,28 +3,25 @@
 from dataclasses import replace
 
 from ..core import FitError
-from ..diagnosis import climb, compare
+from ..diagnosis import compare
 from ..diagnosis.nouns import Diagnosis, Ladder
-from ..effects import Effect
 from ..fitting import Fit, IsobarTable, fit_isobars, loop_energies
 from ..fitting.energy import energy_warning, model_loops
 from ..model import Model
 from ..records import Record
 from ..report import Section
-from .gate import check_completed, computing, doubts_about, may_name
+from .gate import computing, doubts_about
+from .ladder import climb_ladder
+from .setup import Setup
 
 
-def build_section(
-    model: Model, record: Record, extra: tuple[Effect, ...] = (), assume: tuple[str, ...] = ()
-) -> Section:
+def build_section(record: Record, setup: Setup) -> Section:
     """Diagnosis, ladder, comparisons before and after, isobars and loops of one record.
 
-    `assume` are codes of grave doubts that are meant so. Raises FitError or DataError, NothingNamed among them.
+    Raises FitError or DataError, NothingNamed among them.
     """
     with computing(record):
-        may_name(record, model, assume)
-        ladder = climb(model, record, extra)
-        check_completed(ladder.rungs[-1].fit, assume)
+        ladder = climb_ladder(record, setup)
         diagnosis = ladder.first
         return section_of(record, diagnosis.base, diagnosis, ladder, completed(diagnosis, ladder))
 

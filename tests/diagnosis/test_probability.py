@@ -78,7 +78,7 @@ def test_a_set_fitted_against_another_noise_is_weighed_with_what_it_costs_agains
     plain, richer = ([Term(friction, form)] for form in friction.forms[:2])
     first.refit(richer)
     there = first.refit(plain)
-    trial = Trial(base, [friction], None, None, replace(first.noise, sigma=2.0 * first.noise.sigma), first)
+    trial = Trial(base, [friction], noise=replace(first.noise, sigma=2.0 * first.noise.sigma), before=first)
     assert [v.labels for v in trial.weighed()] == [frozenset()], "what is cheaper than the answer lost to it"
     answer = trial.refit(richer)
     here = next(v for v in trial.weighed() if v.labels == there.labels)
