@@ -18,10 +18,9 @@ from .trial import Trial, Verdict
 
 PATTERN_MARGIN = 20.0
 """What a pattern costs more than a name."""
-MATTERS = 0.04
-"""Excess over the variance of the free model's noise from which a remainder matters."""
-INEXACT = 0.005
-"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right."""
+INEXACT, EXACT = 0.005, 0.001
+"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
+that forms may leave which follow the same, because together they can come near to much."""
 
 
 def full_cost(trial: Trial, verdict: Verdict) -> tuple[float, Noise]:
@@ -52,9 +51,9 @@ class FreeModel:
         noise = estimate_noise(trial.record, left, slope, freedom + len(trial.base.values), trial.noise.outlier)
         return cls(noise.deviance + trial.price.per_parameter * freedom, noise)
 
-    def likelier(self, trial: Trial, verdict: Verdict) -> bool:
-        """Than a set with whatever noise that leaves."""
-        return self.cost + EQUAL < full_cost(trial, verdict)[0]
+    def odds(self, trial: Trial, verdict: Verdict) -> float:
+        """Twice its log odds against a set with whatever noise that leaves."""
+        return full_cost(trial, verdict)[0] - self.cost
 
 
 @dataclass(frozen=True)
@@ -91,15 +90,15 @@ class Adequacy:
 
     @property
     def complete(self) -> bool:
-        """Whether what is left is noise, or what an effect may leave whose form is not exactly right.
-
-        Of effects that follow the same, two that come near prove nothing: together they can come near to much.
-        """
-        if not self.free.likelier(self.trial, self.verdict):
+        """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
+        odds = self.free.odds(self.trial, self.verdict)
+        if odds < EQUAL:
             return True
         followed = [name for term in self.verdict.terms for name in term.effect.follows]
+        if len(set(followed)) < len(followed):
+            return odds < EQUAL + EXACT * self.trial.excess
         beyond, share = self.unexplained
-        return len(set(followed)) == len(followed) and (beyond < MATTERS or (bool(followed) and share < INEXACT))
+        return beyond < self.trial.noise.too_small or (bool(followed) and share < INEXACT)
 
     def standing(self) -> Verdict:
         """The set with those of its names alone that may stand.
