@@ -14,6 +14,7 @@ import numpy as np
 from .follows import EQUAL, Following
 from .noise import Noise, estimate_noise
 from .nouns import Pattern
+from .repeats import comes_back
 from .trial import Trial, Verdict
 
 PATTERN_MARGIN = 20.0
@@ -88,9 +89,17 @@ class Adequacy:
         noise = self.free.noise.whole**2
         return (left - noise) / noise, (left - noise) / max(alone - noise, 1e-9 * noise)
 
+    @cached_property
+    def comes_back(self) -> float:
+        """Share of the squares that the set leaves in its strokes which repeats of them share: no noise does that."""
+        record, clean = self.trial.record, ~self.trial.noise.outlier
+        return comes_back(record, self.trial.view(self.verdict).residual, clean)
+
     @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
+        if self.comes_back > self.trial.noise.too_small:
+            return False
         odds = self.free.odds(self.trial, self.verdict)
         if odds < EQUAL:
             return True
@@ -114,6 +123,6 @@ class Adequacy:
         """What is left, in the words of the contract."""
         first = next((f for f in self.left.shares() if f.what != "noise"), None)
         beyond, share = self.unexplained
-        size = math.sqrt(max(beyond, 0.0)) * self.free.noise.whole
+        size = math.sqrt(max(beyond, self.comes_back)) * self.free.noise.whole
         text = f"about {size:.3g} N rms that no name explains{f'; it follows {first.text}' if first else ''}"
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)
