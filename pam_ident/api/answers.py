@@ -66,7 +66,8 @@ class ShownAnswer(ABC):
 
     def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
         """The answer of the command's `--json` as a dictionary, written to `path` where one is given."""
-        found = {"warnings": []} | self._content() | law_choice_json(self.law_choice)
+        found = self._content() | law_choice_json(self.law_choice)
+        found |= {"warnings": found.get("warnings", [])}
         if path is not None:
             write_json(check_target(path), found)
         return found

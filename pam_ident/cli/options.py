@@ -128,7 +128,8 @@ def give_json(path: str | None, answer: "Callable[[], Mapping[str, Any]]") -> No
     if path is not None:
         from ..core.files import write_json
 
-        write_json(path, {"warnings": [], **answer()})
+        found = dict(answer())
+        write_json(path, found | {"warnings": found.get("warnings", [])})
 
 
 def give_stopped(

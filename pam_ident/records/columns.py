@@ -13,11 +13,14 @@ from .frozen import frozen_rows
 from .notes import Notes
 from .quantities import QUANTITIES, SHAPES, Source
 from .ranges import Values, check_empty, check_ranges, place_of
+from .spikes import impossible_rows, spike_rows
 from .table import Table, TableRows
 
 Array = np.ndarray
 SENSORS = {"time", "pressure", "pressure_set", *SHAPES, "force", "temperature", "cycle"}
 """Quantities whose empty cells cost a row; branch and slack must be said in each."""
+FAULTS = {"frozen_sensor": frozen_rows, "impossible_value": impossible_rows, "spike": spike_rows}
+"""Code of a note → what finds the rows, by quantity, that are left out for it."""
 
 
 def read_columns(
@@ -46,9 +49,10 @@ def read_pieces(
     """The rows of a table piece by piece, and whether a run begins with each: a file whose header comes again, or whose
     clock begins anew with another pressure_set, holds several.
 
-    `length_mm` is the muscle's initial length. Rows with an empty cell of a sensor, or with a sensor that hangs, are
-    left out and counted in `notes`, where all else stands that was assumed. Raises DataError for what is no number, for
-    a column that is empty in most rows, for time that runs backwards, and for values beyond reason.
+    `length_mm` is the muscle's initial length. Rows with an empty cell of a sensor, with a sensor that hangs, or with a
+    spike of the force are left out and counted in `notes`, where all else stands that was assumed. Raises DataError for
+    what is no number, for a column that is empty in most rows, for time that runs backwards, and for values beyond
+    reason.
     """
     notes = Notes() if notes is None else notes
     last: dict[str, float] = {}
@@ -67,7 +71,8 @@ def read_pieces(
                 first.setdefault(key, block.rows[int(rows.argmax())])
         block, values = _without(table, block, sources, values, empty, "empty_cells", notes)
         check_ranges(table, block, sources, values, length_mm)
-        block, values = _without(table, block, sources, values, frozen_rows(values), "frozen_sensor", notes)
+        for code, faults in FAULTS.items():
+            block, values = _without(table, block, sources, values, faults(values), code, notes)
         cuts = _cuts(table, block, sources, values, last)
         for begin, end in pairwise([0, *cuts, len(block)]):
             begins = begins or begin in cuts

@@ -12,6 +12,7 @@ GRAVE = {
     "force_sign": "pull is counted as negative",
     "force_clipped": "the load cell or its amplifier is at its limit",
     "impossible_value": "single values that no muscle reaches",
+    "outlier": "single values that decide the fit",
     "clock_scale": "the time is in another unit",
     "temperature_scale": "the temperature is in another unit",
     "explains_nothing": "the law leaves as much as no law would",

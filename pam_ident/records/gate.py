@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .doubt import Doubt
+from .doubt import GRAVE, Doubt
 from .kind import kind_of
 from .plausible import doubt_units
 from .readings import doubt_clock, doubt_force, doubt_temperature, spikes
@@ -25,7 +25,7 @@ def doubts_of(record: Record) -> tuple[Doubt, ...]:
         [('force_sign', False)]
     """
     found = [_with_header(record, doubt) for doubt in _all_of(record)]
-    found += [Doubt(note.code, note.text, note.column) for note in record.notes]
+    found += [Doubt(note.code, note.text, note.column, note.code in GRAVE) for note in record.notes]
     return tuple(sorted(found, key=lambda doubt: not doubt.grave))
 
 

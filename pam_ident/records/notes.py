@@ -8,6 +8,12 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
     "frozen_sensor": lambda n, column, where: (
         f"{_rows(n)} left out: column {column!r} repeats one reading there and jumps when it wakes (first {where})"
     ),
+    "impossible_value": lambda n, column, where: (
+        f"{_rows(n)} left out: column {column!r} reads there several times what it does in all others (first {where})"
+    ),
+    "spike": lambda n, column, where: (
+        f"{_rows(n)} left out: column {column!r} jumps away there for a reading and comes back (first {where})"
+    ),
     "decimal_point": lambda _, column, where: (
         f"column {column!r}: {where} was read with a decimal point, but nothing in the file says that the point does "
         "not part thousands. Say decimal = '.' or ',' under [file] in a columns.toml"
@@ -58,7 +64,7 @@ class Notes:
         )
 
 
-LEAVE_OUT = ("empty_cells", "frozen_sensor", "rows_chosen")
+LEAVE_OUT = ("empty_cells", "frozen_sensor", "impossible_value", "spike", "rows_chosen")
 
 
 def _rows(n: int) -> str:

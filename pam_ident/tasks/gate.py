@@ -25,6 +25,9 @@ CONSTANT = 0.2
 """Standard deviation of a force beside its mean, below which it hardly varies."""
 MOST_LEFT = 0.2
 """Share of a force's variance that a model may leave with all that was found missing, or nothing was found."""
+OUTLYING, DECIDES, RARE = 10.0, 0.5, 0.01
+"""In a table: robust standard deviations from which a row is an outlier, the share of the squared error from which
+outliers decide a fit, and the share of the rows (one at least) up to which they are faults."""
 LEAST_STEP_S = 1e-9
 """Mean step of a clock that does not stand."""
 BEYOND_N = 1e100
@@ -87,14 +90,14 @@ def check_codes(assume: Iterable[str]) -> None:
 
 def doubts_about(one: Fit) -> tuple[Doubt, ...]:
     """What looks wrong in the record of a fit, and in its law on it, the grave first."""
-    found = doubts_of(one.record)
+    found = (*doubts_of(one.record), *_doubt_outliers(one))
     force = one.record.force[one.rows]
     size = float(np.sqrt(np.mean(force**2)))
     modelled = one.model.force(one.record.inputs, one.values)[one.rows]
     varies = force.std() > CONSTANT * abs(force.mean()) and modelled.std() > 0.0
     unlike = varies and np.corrcoef(modelled, force)[0, 1] < UNLIKE
     if one.rmse**2 < (1.0 - LITTLE) * size**2 and not unlike:
-        return found
+        return _grave_first(found)
     law = Doubt(
         "explains_nothing",
         f"{_formula(one)} leaves {one.rmse:.3g} N rms of a force of {size:.3g} N rms: it "
@@ -102,7 +105,30 @@ def doubts_about(one: Fit) -> tuple[Doubt, ...]:
         "force",
         True,
     )
-    return tuple(sorted((law, *found), key=lambda doubt: not doubt.grave))
+    return _grave_first((law, *found))
+
+
+def _grave_first(found: Iterable[Doubt]) -> tuple[Doubt, ...]:
+    return tuple(sorted(found, key=lambda doubt: not doubt.grave))
+
+
+def _doubt_outliers(one: Fit) -> Iterator[Doubt]:
+    """Rows of a table that decide its fit. In a record with time what leaves its neighbours was left out when read."""
+    if one.record.inputs.time is not None or len(one.record) < ROWS:
+        return
+    size = np.where(one.rows, np.abs(one.residual), 0.0)
+    far = np.flatnonzero(size > OUTLYING * np.median(size[one.rows]) / 0.6745)
+    share = float(np.sum(size[far] ** 2) / np.sum(size**2)) if len(far) else 0.0
+    if share > DECIDES and len(far) <= max(RARE * one.n, 1):
+        row = int(size.argmax())
+        rest = f", with {len(far) - 1} more," if len(far) > 1 else ""
+        yield Doubt(
+            "outlier",
+            f"sample {row + 1} reads {one.record.force[row]:.4g} N, {size[row]:.3g} N off the fit, and decides "
+            f"it{rest} by {share:.0%} of the squared error. Mend or delete the row.",
+            "force",
+            True,
+        )
 
 
 def warnings_of(one: Fit) -> tuple[Doubt, ...]:
