@@ -98,11 +98,11 @@ def test_the_export_is_the_muscle_that_runs_in_the_leg(root, tmp_path):
     assert ask("export", ladder, "--to", "python", "--out", tmp_path / "arm.py").exit_code == 0
     arm, muscle = force_in(tmp_path / "arm.py"), Muscle.read(ladder)[-1]
     values, memory, state = muscle.values(), muscle.start(np.array([0.3]), np.array([0.1])), None
-    _, state = arm(0.3, 0.1, 0.0, 0.0, state)
+    _, state = arm(0.3, 0.1, 0.0, 0.0, 0.0, state)
     for t in np.arange(0.005, 0.5, 0.005):
         p, e, v = 0.3 + 0.1 * np.sin(9.0 * t), 0.1 + 0.05 * np.sin(20.0 * t), 200.0 * np.cos(20.0 * t)
         expected, memory = muscle.force(values, memory, t, np.array([p]), np.array([e]), np.array([v]))
-        force, state = arm(p, e, v, np.tanh(v / 0.2), state)
+        force, state = arm(p, e, v, np.tanh(v / 0.2), 0.0, state)
         assert force == pytest.approx(float(expected[0]), rel=1e-10)
 
 
