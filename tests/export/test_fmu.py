@@ -1,0 +1,157 @@
+"""The functional mock-up unit: FMPy validates it, and runs it beside the muscle of the leg."""
+
+import shutil
+import zipfile
+
+import numpy as np
+import pytest
+from cases import BY_NAME, MUSCLE, Case
+
+from pam_ident.core import UsageError
+from pam_ident.export.targets import fmu
+from pam_ident.leg.arrays import jax, jnp
+from pam_ident.leg.muscle import Muscle
+from pam_ident.model import Model
+from pam_ident.validation.effect_contract import LAW_VALUES, plausible
+
+NAMES = ("pressure_MPa", "contraction", "velocity_mm_s")
+MEMORY = Model("exponential_law", ["coulomb_friction:relaxing", "creep:prony_3", "presliding_hysteresis:dahl"])
+SIZES = {k: v for term in MEMORY.terms for k, v in plausible(term.effect, term.form).items()}
+CASES = [
+    BY_NAME["law_exponential_law"],
+    Case("memory", MEMORY, {"together": LAW_VALUES | SIZES}),
+    pytest.param(BY_NAME["branches"], marks=pytest.mark.long),
+]
+
+
+@pytest.fixture
+def fmpy():
+    return pytest.importorskip("fmpy", reason="FMPy is not installed")
+
+
+@pytest.fixture
+def unit(request, tmp_path):
+    """A case's unit, as a file that is compiled for this machine."""
+    made = fmu.TARGET.write(request.param.fitted, "arm")
+    if "compiled for" not in made.notes[0]:
+        pytest.skip(made.notes[0])
+    path = tmp_path / "arm.fmu"
+    path.write_bytes(made.text)
+    return request.param, path
+
+
+def gait(step=0.005) -> np.ndarray:
+    """Time, pressure, contraction and speed along three strides of a knee, (n, 4); at rest at first."""
+    t = np.arange(0.0, 3.0, step)
+    phase = 2.0 * np.pi * t
+    contraction = 0.1 + 0.06 * (1.0 - np.cos(phase)) / 2.0 + 0.03 * (1.0 - np.cos(2.0 * phase)) / 2.0
+    speed = 200.0 * np.pi * (0.06 * np.sin(phase) + 0.06 * np.sin(2.0 * phase))
+    return np.stack([t, 0.3 + 0.15 * np.sin(phase - 0.7), contraction, speed], axis=1)
+
+
+def in_python(case, rows) -> np.ndarray:
+    """The leg's muscle, instant by instant."""
+    values = case.branches
+    one, other = (values[b] for b in (("together",) * 2 if len(values) == 1 else ("contraction", "extension")))
+    muscle = Muscle(case.model, MUSCLE, one, other)
+    memory, forces = muscle.start(*jnp.array(rows[:1, 1:3].T), rows[0, 0]), []
+    step = jax.jit(muscle.force)
+    for t, *state in rows:
+        force, memory = step(muscle.values(), memory, t, *jnp.array(state)[:, None])
+        forces.append(force[0])
+    return np.array(forces)
+
+
+def assert_agrees(found, expected):
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("unit", CASES[1:2], indirect=True)
+def test_fmpy_finds_no_fault(fmpy, unit):
+    from fmpy.validation import validate_fmu
+
+    _, path = unit
+    assert validate_fmu(str(path)) == []
+    told = fmpy.read_model_description(str(path))
+    assert told.coSimulation.modelIdentifier == told.modelExchange.modelIdentifier == "arm"
+    units = {v.name: v.unit for v in told.modelVariables}
+    assert units == {"pressure_MPa": "MPa", "contraction": None, "velocity_mm_s": "mm/s", "held": None, "force_N": "N"}
+
+
+@pytest.mark.parametrize("unit", CASES, indirect=True, ids=("law", "memory", "branches"))
+def test_in_co_simulation_the_force_is_that_of_python_along_a_gait(fmpy, unit, tmp_path):
+    """Also after a step that is taken back."""
+    case, path = unit
+    rows, expected = gait(), in_python(case, gait())
+    arm = slave(fmpy, path, tmp_path)
+    inputs, force = references(fmpy, path)
+    columns = [NAMES.index(name) + 1 for name in NAMES if name in inputs]
+    found = []
+    for k, row in enumerate(rows):
+        arm.setReal([inputs[name] for name in NAMES if name in inputs], row[columns])
+        found.append(arm.getReal([force])[0])
+        if k == 200:
+            before = arm.getFMUstate()
+            kept = arm.deSerializeFMUstate(arm.serializeFMUstate(before))
+            arm.doStep(row[0], 0.2)
+            arm.setReal([inputs["contraction"]], [0.2])
+            arm.doStep(row[0] + 0.2, 0.2)
+            arm.setFMUstate(kept)
+        arm.doStep(row[0], 0.005)
+    arm.terminate()
+    arm.freeInstance()
+    assert_agrees(found, expected)
+
+
+@pytest.mark.parametrize("unit", CASES[1:2], indirect=True)
+def test_in_model_exchange_it_is_the_same(fmpy, unit):
+    case, path = unit
+    rows = gait()
+    signals = np.array([tuple(row) for row in rows], dtype=[(name, float) for name in ("time", *NAMES)])
+    found = fmpy.simulate_fmu(
+        str(path), fmi_type="ModelExchange", input=signals, solver="Euler", step_size=0.005, output_interval=0.005,
+        stop_time=rows[-1, 0], output=["force_N"],
+    )  # fmt: skip
+    np.testing.assert_allclose(found["time"], rows[:, 0], atol=1e-9)
+    assert_agrees(found["force_N"], in_python(case, rows))
+
+
+def slave(fmpy, path, tmp_path):
+    """An instance in co-simulation, initialized at 0 s."""
+    from fmpy.fmi2 import FMU2Slave
+
+    told = fmpy.read_model_description(str(path))
+    unpacked = fmpy.extract(str(path), str(tmp_path / "unpacked"))
+    arm = FMU2Slave(guid=told.guid, unzipDirectory=unpacked, modelIdentifier="arm", instanceName="arm")
+    arm.instantiate()
+    arm.setupExperiment(startTime=0.0)
+    arm.enterInitializationMode()
+    arm.exitInitializationMode()
+    return arm
+
+
+def references(fmpy, path):
+    found = {v.name: v.valueReference for v in fmpy.read_model_description(str(path)).modelVariables}
+    return found, found["force_N"]
+
+
+def test_without_a_compiler_its_sources_are_there_and_it_is_said(monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    made = fmu.TARGET.write(CASES[0].fitted, "arm")
+    assert "only sources" in made.notes[0] and "no C compiler" in made.notes[0]
+
+
+def test_the_same_fit_gives_the_same_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    one, other = (fmu.TARGET.write(CASES[1].fitted, "arm").text for _ in range(2))
+    assert one == other
+    (tmp_path / "arm.fmu").write_bytes(one)
+    with zipfile.ZipFile(tmp_path / "arm.fmu") as archive:
+        assert set(archive.namelist()) == {
+            "modelDescription.xml", "sources/arm.h", "sources/fmi2.c", "sources/model.h",
+        }  # fmt: skip
+
+
+def test_a_name_that_is_no_name_in_c_is_refused():
+    with pytest.raises(UsageError, match="letters, digits"):
+        fmu.TARGET.write(CASES[0].fitted, "2nd")
