@@ -9,6 +9,7 @@ from cases import BY_NAME, MUSCLE, Case
 
 from pam_ident.core import UsageError
 from pam_ident.export.targets import fmu
+from pam_ident.export.targets.python import python_function
 from pam_ident.leg.arrays import jax, jnp
 from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model
@@ -114,6 +115,30 @@ def test_in_model_exchange_it_is_the_same(fmpy, unit):
     )  # fmt: skip
     np.testing.assert_allclose(found["time"], rows[:, 0], atol=1e-9)
     assert_agrees(found["force_N"], in_python(case, rows))
+
+
+@pytest.mark.parametrize("unit", CASES[1:2], indirect=True)
+def test_while_it_is_held_the_direction_stays(fmpy, unit, tmp_path):
+    """As the exported function, which is told the direction."""
+    case, path = unit
+    moving, rest = gait()[:150], np.arange(50)
+    held = np.repeat(moving[-1:], 50, axis=0) * [1.0, 1.0, 1.0, 0.0]
+    rows = np.concatenate([moving, held, moving[::-1] * [1.0, 1.0, 1.0, -1.0]])
+    rows[:, 0] = 0.005 * np.arange(len(rows))
+    defined: dict = {}
+    exec(python_function(case.fitted, "muscle"), defined)
+    arm, (inputs, force) = slave(fmpy, path, tmp_path), references(fmpy, path)
+    state, found, expected = None, [], []
+    for k, (t, p, e, v) in enumerate(rows):
+        hold = float(k - 150 in rest)
+        direction = np.sign(moving[-1, 3]) if hold else np.tanh(v / 0.2)
+        one, state = defined["muscle"](p, e, direction, t, hold, state)
+        expected.append(one)
+        arm.setReal([inputs[name] for name in (*NAMES, "held")], [p, e, v, hold])
+        found.append(arm.getReal([force])[0])
+        arm.doStep(t, 0.005)
+    assert_agrees(found, expected)
+    assert abs(expected[150] - expected[149]) > 1.0
 
 
 def slave(fmpy, path, tmp_path):
