@@ -185,7 +185,10 @@ class Muscle:
 
 
 def count_reversals(turn: Slot | None, direction: Array) -> tuple[Slot, Array]:
-    """The way each muscle last clearly went with its reversals so far, and the cycle that makes, from 1."""
+    """The way each muscle last clearly went with its reversals so far, and the cycle that makes, from 1, (n,) each.
+
+    `turn` is the same of the last accepted instant, None at the first; `direction` is tanh(v/0.2 mm/s), shape (n,).
+    """
     if turn is None:
         turn = (jnp.zeros_like(direction), jnp.zeros_like(direction))
     way, reversals = turn

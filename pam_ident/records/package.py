@@ -80,8 +80,13 @@ def _plain(value: Any) -> Any:
 def told(metadata: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]:
     """Metadata line by line: the words that lead there, and the value."""
     for key, value in metadata.items():
-        words = f"{before}{key}".replace("_", " ")
+        words = _one_line(f"{before}{key}".replace("_", " "))
         if isinstance(value, Mapping):
             yield from told(value, f"{words}: ")
         else:
-            yield words, " ".join((", ".join(map(str, value)) if isinstance(value, list) else str(value)).split())
+            yield words, _one_line(", ".join(map(str, value)) if isinstance(value, list) else str(value))
+
+
+def _one_line(text: str) -> str:
+    """Without what a terminal would obey."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

@@ -10,6 +10,7 @@ from pam_ident.core import DataError, Sensors, Specimen
 from pam_ident.export.package import write_package
 from pam_ident.records import read_record, read_specimen
 from pam_ident.records.datasets import bundled, dataset_names
+from pam_ident.records.package import told
 from pam_ident.records.specimen_file import read_kind, specimen_toml
 from pam_ident.report.tables import source
 
@@ -83,10 +84,11 @@ def test_what_is_known_is_kept_told_and_stands_in_the_report(packed, tmp_path):
     known = json.loads((tmp_path / "pack.json").read_text(encoding="utf-8"))["metadata"]
     assert known["calibration"]["force"] == {"gain": 1.002, "on": "2026-10-01T10:00:00+00:00"}
     assert read_record(packed).metadata == known
-    told = ask("inspect", packed, "--json", tmp_path / "inspect.json").stdout
-    assert "rig: channels: a, b" in told and "operator: Ada" in told
+    text = ask("inspect", packed, "--json", tmp_path / "inspect.json").stdout
+    assert "rig: channels: a, b" in text and "operator: Ada" in text
     assert json.loads((tmp_path / "inspect.json").read_text(encoding="utf-8"))["metadata"] == known
     assert ("calibration: force: gain", "1.002") in source(read_record(packed)).rows
+    assert list(told({"a_b": {"c": ["\x1b[2Jx\n", 1]}})) == [("a b: c", "[2Jx , 1")]
 
 
 def test_a_package_is_valid_for_frictionless(packed):
