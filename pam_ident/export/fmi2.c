@@ -1,39 +1,11 @@
-// FMI 2.0, model exchange and co-simulation, of a muscle's force. `model.h` gives INPUTS, START, GUID, Memory and
-// force_at(). There are no continuous states: the memory moves on at each instant that is accepted, and the force at any
-// other is a trial from there. Types and names are those of the standard, https://fmi-standard.org.
+// FMI 2.0, model exchange and co-simulation. Types and names are those of the standard, https://fmi-standard.org.
 
-#include <stdlib.h>
-#include <string.h>
+#include "fmi.h"
 
-#include "model.h"
-
-#ifdef _WIN32
-#define API __declspec(dllexport)
-#else
-#define API __attribute__((visibility("default")))
-#endif
-
-typedef double Real;
 typedef int Integer;
 typedef int Boolean;
 typedef const char *String;
-typedef unsigned int Reference;
-typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
 typedef struct { Boolean new_states, terminate, nominals, values, time_defined; Real time; } EventInfo;
-typedef struct { Memory memory; Real time, input[INPUTS]; } Instance;
-
-static Instance at_rest(void)
-{
-    Instance fresh;
-    memset(&fresh, 0, sizeof fresh);
-    memcpy(fresh.input, START, sizeof START);
-    return fresh;
-}
-
-static void accept(Instance *muscle)
-{
-    force_at(&muscle->memory, muscle->input, muscle->time);
-}
 
 API String fmi2GetTypesPlatform(void) { return "default"; }
 API String fmi2GetVersion(void) { return "2.0"; }
@@ -42,9 +14,7 @@ API void *fmi2Instantiate(String name, int kind, String guid, String resources, 
                           Boolean logging)
 {
     (void)name, (void)kind, (void)resources, (void)callbacks, (void)visible, (void)logging;
-    Instance *muscle = strcmp(guid, GUID) ? NULL : malloc(sizeof(Instance));
-    if (muscle) *muscle = at_rest();
-    return muscle;
+    return instantiated(guid);
 }
 
 API void fmi2FreeInstance(void *c) { free(c); }
@@ -68,22 +38,12 @@ API Status fmi2Reset(void *c) { *(Instance *)c = at_rest(); return OK; }
 
 API Status fmi2GetReal(void *c, const Reference which[], size_t n, Real value[])
 {
-    const Instance *muscle = c;
-    for (size_t k = 0; k < n; ++k) {
-        if (which[k] > INPUTS) return ERROR;
-        Memory trial = muscle->memory;
-        value[k] = which[k] < INPUTS ? muscle->input[which[k]] : force_at(&trial, muscle->input, muscle->time);
-    }
-    return OK;
+    return get(c, which, n, value);
 }
 
 API Status fmi2SetReal(void *c, const Reference which[], size_t n, const Real value[])
 {
-    for (size_t k = 0; k < n; ++k) {
-        if (which[k] >= INPUTS) return ERROR;
-        ((Instance *)c)->input[which[k]] = value[k];
-    }
-    return OK;
+    return set(c, which, n, value);
 }
 
 // There are no variables of other types.
@@ -96,14 +56,7 @@ NO_VARIABLES(Integer, Integer)
 NO_VARIABLES(Boolean, Boolean)
 NO_VARIABLES(String, String)
 
-API Status fmi2GetFMUstate(void *c, void **state)
-{
-    if (!*state) *state = malloc(sizeof(Instance));
-    if (!*state) return ERROR;
-    memcpy(*state, c, sizeof(Instance));
-    return OK;
-}
-
+API Status fmi2GetFMUstate(void *c, void **state) { return copied(c, state); }
 API Status fmi2SetFMUstate(void *c, void *state) { memcpy(c, state, sizeof(Instance)); return OK; }
 API Status fmi2FreeFMUstate(void *c, void **state) { (void)c; free(*state); *state = NULL; return OK; }
 API Status fmi2SerializedFMUstateSize(void *c, void *state, size_t *size)
@@ -123,9 +76,8 @@ API Status fmi2SerializeFMUstate(void *c, void *state, char bytes[], size_t size
 
 API Status fmi2DeSerializeFMUstate(void *c, const char bytes[], size_t size, void **state)
 {
-    if (size < sizeof(Instance) || fmi2GetFMUstate(c, state) != OK) return ERROR;
-    memcpy(*state, bytes, sizeof(Instance));
-    return OK;
+    (void)c;
+    return size < sizeof(Instance) ? ERROR : copied(bytes, state);
 }
 
 API Status fmi2GetDirectionalDerivative(void *c, const Reference of[], size_t m, const Reference by[], size_t n,
@@ -165,11 +117,8 @@ API Status fmi2GetEventIndicators(void *c, Real z[], size_t n) { (void)c, (void)
 
 API Status fmi2DoStep(void *c, Real time, Real step, Boolean never_back)
 {
-    Instance *muscle = c;
     (void)never_back;
-    muscle->time = time;
-    accept(muscle);
-    muscle->time = time + step;
+    step_over(c, time, step);
     return OK;
 }
 

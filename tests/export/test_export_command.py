@@ -153,7 +153,7 @@ def test_a_file_that_lacks_something_is_refused_by_its_name(stored, tmp_path, ch
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--to", "fortran", "--out", "arm.f"), "c, fmu, matlab, mujoco, python, json"),
+        (("--to", "fortran", "--out", "arm.f"), "c, fmu, fmu3, matlab, mujoco, python, json"),
         (("--to", "c", "--out", "arm.m"), ".h"),
         (("--to", "c", "--out", "2nd.h"), "begins with a letter"),
         (("--to", "json", "--out", "arm.json"), "JSON already"),

@@ -1,4 +1,4 @@
-"""The functional mock-up unit: FMPy validates it, and runs it beside the muscle of the leg."""
+"""Functional mock-up units, FMI 2.0 and 3.0: FMPy validates them, and runs them beside the muscle of the leg."""
 
 import shutil
 import zipfile
@@ -8,7 +8,7 @@ import pytest
 from cases import BY_NAME, MUSCLE, Case
 
 from pam_ident.core import UsageError
-from pam_ident.export.targets import fmu
+from pam_ident.export.targets import get_target
 from pam_ident.export.targets.python import python_function
 from pam_ident.leg.arrays import jax, jnp
 from pam_ident.leg.muscle import Muscle
@@ -18,11 +18,26 @@ from pam_ident.validation.effect_contract import LAW_VALUES, plausible
 NAMES = ("pressure_MPa", "contraction", "velocity_mm_s")
 MEMORY = Model("exponential_law", ["coulomb_friction:relaxing", "creep:prony_3", "presliding_hysteresis:dahl"])
 SIZES = {k: v for term in MEMORY.terms for k, v in plausible(term.effect, term.form).items()}
-CASES = [
+LAW, RECALLS, BRANCHES = (
     BY_NAME["law_exponential_law"],
     Case("memory", MEMORY, {"together": LAW_VALUES | SIZES}),
-    pytest.param(BY_NAME["branches"], marks=pytest.mark.long),
-]
+    BY_NAME["branches"],
+)
+BOTH = pytest.mark.parametrize("unit", [(RECALLS, "fmu"), (RECALLS, "fmu3")], indirect=True, ids=("2.0", "3.0"))
+ALL = pytest.mark.parametrize(
+    "unit",
+    [
+        (LAW, "fmu"),
+        (RECALLS, "fmu"),
+        (RECALLS, "fmu3"),
+        *(
+            pytest.param((case, to), marks=pytest.mark.long)
+            for case, to in ((LAW, "fmu3"), (BRANCHES, "fmu"), (BRANCHES, "fmu3"))
+        ),
+    ],
+    indirect=True,
+    ids=lambda one: f"{one[0].name}-{one[1]}",
+)
 
 
 @pytest.fixture
@@ -32,13 +47,14 @@ def fmpy():
 
 @pytest.fixture
 def unit(request, tmp_path):
-    """A case's unit, as a file that is compiled for this machine."""
-    made = fmu.TARGET.write(request.param.fitted, "arm")
+    """A case, and its unit as a file that is compiled for this machine."""
+    case, to = request.param
+    made = get_target(to).write(case.fitted, "arm")
     if "compiled for" not in made.notes[0]:
         pytest.skip(made.notes[0])
     path = tmp_path / "arm.fmu"
     path.write_bytes(made.text)
-    return request.param, path
+    return case, path
 
 
 def gait(step=0.005) -> np.ndarray:
@@ -67,7 +83,7 @@ def assert_agrees(found, expected):
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("unit", CASES[1:2], indirect=True)
+@BOTH
 def test_fmpy_finds_no_fault(fmpy, unit):
     from fmpy.validation import validate_fmu
 
@@ -76,10 +92,11 @@ def test_fmpy_finds_no_fault(fmpy, unit):
     told = fmpy.read_model_description(str(path))
     assert told.coSimulation.modelIdentifier == told.modelExchange.modelIdentifier == "arm"
     units = {v.name: v.unit for v in told.modelVariables}
-    assert units == {"pressure_MPa": "MPa", "contraction": None, "velocity_mm_s": "mm/s", "held": None, "force_N": "N"}
+    expected = {"pressure_MPa": "MPa", "contraction": None, "velocity_mm_s": "mm/s", "held": None, "force_N": "N"}
+    assert {name: units[name] for name in units if name != "time"} == expected
 
 
-@pytest.mark.parametrize("unit", CASES, indirect=True, ids=("law", "memory", "branches"))
+@ALL
 def test_in_co_simulation_the_force_is_that_of_python_along_a_gait(fmpy, unit, tmp_path):
     """Also after a step that is taken back."""
     case, path = unit
@@ -89,22 +106,22 @@ def test_in_co_simulation_the_force_is_that_of_python_along_a_gait(fmpy, unit, t
     columns = [NAMES.index(name) + 1 for name in NAMES if name in inputs]
     found = []
     for k, row in enumerate(rows):
-        arm.setReal([inputs[name] for name in NAMES if name in inputs], row[columns])
-        found.append(arm.getReal([force])[0])
+        arm.set([inputs[name] for name in NAMES if name in inputs], row[columns])
+        found.append(arm.get([force])[0])
         if k == 200:
-            before = arm.getFMUstate()
-            kept = arm.deSerializeFMUstate(arm.serializeFMUstate(before))
+            before = arm.getFMUState()
+            kept = arm.deserializeFMUState(arm.serializeFMUState(before))
             arm.doStep(row[0], 0.2)
-            arm.setReal([inputs["contraction"]], [0.2])
+            arm.set([inputs["contraction"]], [0.2])
             arm.doStep(row[0] + 0.2, 0.2)
-            arm.setFMUstate(kept)
+            arm.setFMUState(kept)
         arm.doStep(row[0], 0.005)
     arm.terminate()
     arm.freeInstance()
     assert_agrees(found, expected)
 
 
-@pytest.mark.parametrize("unit", CASES[1:2], indirect=True)
+@BOTH
 def test_in_model_exchange_it_is_the_same(fmpy, unit):
     case, path = unit
     rows = gait()
@@ -117,7 +134,7 @@ def test_in_model_exchange_it_is_the_same(fmpy, unit):
     assert_agrees(found["force_N"], in_python(case, rows))
 
 
-@pytest.mark.parametrize("unit", CASES[1:2], indirect=True)
+@BOTH
 def test_while_it_is_held_the_direction_stays(fmpy, unit, tmp_path):
     """As the exported function, which is told the direction."""
     case, path = unit
@@ -134,23 +151,32 @@ def test_while_it_is_held_the_direction_stays(fmpy, unit, tmp_path):
         direction = np.sign(moving[-1, 3]) if hold else np.tanh(v / 0.2)
         one, state = defined["muscle"](p, e, direction, t, hold, state)
         expected.append(one)
-        arm.setReal([inputs[name] for name in (*NAMES, "held")], [p, e, v, hold])
-        found.append(arm.getReal([force])[0])
+        arm.set([inputs[name] for name in (*NAMES, "held")], [p, e, v, hold])
+        found.append(arm.get([force])[0])
         arm.doStep(t, 0.005)
     assert_agrees(found, expected)
     assert abs(expected[150] - expected[149]) > 1.0
 
 
 def slave(fmpy, path, tmp_path):
-    """An instance in co-simulation, initialized at 0 s."""
+    """An instance in co-simulation, initialized at 0 s, whose `set` and `get` are those of the version's reals."""
     from fmpy.fmi2 import FMU2Slave
+    from fmpy.fmi3 import FMU3Slave
 
     told = fmpy.read_model_description(str(path))
     unpacked = fmpy.extract(str(path), str(tmp_path / "unpacked"))
-    arm = FMU2Slave(guid=told.guid, unzipDirectory=unpacked, modelIdentifier="arm", instanceName="arm")
-    arm.instantiate()
-    arm.setupExperiment(startTime=0.0)
-    arm.enterInitializationMode()
+    given = {"guid": told.guid, "unzipDirectory": unpacked, "modelIdentifier": "arm", "instanceName": "arm"}
+    if told.fmiVersion == "2.0":
+        arm = FMU2Slave(**given)
+        arm.set, arm.get = arm.setReal, arm.getReal
+        arm.instantiate()
+        arm.setupExperiment(startTime=0.0)
+        arm.enterInitializationMode()
+    else:
+        arm = FMU3Slave(**given)
+        arm.set, arm.get = arm.setFloat64, arm.getFloat64
+        arm.instantiate()
+        arm.enterInitializationMode(startTime=0.0)
     arm.exitInitializationMode()
     return arm
 
@@ -160,23 +186,19 @@ def references(fmpy, path):
     return found, found["force_N"]
 
 
-def test_without_a_compiler_its_sources_are_there_and_it_is_said(monkeypatch):
+@pytest.mark.parametrize("to", ["fmu", "fmu3"])
+def test_without_a_compiler_its_sources_are_there_and_it_is_said(monkeypatch, tmp_path, to):
+    """Whatever it is called, and the same file for the same fit."""
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    made = fmu.TARGET.write(CASES[0].fitted, "arm")
-    assert "only sources" in made.notes[0] and "no C compiler" in made.notes[0]
-
-
-def test_the_same_fit_gives_the_same_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(shutil, "which", lambda name: None)
-    one, other = (fmu.TARGET.write(CASES[1].fitted, "arm").text for _ in range(2))
-    assert one == other
-    (tmp_path / "arm.fmu").write_bytes(one)
-    with zipfile.ZipFile(tmp_path / "arm.fmu") as archive:
-        assert set(archive.namelist()) == {
-            "modelDescription.xml", "sources/arm.h", "sources/fmi2.c", "sources/model.h",
-        }  # fmt: skip
+    one, other = (get_target(to).write(RECALLS.fitted, "model") for _ in range(2))
+    assert "only sources" in one.notes[0] and "no C compiler" in one.notes[0] and one == other
+    (tmp_path / "model.fmu").write_bytes(one.text)
+    with zipfile.ZipFile(tmp_path / "model.fmu") as archive:
+        found = {name for name in archive.namelist() if name.endswith((".c", ".h"))}
+        assert found == {f"sources/{name}" for name in ("fmi.h", "model.h", f"fmi{2 if to == 'fmu' else 3}.c")}
+        assert b"double model_step(" in archive.read("sources/model.h")
 
 
 def test_a_name_that_is_no_name_in_c_is_refused():
     with pytest.raises(UsageError, match="letters, digits"):
-        fmu.TARGET.write(CASES[0].fitted, "2nd")
+        get_target("fmu").write(LAW.fitted, "2nd")
