@@ -13,6 +13,7 @@ from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
 from .mapping import Mapping, read_mapping
 from .notes import Notes
+from .package import read_metadata
 from .quantities import Source, find_sources
 from .ranges import Values, contraction_of
 from .record import Record, build_record
@@ -28,9 +29,9 @@ def read_record(
 
     Args:
         path: a file (CSV and other text, .xlsx, .mat, .tdms, .lvm, .parquet; the text ones gzipped too), or several
-            that are runs of one test: a folder, or a pattern such as `runs/*.csv`. Columns are found by name and unit:
-            pressure and force, one of displacement, contraction or length; optional time, pressure_set, cycle, branch,
-            temperature and slack (rows with slack = 1 are left out).
+            that are runs of one test: a folder, also a Data Package, or a pattern such as `runs/*.csv`. Columns are
+            found by name and unit: pressure and force, one of displacement, contraction or length; optional time,
+            pressure_set, cycle, branch, temperature and slack (rows with slack = 1 are left out).
         specimen: the muscle, or its file; by default `specimen.toml` in the same folder.
         columns: a file that says which column is what; by default `columns.toml` in the same folder, if there is one.
 
@@ -57,7 +58,7 @@ def read_record(
     values = join_runs(runs, str(path))
     del runs
     found = build_loaded(record_name(files, muscle), files.given, files_sha256(files), muscle, values, where, notes)
-    return replace(found, said_kind=said_kind(files, specimen, columns))
+    return replace(found, said_kind=said_kind(files, specimen, columns), metadata=read_metadata(files.folder))
 
 
 def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
