@@ -37,7 +37,8 @@ be explained, because the law bends."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
 adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes;
-none where it takes the place of names that have more parameters."""
+the same where it takes the place of names
+that have as many parameters, and none where they have more."""
 
 
 def investigate(
@@ -269,9 +270,9 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
 def _pattern_price(trial: Trial, lead: Lead, verdict: Verdict) -> float:
     search = 2.0 * float(np.log(max(lead.tried, 2)))
     known = sum(len(term.form.params) for term in verdict.terms)
-    simpler = not lead.onto.terms and lead.atom.free < known
+    more = lead.atom.free - known if not lead.onto.terms else 1
     fault = not isinstance(lead.atom.term.form, AddsForce)
-    tolerance = 0.0 if simpler else FAULT_TOLERANCE if fault else PATTERN_TOLERANCE
+    tolerance = 0.0 if more < 0 else FAULT_TOLERANCE if fault or more == 0 else PATTERN_TOLERANCE
     return PATTERN_MARGIN + search + tolerance * trial.excess + trial.price.per_parameter * lead.atom.free
 
 
