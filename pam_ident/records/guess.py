@@ -99,9 +99,7 @@ def _varies(column: Array) -> bool:
     return len(column) > 1 and bool(np.isfinite(column).all()) and float(np.ptp(column)) > 0.0
 
 
-def _by_numbers(
-    needed: list[str], free: list[int], found: list[str], values: list[Array]
-) -> list[tuple[int, str]]:
+def _by_numbers(needed: list[str], free: list[int], found: list[str], values: list[Array]) -> list[tuple[int, str]]:
     """Which of the free columns are what is needed still."""
     if not needed or len(free) < len(needed) or len(free) > 8:
         return []

@@ -57,7 +57,10 @@ class Drafting:
         factor = pn.widgets.TextInput(label=f"Factor of {one.name}", value=f"{one.factor:g}", width=80, **LOOK)
         offset = pn.widgets.TextInput(label=f"Offset of {one.name}", value=f"{one.offset:g}", width=80, **LOOK)
         change = partial(self._changed, k, what, unit, factor, offset)
-        what.param.watch(lambda _: unit.param.update(options=_units(what.value), value=next(iter(_units(what.value).values()))), "value")
+        what.param.watch(
+            lambda _: unit.param.update(options=_units(what.value), value=next(iter(_units(what.value).values()))),
+            "value",
+        )
         for field in (what, unit, factor, offset):
             field.param.watch(change, "value")
         return pn.FlexBox(html(str(words.column(one)), width=200, sizing_mode=None), what, unit, factor, offset,

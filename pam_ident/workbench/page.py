@@ -80,7 +80,9 @@ class Workbench(Viewer):
     # What is asked
 
     def _make_side(self) -> None:
-        side = self.side = Side(self.setup, lambda name: self._change(lambda bench: bench.removing(name)), self._on_hold)
+        side = self.side = Side(
+            self.setup, lambda name: self._change(lambda bench: bench.removing(name)), self._on_hold
+        )
         side.drop.param.watch(self._on_drop, "value")
         side.example.param.watch(self._on_example, "value")
         for choice in (side.law, side.geometry):
@@ -90,7 +92,9 @@ class Workbench(Viewer):
         side.add_other.on_click(lambda _: self._change(lambda bench: bench.adding(side.other)))
         side.save.callback = partial(self._kept, lambda bench: bench.report())
         side.save_specimen.callback = partial(self._kept, lambda bench: specimen_toml(bench.record.specimen))
-        side.save_columns.callback = partial(self._kept, lambda _: self.history.draft.toml if self.history.draft else "")
+        side.save_columns.callback = partial(
+            self._kept, lambda _: self.history.draft.toml if self.history.draft else ""
+        )
 
     def _make_main(self) -> None:
         self.head, self.verdict, self.follows = html(), html(), html()

@@ -33,7 +33,7 @@ class Side:
         self.form = SpecimenForm()
         self.use_specimen = pn.widgets.Button(label="Use this specimen", **WIDE)
         self.specimen = pn.Card(
-            self.form.row, self.use_specimen, title="Specimen", collapsed=True, margin=(8, 10), **WIDE
+            self.form.row, self.use_specimen, header=html("<h3>Specimen</h3>"), collapsed=True, margin=(8, 10), **WIDE
         )
         self.model, self.terms = html(), Cards("Effects in the model", removed)
         self.effect = pn.widgets.Select(label="Another effect", options=[], **WIDE)
@@ -83,7 +83,11 @@ class Side:
 
     def _show_forms(self) -> None:
         effect = self._effects.get(self.effect.value)
-        forms = {f"{form.name.replace('_', ' ')}: {form.formula}": f"{effect.name}:{form.name}" for form in effect.forms} if effect else {}
+        forms = (
+            {f"{form.name.replace('_', ' ')}: {form.formula}": f"{effect.name}:{form.name}" for form in effect.forms}
+            if effect
+            else {}
+        )
         self.form_of.param.update(options=forms or [""], value=next(iter(forms.values()), ""))
 
     def _show_held(self, bench: Bench | None) -> None:

@@ -1,6 +1,7 @@
 """The record, the model and what is left as linked figures to zoom and to point at."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -92,14 +93,14 @@ class View:
         self.zoom = pn.FlexBox(self.along, *map(self._button, ZOOM), align_items="end", **fit)
         self.map = pn.FlexBox(*(pn.pane.Bokeh(one, width=350) for one in self.maps), **fit)
 
-    def _figure(self, label: str, height: int) -> figure:
+    def _figure(self, label: str, height: int) -> Any:
         made = figure(
             height=height, sizing_mode="stretch_width", x_range=self.x, y_range=Range1d(), y_axis_label=label,
             tools="box_zoom,pan,xwheel_zoom", active_drag="box_zoom", toolbar_location=None,
         )  # fmt: skip
         return made
 
-    def _map(self) -> figure:
+    def _map(self) -> Any:
         cells = ColumnDataSource({name: [] for name in ("left", "right", "row", "pressure", "mean", "rms", "share")})
         made = figure(height=260, width=350, x_range=Range1d(), y_range=Range1d(), x_axis_label=ALONG["contraction"],
                       y_axis_label=ALONG["pressure"], tools="", toolbar_location=None)  # fmt: skip
@@ -163,8 +164,8 @@ class View:
 
     def _place(self) -> None:
         """Draw along what is chosen, the whole of it."""
-        if self._record is None:
-            return
+        if self._record is None or len(self.points.data["error"]) != len(self._rows):
+            return  # what is drawn is still another record's
         x = self._along()
         self.points.data = dict(self.points.data) | {"x": x}
         self.traces.data = dict(self.traces.data) | {"x": x}
@@ -199,11 +200,11 @@ def drawn_rows(values: Array) -> Array:
     if len(values) <= MOST_POINTS:
         return np.arange(len(values))
     edges = np.linspace(0, len(values), MOST_POINTS // 2 + 1).astype(int)
-    parts = [(begin, values[begin:end]) for begin, end in zip(edges[:-1], edges[1:], strict=True)]
+    parts = [(begin, values[begin:end]) for begin, end in pairwise(edges)]
     return np.unique([begin + at for begin, part in parts for at in (part.argmin(), part.argmax())])
 
 
-def _span(axis: Range1d, values: Sequence[float] | Array) -> None:
+def _span(axis: Any, values: Sequence[float] | Array) -> None:
     """The range of finite values, with a little room, which a reset goes back to."""
     low, high = float(np.min(values)), float(np.max(values))
     room = 0.04 * (high - low) or 1.0

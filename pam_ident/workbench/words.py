@@ -82,7 +82,9 @@ def draft(shown: Draft, wrong: str = "") -> Markup:
 def column(one: DraftColumn) -> Markup:
     """A column of a dropped file: its name, first cells and range."""
     span = f"{number(one.low)} to {number(one.high)}" if one.low == one.low else "no numbers"
-    return Markup('<p><b>{}</b><br><span class="soft">{} …<br>{}</span></p>').format(one.name, ", ".join(one.first), span)
+    return Markup('<p><b>{}</b><br><span class="soft">{} …<br>{}</span></p>').format(
+        one.name, ", ".join(one.first), span
+    )
 
 
 def headline(found: Diagnosis) -> str:
@@ -245,8 +247,11 @@ def against(first: Bench | None, now: Bench | None) -> Markup:
     rows += [("law", first.setup.law, now.setup.law)] if first.setup.law != now.setup.law else []
     rows += [("error", newtons(first.fit.rmse) + " rms", newtons(now.fit.rmse) + " rms")]
     rows.append(("on held-out data", newtons(first.rungs[-1].heldout_rmse), newtons(now.rungs[-1].heldout_rmse)))
-    rows.append(("what the error follows", *(told(b.diagnosis.follows) if b.diagnosis else "–" for b in (first, now))))
-    values = [{e.name: f"{number(e.value)} ± {stderr(e)} {unit(e.unit)}" for e in b.fit.estimates} for b in (first, now)]
+    follow = [told(b.diagnosis.follows) if b.diagnosis else "–" for b in (first, now)]
+    rows.append(("what the error follows", follow[0], follow[1]))
+    values = [
+        {e.name: f"{number(e.value)} ± {stderr(e)} {unit(e.unit)}" for e in b.fit.estimates} for b in (first, now)
+    ]
     rows += [(name, *(one.get(name, "–") for one in values)) for name in dict.fromkeys([*values[0], *values[1]])]
     shown = tables.PageTable(f"A ({first.record.name}) and B ({now.record.name})", ("", "A", "B"), tuple(rows))
     return table(shown)
