@@ -156,8 +156,9 @@ def _sentence(
 ) -> str:
     worst_pressure = max(by["pressure_MPa"], key=lambda b: b.share)
     top = worst[0]
+    model = " + ".join([fit.model.law.name, *fit.model.labels])
     text = (
-        f"{' + '.join([fit.model.law.name, *fit.model.labels])} misses the measurement by {fit.rmse:.3g} N rms (at most {fit.max_error:.3g} N). "
+        f"{model} misses the measurement by {fit.rmse:.3g} N rms (at most {fit.max_error:.3g} N). "
         f"{worst_pressure.share:.0%} of the squared error lies at {worst_pressure.label}; the worst cell is "
         f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}, {top.branch} "
         f"({top.rms:.3g} N rms, {top.share:.0%} of the squared error, "

@@ -29,7 +29,7 @@ class Cards(JSComponent):
         self._chosen = chosen
 
     def _handle_msg(self, data: Any) -> None:
-        key = data.get("key") if isinstance(data, dict) else None
+        key = str(data.get("key")) if isinstance(data, dict) else ""
         if any(item["key"] == key and not item.get("disabled") for item in self.items):
             self._chosen(key)
 
@@ -45,7 +45,7 @@ class Sliders(JSComponent):
         super().__init__(stylesheets=[STYLE], **({"sizing_mode": "stretch_width"} | options))
         self._told = held
 
-    def show(self, fit: Fit | None, held: Mapping[str, float]) -> None:
+    def lay(self, fit: Fit | None, held: Mapping[str, float]) -> None:
         """A slider for each of the held parameters of a fit; those that are there already stay as they are."""
         known = {item["name"]: item for item in self.items}
         self.items = [known.get(name) or _slider(fit, name, value) for name, value in held.items()] if fit else []

@@ -26,6 +26,11 @@ class History:
         """The step that is shown."""
         return self.steps[self.at] if self.steps else None
 
+    def known(self, bench: Bench) -> Bench | None:
+        """A step with the same model of the same record that was diagnosed already."""
+        alike = (one for one in self.steps if one.record is bench.record and one.setup == bench.setup and not one.held)
+        return None if bench.held else next((one for one in alike if one.previews or one.diagnosis), None)
+
     def push(self, bench: Bench) -> None:
         """A new step; what had been undone is gone. A slider that is moved on is the same step."""
         if self.bench is not None and bench.held and bench.held.keys() == self.bench.held.keys():

@@ -103,8 +103,12 @@ class Workbench(Viewer):
         self.bar = pn.indicators.Progress(active=True, width=160, visible=False)
         self.stop, self.find, self.anyway = (
             pn.widgets.Button(label=label, visible=False, color=color, **LOOK)
-            for label, color in (("Stop", "default"), ("Find what is missing", "primary"), ("Answer all the same", "default"))
-        )  # fmt: skip
+            for label, color in (
+                ("Stop", "default"),
+                ("Find what is missing", "primary"),
+                ("Answer all the same", "default"),
+            )
+        )
         self.stop.on_click(lambda _: self.work and self.work.stop())
         self.find.on_click(lambda _: self._begin(lambda: _found(self.bench)) if self.bench else None)
         self.anyway.on_click(lambda _: self._change(lambda bench: bench.all_the_same()))
@@ -188,7 +192,7 @@ class Workbench(Viewer):
             self.look()
 
     def _opened(self, record: Record, path: str) -> Iterator[Found]:
-        return _told(Bench.begin(record, path, self._asked()))
+        return self._told(Bench.begin(record, path, self._asked()))
 
     def _asked(self) -> Setup:
         """The law alone, as the side says, with the effects that the page began with if it is still empty."""
@@ -197,10 +201,17 @@ class Workbench(Viewer):
             self.setup, law=self.side.law.value, effects=effects, free_geometry=self.side.geometry.value, assume=()
         )
 
+    def _told(self, bench: Bench) -> Iterator[Found]:
+        """The bench as fitted, then diagnosed, then with its candidates tried; what is known is not asked again."""
+        known = self.history.known(bench)
+        yield True, known or bench
+        if known is None:
+            yield from _found(bench)
+
     def _change(self, change: Callable[[Bench], Bench]) -> None:
         bench = self.bench
         if bench is not None:
-            self._begin(lambda: _told(change(bench)))
+            self._begin(lambda: self._told(change(bench)))
 
     def _on_drop(self, _: Any) -> None:
         if not self.side.drop.value:
@@ -337,12 +348,6 @@ class Workbench(Viewer):
         self.side.show(bench, self.setup)
         self.draft.show(self.history.draft, self.asking)
         self._busy()
-
-
-def _told(bench: Bench) -> Iterator[Found]:
-    """The bench as fitted, then diagnosed, then with its candidates tried."""
-    yield True, bench
-    yield from _found(bench)
 
 
 def _found(bench: Bench | None) -> Iterator[Found]:

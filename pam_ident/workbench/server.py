@@ -79,7 +79,7 @@ def _page(make: Callable[[History], Workbench], kept: Kept) -> pn.Template:
     page.add_panel("bench", bench.page)
     location = pn.state.location
     if location is not None:
-        pn.state.onload(lambda: location.update_query(**{SESSION: word}))
+        pn.state.onload(lambda: setattr(location, "search", f"?{SESSION}={word}"))
     if pn.state.curdoc is not None:
         pn.state.curdoc.js_on_event("document_ready", bench.view.themed)
     return page

@@ -94,7 +94,7 @@ class Side:
         held = bench.held if bench else {}
         free = [e.name for e in bench.fit.estimates if e.name not in held] if bench else []
         self.hold.param.update(options=["", *free], value="")
-        self.sliders.show(bench.fit if bench else None, held)
+        self.sliders.lay(bench.fit if bench else None, held)
 
     def _on_hold(self) -> None:
         if self.hold.value and self._bench is not None:

@@ -167,8 +167,8 @@ class View:
         if self._record is None or len(self.points.data["error"]) != len(self._rows):
             return  # what is drawn is still another record's
         x = self._along()
-        self.points.data = dict(self.points.data) | {"x": x}
-        self.traces.data = dict(self.traces.data) | {"x": x}
+        for source in (self.points, self.traces):
+            source.data = {name: x if name == "x" else column for name, column in source.data.items()}  # type: ignore[reportAttributeAccessIssue]
         self.preview.data = {"x": [], "y": []}
         self.error.xaxis.axis_label = ALONG[self.along.value]
         self.hover.mode = "vline" if self.along.value in ("time", "sample") else "mouse"
