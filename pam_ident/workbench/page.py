@@ -23,7 +23,7 @@ from .drafting import Drafting
 from .history import History
 from .parts import LOOK, Page, html
 from .side import Side
-from .view import View
+from .view import Views
 from .work import Work
 
 TICK_MS = 100
@@ -116,7 +116,7 @@ class Workbench(Viewer):
         self.steps = Cards("Steps taken", self._on_step, css_classes=["strip"])
         self.pin = pn.widgets.Button(label="Pin this model as A", **LOOK)
         self.pin.on_click(lambda _: self._on_pin())
-        self.view = View()
+        self.view = Views()
         self.texts = {name: html() for name in ("where", "parameters", "against", "model")}
         self.tabs = pn.Tabs(
             ("Where it fails", pn.Column(self.texts["where"], self.view.map, **WIDE)),

@@ -57,7 +57,7 @@ dark.addEventListener("change", paint)
 """
 
 
-class View:
+class Views:
     """`figures` over the record, with `along` and `zoom` to steer them, and `map`, where the model fails."""
 
     def __init__(self) -> None:
