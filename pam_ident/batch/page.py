@@ -29,7 +29,12 @@ def batch_page(table: str | Path, command: str) -> str:
     question, units = frame.attrs["question"], frame.attrs["units"]
     law = " + ".join([question["law"], *question["effects"]])
     listed = {str(name): f"m{k}" for k, name in enumerate(frame["record"].unique()[:MOST_MUSCLES])}
-    whole = (_overview(frame), _muscles(frame, listed), *_bad(frame, listed), *_doubtful(frame, listed))
+    whole: tuple[Part, ...] = (
+        _overview(frame),
+        _muscles(frame, listed),
+        *_bad(frame, listed),
+        *_doubtful(frame, listed),
+    )
     sections = [("All records", whole)]
     found = spreads(frame, units)
     seen = trends(frame, found)

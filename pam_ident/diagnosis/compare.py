@@ -94,6 +94,7 @@ def _odd_even(fit: Fit, cell: Array, levels: int, total: float) -> tuple[float |
         both = True
         one, other = float(up.mean()), float(down.mean())
         squares = len(up) * one**2 + len(down) * other**2
+        # Where one branch has more samples than the other the two overlap; what the cell's means hold is shared out.
         part = (one - other) ** 2 / max(2.0 * (one**2 + other**2), 1e-300)
         odd += part * squares
         even += (1.0 - part) * squares
