@@ -48,7 +48,7 @@ def main() -> None:
                 choose = page.get_by_label("Force law")
                 found.setdefault("law", []).append(timed(page, lambda c=choose, law=law: c.select_option(law)))
         browser.close()
-        server.terminate()
+        server.kill()
     for name, times in found.items():
         shown, named = (statistics.median(each) for each in zip(*times, strict=True))
         print(f"{name:8} shown {shown:.2f} s, named {named:.2f} s (median of {len(times)})")
