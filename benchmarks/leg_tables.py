@@ -1,4 +1,4 @@
-"""The tables of docs/leg.md and docs/measured.md: every rung at 1 Hz, four cadences and the paper's 0.2 s in both legs, the budget.
+"""The tables of docs/leg.md and docs/measured.md: every rung at 1 Hz in both legs, other cadences, the budget.
 
 python benchmarks/leg_tables.py [--markdown docs/leg.md docs/measured.md]
 """
@@ -92,7 +92,7 @@ def budgets(found: dict[tuple[str, str], Track]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--markdown", type=Path, nargs="*", default=(), help="pages whose marked tables are written anew")
+    parser.add_argument("--markdown", type=Path, nargs="*", default=(), help="pages whose tables are written anew")
     given = parser.parse_args()
     found = {}
     for task, (cadence, paper) in TASKS.items():

@@ -2,7 +2,7 @@
 
     python benchmarks/workbench.py [--record NAME] [--repeats 7]
 
-`shown` is until the error, its figures and the parameters are the new ones, `named` until what is missing is said of them.
+`shown` is until the error and its figures are the new ones, `named` until what is missing is said of them.
 Needs a chromium: PAM_IDENT_CHROMIUM, or one on the path.
 """
 

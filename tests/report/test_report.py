@@ -331,7 +331,7 @@ def test_inline_svg_keeps_references_and_drops_the_rest():
 
 
 def test_isobars_are_switched_off_one_by_one(text):
-    switches = re.findall(r'<input type="checkbox" id="(r1f\d+-s\d)" checked><label for="\1">([\d.]+ MPa)</label>', text)
+    switches = re.findall(r'id="(r1f\d+-s\d)" checked><label for="\1">([\d.]+ MPa)</label>', text)
     assert [word for _, word in switches] == ["0.3 MPa", "0.5 MPa"]
     assert text.count('class="isobar-1"') == text.count('class="isobar-2"') > 2
     assert ".isobar-2 { display: none; }" in text and ".isobar-3 {" not in text
