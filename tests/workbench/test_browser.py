@@ -156,11 +156,8 @@ def test_a_bad_file_is_told_and_does_no_harm(lying, folder, tmp_path):
 
 
 def test_a_unit_slip_names_nothing(opened, folder, foreign):
-    drop(opened, folder, "specimen.toml")
     opened.locator("input[type=file]").set_input_files([foreign / "slip.csv", folder / "specimen.toml"])
-    alert = opened.get_by_role("alert")
-    alert.wait_for()
-    assert "nothing is named" in alert.text_content()
+    opened.get_by_role("alert").filter(has_text="nothing is named").wait_for()
     assert opened.get_by_role("button", name="Answer all the same").is_visible()
     assert opened.get_by_role("group", name="Candidates").get_by_role("button").count() == 0
 
