@@ -155,6 +155,19 @@ def test_a_bad_file_is_told_and_does_no_harm(lying, folder, tmp_path):
     assert error_now(lying) == pytest.approx(12.0, rel=0.1)
 
 
+def test_a_file_may_be_dropped_anywhere(opened, foreign):
+    opened.evaluate(
+        """(text) => {
+          const given = new DataTransfer()
+          given.items.add(new File([text], "rig.csv"))
+          document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: given, bubbles: true, cancelable: true }))
+        }""",
+        (foreign / "rig.csv").read_text(encoding="utf-8"),
+    )
+    opened.get_by_text("What was dropped").wait_for()
+    assert opened.get_by_label("AI0 is", exact=True).input_value() == "pressure"
+
+
 def test_a_unit_slip_names_nothing(opened, folder, foreign):
     opened.locator("input[type=file]").set_input_files([foreign / "slip.csv", folder / "specimen.toml"])
     opened.get_by_role("alert").filter(has_text="nothing is named").wait_for()
