@@ -1,6 +1,6 @@
 """Seconds from a click to its answer on the page, in a real browser: adding, undoing, removing, another law.
 
-    python benchmarks/workbench.py [--record NAME] [--repeats 7]
+    python benchmarks/workbench.py [--record NAME]
 
 `shown` is until the error and its figures are the new ones, `named` until what is missing is said of them.
 Needs a chromium: PAM_IDENT_CHROMIUM, or one on the path.
@@ -17,14 +17,26 @@ import time
 
 from playwright.sync_api import Page, sync_playwright
 
-EFFECT = "Friction in proportion to pressure"
-LAWS = ("Modified Chou–Hannaford law", "Exponential law")
+EFFECTS = (
+    "Friction in proportion to pressure",
+    "Coulomb friction",
+    "Presliding hysteresis",
+    "Viscous damping",
+    "Creep and stress relaxation",
+)
+LAWS = (
+    "Modified Chou–Hannaford law",
+    "Six-parameter law of Sárosi",
+    "Braid in rubber of Martens and Boblan",
+    "Area and membrane spring of Hildebrandt",
+    "Polynomial slope and intercept over pressure",
+)
+"""Each once: what was asked before is not asked again, and would take no time."""
 
 
 def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     asked.add_argument("--record", default="hidden_effect")
-    asked.add_argument("--repeats", type=int, default=7)
     given = asked.parse_args()
     words = [sys.executable, "-m", "pam_ident", "workbench", given.record, "--no-browser", "--port", "0"]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server, sync_playwright() as playwright:
@@ -38,15 +50,19 @@ def main() -> None:
         page.get_by_label("Another effect").wait_for()
         idle(page)
         found: dict[str, list[tuple[float, float]]] = {}
-        for _ in range(given.repeats):
-            page.get_by_label("Another effect").select_option(EFFECT)
-            for name, button in (("add", "Add this effect"), ("undo", "Undo"), ("redo", "Redo"),
-                                 ("remove", f"Remove {EFFECT}")):  # fmt: skip
+        for effect in EFFECTS:
+            page.get_by_label("Another effect").select_option(effect)
+            for name, button in (
+                ("add", "Add this effect"),
+                ("undo", "Undo"),
+                ("redo", "Redo"),
+                ("remove", f"Remove {effect}"),
+            ):
                 act = page.get_by_role("button", name=re.compile(f"^{button}"))
                 found.setdefault(name, []).append(timed(page, act.click))
-            for law in LAWS:
-                choose = page.get_by_label("Force law")
-                found.setdefault("law", []).append(timed(page, lambda c=choose, law=law: c.select_option(law)))
+        for law in LAWS:
+            choose = page.get_by_label("Force law")
+            found.setdefault("law", []).append(timed(page, lambda c=choose, law=law: c.select_option(law)))
         browser.close()
         server.kill()
     for name, times in found.items():
