@@ -35,7 +35,7 @@ def batch_page(table: str | Path, command: str) -> str:
         *_bad(frame, listed),
         *_doubtful(frame, listed),
     )
-    sections = [("All records", whole)]
+    sections: list[tuple[str, tuple[Part, ...]]] = [("All records", whole)]
     found = spreads(frame, units)
     seen = trends(frame, found)
     for branch in sorted({spread.branch for spread in found}):

@@ -89,14 +89,14 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
     gids = {pressure: gid for gid, pressure in isobars(fit).items()}
     size = 3.2 if sum(len(c.measured) for c in curves) > 300 else 4.2
     for curve in curves:
-        name = {"gid": gids[curve.pressure_MPa]}
+        gid = gids[curve.pressure_MPa]
         colour, mark = BRANCH_COLOUR[curve.branch], BRANCH_MARK[curve.branch]
         dots = {"linestyle": "", "marker": mark, "markersize": size, "markeredgewidth": 0.0, "color": colour}
-        top.plot(curve.contraction, curve.measured, alpha=0.5, **name, **dots)
-        top.plot(curve.line, curve.line_force, color=INK, linestyle=BRANCH_DASH[curve.branch], linewidth=0.9, **name)
-        axes[1].plot(curve.contraction, curve.before, alpha=0.45, **name, **dots)
+        top.plot(curve.contraction, curve.measured, alpha=0.5, gid=gid, **dots)
+        top.plot(curve.line, curve.line_force, color=INK, linestyle=BRANCH_DASH[curve.branch], linewidth=0.9, gid=gid)
+        axes[1].plot(curve.contraction, curve.before, alpha=0.45, gid=gid, **dots)
         if curve.after is not None:
-            axes[2].plot(curve.contraction, curve.after, alpha=0.45, **name, **dots)
+            axes[2].plot(curve.contraction, curve.after, alpha=0.45, gid=gid, **dots)
     top.set_ylabel("force (N)")
     top.set_title(f"Measured (points) and {'completed model' if after else 'model'} (lines)")
     label_isobars(top, curves)
