@@ -1,6 +1,6 @@
-"""The tables of docs/leg.md: every rung at 1 Hz, four cadences and the paper's 0.2 s in both legs, the budget.
+"""The tables of docs/leg.md and docs/measured.md: every rung at 1 Hz in both legs, other cadences, the budget.
 
-python benchmarks/leg_tables.py [--markdown docs/leg.md]
+python benchmarks/leg_tables.py [--markdown docs/leg.md docs/measured.md]
 """
 
 import argparse
@@ -92,7 +92,7 @@ def budgets(found: dict[tuple[str, str], Track]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--markdown", type=Path, help="document whose marked tables are written anew")
+    parser.add_argument("--markdown", type=Path, nargs="*", default=(), help="pages whose tables are written anew")
     given = parser.parse_args()
     found = {}
     for task, (cadence, paper) in TASKS.items():
@@ -106,11 +106,11 @@ def main() -> None:
     }
     for name, table in tables.items():
         print(f"\n{table}")
-        if given.markdown is not None:
-            text = given.markdown.read_text(encoding="utf-8")
+        for page in given.markdown:
+            text = page.read_text(encoding="utf-8")
             marks = f"<!-- {name} -->", f"<!-- /{name} -->"
             text = re.sub(f"{marks[0]}.*?{marks[1]}", lambda _: f"{marks[0]}\n{table}\n{marks[1]}", text, flags=re.S)  # noqa: B023
-            given.markdown.write_text(text, encoding="utf-8")
+            page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Ten good records with one column in a wrong unit, sign or zero: is anything false named?
 
-    python benchmarks/unit_slips.py [--markdown docs/gate.md] [--quick]
+    python benchmarks/unit_slips.py [--markdown docs/measured.md] [--quick]
 
 Every slip goes through the gate and, where that lets it pass, through the diagnosis. `stopped`: nothing is named and
 the exit code is not 0. `none`: it passed, and what is named is named of the good record too. `NAMED`: something is

@@ -14,7 +14,7 @@ author = "The pam-ident developers"
 project_copyright = author
 version = release = pam_ident.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "pages", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "pages", "sphinx.ext.napoleon", "matplotlib.sphinxext.mathmpl"]
 exclude_patterns = ["build", "_ext"]
 nitpicky = True
 nitpick_ignore_regex = [
@@ -24,6 +24,7 @@ nitpick_ignore_regex = [
 suppress_warnings = ["config.cache"]
 
 myst_enable_extensions = ["colon_fence", "deflist"]
+myst_fence_as_directive = ["math"]
 myst_heading_anchors = 3
 
 default_role = "literal"
@@ -39,3 +40,12 @@ html_theme = "furo"
 html_title = f"pam-ident {release}"
 html_show_sourcelink = False
 html_copy_source = False
+mathmpl_fontsize = 12.0
+mathmpl_srcset = ["2x"]
+
+
+def setup(app):
+    """Formulas as pictures made here: what Sphinx does by itself asks the network for MathJax."""
+    from matplotlib.sphinxext.mathmpl import MathDirective
+
+    app.add_directive("math", MathDirective, override=True)

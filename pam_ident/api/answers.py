@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..core import UsageError
 from ..core.files import check_target, write_json
 from ..fitting import Fit
 from ..records.doubt import Doubt
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
+    from .beside import AgainstResult
 
 
 WIDTH = 110
@@ -200,6 +202,30 @@ class DiagnosisResult(RecordAnswer):
     def selected(self) -> tuple[str, ...]:
         """What to add, largest first; nothing when the model is adequate."""
         return self.details.selected
+
+    def against(self, other: Any) -> "AgainstResult":
+        """What differs between this record, A, and another, B.
+
+        Args:
+            other: a record, what `pam.read` takes, or the diagnosis of one by the same law.
+
+        Raises:
+            UsageError: for the diagnosis by another law.
+            DataError, FitError: as `pam.diagnose`.
+        """
+        from ..diagnosis.against import against
+        from ..tasks.diagnose import diagnose_record
+        from .beside import AgainstResult
+        from .record import read
+
+        if not isinstance(other, DiagnosisResult):
+            record = read(other)
+            other = DiagnosisResult(diagnose_record(record, self.setup), self.setup, None)
+        if other.details.base.model.labels != self.details.base.model.labels or (
+            other.details.base.model.law.name != self.details.base.model.law.name
+        ):
+            raise UsageError("the two were diagnosed by different models; diagnose both by the same law and effects")
+        return AgainstResult(against(self.details, other.details), (self._source, other._source))
 
     @property
     def groups(self) -> tuple[tuple[str, ...], ...]:

@@ -17,7 +17,7 @@ from .table import read_results
 if TYPE_CHECKING:
     import pandas as pd
 
-MOST_ROWS = 200
+MOST_ROWS, MOST_MUSCLES = 200, 2000
 MOST_PANELS = 12
 MOST_TRENDS = 9
 MEDIANS = {"rms error, median": "rmse_N", "noise floor, median": "noise_floor_N"}
@@ -28,7 +28,14 @@ def batch_page(table: str | Path, command: str) -> str:
     frame = read_results(table)
     question, units = frame.attrs["question"], frame.attrs["units"]
     law = " + ".join([question["law"], *question["effects"]])
-    sections = [("All records", (_overview(frame), *_bad(frame), *_doubtful(frame)))]
+    listed = {str(name): f"m{k}" for k, name in enumerate(frame["record"].unique()[:MOST_MUSCLES])}
+    whole: tuple[Part, ...] = (
+        _overview(frame),
+        _muscles(frame, listed),
+        *_bad(frame, listed),
+        *_doubtful(frame, listed),
+    )
+    sections: list[tuple[str, tuple[Part, ...]]] = [("All records", whole)]
     found = spreads(frame, units)
     seen = trends(frame, found)
     for branch in sorted({spread.branch for spread in found}):
@@ -36,7 +43,7 @@ def batch_page(table: str | Path, command: str) -> str:
         mine = [spread for spread in found if spread.branch == branch]
         followed = [trend for trend in seen if trend.spread.branch == branch]
         sections.append(
-            (name, (_spread_part(branch, mine), *_outlier_part(branch, mine), *_trend_part(branch, followed)))
+            (name, (_spread_part(branch, mine), *_outlier_part(branch, mine, listed), *_trend_part(branch, followed)))
         )
     provenance = {
         "date (UTC)": datetime.now(UTC).strftime("%Y-%m-%d %H:%M"),
@@ -65,17 +72,38 @@ def _median(column: Any) -> float:
     return float(np.median(known)) if len(known) else float("nan")
 
 
-def _bad(frame: "pd.DataFrame") -> list[Part]:
+def _muscles(frame: "pd.DataFrame", listed: dict[str, str]) -> Part:
+    """A row a record; of several branches the first."""
+    rows = []
+    for row in frame.drop_duplicates("record").head(MOST_MUSCLES).to_dict("records"):
+        lacks = row["selected"]
+        rows.append(
+            (
+                str(row["record"]),
+                "error" if row["error"] else str(row["verdict"] or "–").replace("_", " "),
+                ", ".join(lacks) if lacks is not None and len(lacks) else "–",
+                number(row["rmse_N"], 3),
+                number(row["noise_floor_N"], 3),
+            )
+        )
+    caption = f"Muscles ({len(rows)} of {frame['record'].nunique()})"
+    head = ("record", "verdict", "lacks", "rms error (N)", "noise (N)")
+    return Part("muscles", "Muscles", tables=(PageTable(caption, head, tuple(rows), (3, 4), ids=listed),))
+
+
+def _bad(frame: "pd.DataFrame", listed: dict[str, str]) -> list[Part]:
     bad = frame[frame["error"].notna()]
     if bad.empty:
         return []
     rows = tuple(zip(bad["record"], bad["branch"], bad["error"], strict=True))[:MOST_ROWS]
-    table = PageTable(f"Errors ({len(rows)} of {len(bad)})", ("record", "branch", "what went wrong"), rows)
+    table = PageTable(
+        f"Errors ({len(rows)} of {len(bad)})", ("record", "branch", "what went wrong"), rows, links=listed
+    )
     text = "These rows take no part in the comparison: bad data, or a fit that is not valid."
     return [Part("errors", "Errors", (text,), tables=(table,))]
 
 
-def _doubtful(frame: "pd.DataFrame") -> list[Part]:
+def _doubtful(frame: "pd.DataFrame", listed: dict[str, str]) -> list[Part]:
     """What looks wrong in a record, once for all its branches; tables of earlier versions do not have it."""
     if "warnings" not in frame:
         return []
@@ -84,7 +112,10 @@ def _doubtful(frame: "pd.DataFrame") -> list[Part]:
     if not every:
         return []
     table = PageTable(
-        f"Warnings ({len(every[:MOST_ROWS])} of {len(every)})", ("record", "what looks wrong"), tuple(every[:MOST_ROWS])
+        f"Warnings ({len(every[:MOST_ROWS])} of {len(every)})",
+        ("record", "what looks wrong"),
+        tuple(every[:MOST_ROWS]),
+        links=listed,
     )
     text = "These rows were fitted all the same. Look at their units, signs and sensors before their numbers are used."
     return [Part("warnings", "Warnings", (text,), tables=(table,))]
@@ -115,7 +146,7 @@ def _spread_part(branch: str, mine: Sequence[Spread]) -> Part:
     return Part(f"{branch}-spread", "Spread", (text,), (picture,), (table,))
 
 
-def _outlier_part(branch: str, mine: Sequence[Spread]) -> list[Part]:
+def _outlier_part(branch: str, mine: Sequence[Spread], listed: dict[str, str]) -> list[Part]:
     found = [
         (float(np.abs(s.value[k] - s.median) / s.width), str(s.records[k]), s.quantity, float(s.value[k]), s.median)
         for s in mine
@@ -129,7 +160,7 @@ def _outlier_part(branch: str, mine: Sequence[Spread]) -> list[Part]:
     )
     head = ("record", "quantity", "value", "median", "robust standard deviations away")
     caption = f"Values that stand apart ({len(rows)} of {len(found)}), the furthest first"
-    return [Part(f"{branch}-outliers", "Outliers", tables=(PageTable(caption, head, rows, (2, 3, 4)),))]
+    return [Part(f"{branch}-outliers", "Outliers", tables=(PageTable(caption, head, rows, (2, 3, 4), links=listed),))]
 
 
 def _trend_part(branch: str, followed: Sequence[Trend]) -> list[Part]:

@@ -7,6 +7,7 @@ import typer
 
 from . import (
     add,
+    against,
     batch,
     challenge,
     compare,
@@ -49,6 +50,7 @@ for command in (
     diagnose.diagnose,
     add.add,
     ladder.ladder,
+    against.against,
     report.report,
     validate.validate,
     predict.predict,

@@ -35,6 +35,7 @@ def workbench(
 
     try:
         from ..workbench import Workbench, serve
+        from ..workbench.history import History
     except ImportError:
         raise UsageError("the workbench needs Panel; pip install 'pam-ident[workbench]'") from None
 
@@ -42,7 +43,7 @@ def workbench(
         options.give_json(json, lambda: {"schema": schema("workbench"), "address": address})
         text.say(f"workbench: {address} (Ctrl-C ends it)")
 
-    def make() -> Workbench:
-        return Workbench(record, law, setup.effects, setup.effect_files, specimen, free_geometry)
+    def make(history: History) -> Workbench:
+        return Workbench(record, law, setup.effects, setup.effect_files, specimen, free_geometry, history)
 
     serve(make, port, not no_browser, ready)

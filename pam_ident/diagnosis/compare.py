@@ -7,18 +7,19 @@ import numpy as np
 
 from ..fitting import Fit
 from .follows import told, what_it_follows
-from .nouns import Bin, Comparison, Region
+from .nouns import Bin, Comparison, Follows, Region
 
 Array = np.ndarray
 CELLS = 10
 NAMES = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
 
 
-def compare(fit: Fit) -> Comparison:
+def compare(fit: Fit, follows: tuple[Follows, ...] | None = None) -> Comparison:
     """Where a fit fails: its squared error by place, and the share that is odd or even in the branch.
 
     Args:
         fit: of any model. Errors of the answer are in N, by isobar, branch and ten equal parts of the contraction.
+        follows: what its error follows, where that is known; else it is worked out, which takes longer than the rest.
 
     Example:
         >>> from pam_ident.diagnosis import compare
@@ -58,7 +59,7 @@ def compare(fit: Fit) -> Comparison:
     odd, even = _odd_even(fit, cell, len(levels), total)
     rest = 1.0 - (odd or 0.0) - (even or 0.0) if odd is not None else math.nan
     by = _profiles(fit, signs, levels, edges, total)
-    follows = what_it_follows(fit)
+    follows = what_it_follows(fit) if follows is None else follows
     sentence = f"{_sentence(fit, by, odd, even, worst)} {told(follows)}"
     branches = tuple(NAMES[s] for s in signs)
     return Comparison(fit, branches, levels, edges, mean, rms, share, by, odd, even, rest, worst, follows, sentence)
@@ -91,10 +92,13 @@ def _odd_even(fit: Fit, cell: Array, levels: int, total: float) -> tuple[float |
         if not len(up) or not len(down):
             continue
         both = True
-        n = len(up) + len(down)
-        odd += n * (0.5 * (up.mean() - down.mean())) ** 2
-        even += n * (0.5 * (up.mean() + down.mean())) ** 2
-    return (min(odd / total, 1.0), min(even / total, 1.0)) if both else (None, None)
+        one, other = float(up.mean()), float(down.mean())
+        squares = len(up) * one**2 + len(down) * other**2
+        # Where one branch has more samples than the other the two overlap; what the cell's means hold is shared out.
+        part = (one - other) ** 2 / max(2.0 * (one**2 + other**2), 1e-300)
+        odd += part * squares
+        even += (1.0 - part) * squares
+    return (odd / total, even / total) if both else (None, None)
 
 
 def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: float) -> dict[str, tuple[Bin, ...]]:
@@ -153,8 +157,9 @@ def _sentence(
 ) -> str:
     worst_pressure = max(by["pressure_MPa"], key=lambda b: b.share)
     top = worst[0]
+    model = " + ".join([fit.model.law.name, *fit.model.labels])
     text = (
-        f"{fit.model.law.name} misses the measurement by {fit.rmse:.3g} N rms (at most {fit.max_error:.3g} N). "
+        f"{model} misses the measurement by {fit.rmse:.3g} N rms (at most {fit.max_error:.3g} N). "
         f"{worst_pressure.share:.0%} of the squared error lies at {worst_pressure.label}; the worst cell is "
         f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}, {top.branch} "
         f"({top.rms:.3g} N rms, {top.share:.0%} of the squared error, "

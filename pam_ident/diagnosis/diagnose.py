@@ -123,6 +123,7 @@ def diagnose(
         experiment,
         sentence,
         follows,
+        {"followed": following.newtons_followed} if len(steady) == len(record) else {},
     )
 
 

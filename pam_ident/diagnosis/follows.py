@@ -285,6 +285,11 @@ class Following:
         """What the model leaves in N, its own slopes projected out, (n,)."""
         return self.left / self.weight
 
+    @property
+    def newtons_followed(self) -> Array:
+        """What of it the likeliest drivers explain, in N, (n,)."""
+        return self.surfaces.explained(self.best) / self.weight
+
     @cached_property
     def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
         """For each of the likeliest drivers what is lost without it, and the likeliest then."""

@@ -131,8 +131,9 @@ class Diagnosis:
     """Which effect a law lacks on a record.
 
     `base` is the model as given, `best` with the `selected` effects (names, largest first) added. `labels` are
-    the same with their forms. `follows` says what the error of `base` follows, whatever it is called. Floors and errors
-    in N.
+    the same with their forms. `follows` says what the error of `base` follows, whatever it is called, and
+    `details["followed"]` how much of it in N, shape (n,), unless the record was too long to look at whole. Floors and
+    errors in N.
     """
 
     base: Fit

@@ -86,15 +86,17 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
     figure = canvas(4.2 + 1.5 * (panels - 1))
     axes = figure.subplots(panels, 1, sharex=True, height_ratios=[4.2] + [1.5] * (panels - 1))
     top: Axes = axes[0]
+    gids = {pressure: gid for gid, pressure in isobars(fit).items()}
     size = 3.2 if sum(len(c.measured) for c in curves) > 300 else 4.2
     for curve in curves:
+        gid = gids[curve.pressure_MPa]
         colour, mark = BRANCH_COLOUR[curve.branch], BRANCH_MARK[curve.branch]
         dots = {"linestyle": "", "marker": mark, "markersize": size, "markeredgewidth": 0.0, "color": colour}
-        top.plot(curve.contraction, curve.measured, alpha=0.5, **dots)
-        top.plot(curve.line, curve.line_force, color=INK, linestyle=BRANCH_DASH[curve.branch], linewidth=0.9)
-        axes[1].plot(curve.contraction, curve.before, alpha=0.45, **dots)
+        top.plot(curve.contraction, curve.measured, alpha=0.5, gid=gid, **dots)
+        top.plot(curve.line, curve.line_force, color=INK, linestyle=BRANCH_DASH[curve.branch], linewidth=0.9, gid=gid)
+        axes[1].plot(curve.contraction, curve.before, alpha=0.45, gid=gid, **dots)
         if curve.after is not None:
-            axes[2].plot(curve.contraction, curve.after, alpha=0.45, **dots)
+            axes[2].plot(curve.contraction, curve.after, alpha=0.45, gid=gid, **dots)
     top.set_ylabel("force (N)")
     top.set_title(f"Measured (points) and {'completed model' if after else 'model'} (lines)")
     label_isobars(top, curves)
@@ -110,6 +112,12 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
     axes[-1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, labelcolor=INK)
     axes[-1].set_xlabel("contraction ratio ε (1)")
     return figure
+
+
+def isobars(fit: Fit) -> dict[str, float]:
+    """Pressures in MPa by the id that the parts of an isobar have in the figure."""
+    levels = dict.fromkeys(level for level, _, _ in by_isobar(fit.record, fit.rows))
+    return {f"isobar-{k}": level for k, level in enumerate(levels, start=1)}
 
 
 def widest(curves: tuple[Curve, ...]) -> tuple[Array, Array]:

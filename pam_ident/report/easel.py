@@ -12,7 +12,8 @@ from .tables import PageTable
 class Picture:
     """A figure with a name that no other on the page has, a label that is read out, and a caption.
 
-    `tips` are texts by the ids of parts of the figure, shown where a pointer rests on them.
+    `tips` are texts by the ids of parts of the figure, shown where a pointer rests on them; `switches` words by the ids
+    of parts that can be switched off, each id ending in its number from 1.
     """
 
     name: str
@@ -20,6 +21,7 @@ class Picture:
     label: str
     caption: str
     tips: Mapping[str, str] = field(default_factory=dict)
+    switches: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,14 @@ class Easel:
     points: int
     count: int = field(default=0, init=False)
 
-    def hang(self, figure: Figure, label: str, caption: str, tips: Mapping[str, str] | None = None) -> Picture:
+    def hang(
+        self,
+        figure: Figure,
+        label: str,
+        caption: str,
+        tips: Mapping[str, str] | None = None,
+        switches: Mapping[str, str] | None = None,
+    ) -> Picture:
         """The figure under the next free name."""
         self.count += 1
-        return Picture(f"{self.prefix}f{self.count}", figure, label, caption, tips or {})
+        return Picture(f"{self.prefix}f{self.count}", figure, label, caption, tips or {}, switches or {})

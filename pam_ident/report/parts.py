@@ -58,7 +58,9 @@ def _measured(section: Section, easel: Easel) -> Part:
         "a line is the model's mean over all cycles and speeds. Below, the error measured − model of every point shown"
     )
     caption += ", before and after adding the effects, on one scale." if after else "."
-    return Part(f"{easel.prefix}-measured", "Measured against model", pictures=(easel.hang(figure, label, caption),))
+    levels = {gid: f"{level:g} MPa" for gid, level in plot.measured_against_model.isobars(before).items()}
+    picture = easel.hang(figure, label, caption, levels, levels)
+    return Part(f"{easel.prefix}-measured", "Measured against model", pictures=(picture,))
 
 
 def _failure(section: Section, easel: Easel) -> Part:

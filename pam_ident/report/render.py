@@ -51,12 +51,16 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=lambda value: plain(value) if type(value) is str else value,
     )
-    made.globals |= {"embed": _embed, "most_steps": _most_steps}
+    made.globals |= {"embed": _embed, "most_steps": _most_steps, "most_switches": _most_switches}
     return made
 
 
 def _embed(picture: Picture) -> Markup:
-    return embed(picture.figure, picture.name, picture.label, tips=picture.tips)
+    return embed(picture.figure, picture.name, picture.label, tips=picture.tips, classes=picture.switches)
+
+
+def _most_switches(records: Chapters) -> int:
+    return max((len(one.switches) for _, _, parts in records for part in parts for one in part.pictures), default=0)
 
 
 def _most_steps(records: Chapters) -> int:

@@ -3,7 +3,7 @@
 import base64
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
@@ -18,21 +18,29 @@ LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
 
 
 def embed(
-    figure: Figure, prefix: str, label: str, max_bytes: int = MAX_BYTES, tips: Mapping[str, str] | None = None
+    figure: Figure,
+    prefix: str,
+    label: str,
+    max_bytes: int = MAX_BYTES,
+    tips: Mapping[str, str] | None = None,
+    classes: Collection[str] = (),
 ) -> Markup:
     """The figure as inline SVG, or as PNG where the SVG would be longer than `max_bytes`.
 
     `prefix` goes before every id and must differ from figure to figure; `label` is read out by a screen reader.
-    `tips` are texts by the ids (matplotlib's gid) of the parts over which a pointer makes them appear.
+    `tips` are texts by the ids (matplotlib's gid) of the parts over which a pointer makes them appear; parts whose ids
+    are among `classes` have them as their class.
     """
-    svg = inline(to_svg(figure), prefix, label, tips or {})
+    svg = inline(to_svg(figure), prefix, label, tips or {}, classes)
     if len(svg.encode()) <= max_bytes:
         return Markup(svg)
     data = base64.b64encode(to_png(figure)).decode()
     return Markup(f'<img role="img" alt="{escape(label)}" src="data:image/png;base64,{data}">')
 
 
-def inline(svg: str, prefix: str, label: str, tips: Mapping[str, str] | None = None) -> str:
+def inline(
+    svg: str, prefix: str, label: str, tips: Mapping[str, str] | None = None, classes: Collection[str] = ()
+) -> str:
     """SVG text of matplotlib without prolog, metadata, style sheet and namespaces, ids prefixed, numbers rounded."""
     root = ET.fromstring(plain(svg))
     for parent in list(root.iter()):
@@ -41,6 +49,9 @@ def inline(svg: str, prefix: str, label: str, tips: Mapping[str, str] | None = N
                 parent.remove(child)
     if tips:
         _hint(root, tips)
+    for element in root.iter():
+        if element.get("id") in classes:
+            element.set("class", element.get("id", ""))
     used = _references(root)
     names = {old: f"{prefix}-{i}" for i, old in enumerate(sorted(used))}
     for element in root.iter():

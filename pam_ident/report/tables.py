@@ -1,7 +1,7 @@
 """The report's tables as plain text cells; the template gives them their HTML."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..diagnosis.nouns import Diagnosis, Ladder
 from ..fitting import Fit, IsobarTable
@@ -18,7 +18,8 @@ from .words import STATUS, named, newtons, number, standing, stderr, titles, uni
 class PageTable:
     """A caption, column heads, and rows of cells, the first of each row its head. `numeric` columns stand right.
 
-    A `folded` table is opened by a reader who wants it; paper shows it.
+    A `folded` table is opened by a reader who wants it; paper shows it. `ids` are anchors of rows by their heads,
+    `links` anchors that the heads lead to.
     """
 
     caption: str
@@ -26,6 +27,8 @@ class PageTable:
     rows: tuple[tuple[str, ...], ...]
     numeric: tuple[int, ...] = ()
     folded: bool = False
+    ids: Mapping[str, str] = field(default_factory=dict)
+    links: Mapping[str, str] = field(default_factory=dict)
 
 
 def suspects(diagnosis: Diagnosis) -> PageTable:

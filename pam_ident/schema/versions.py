@@ -9,6 +9,7 @@ if TYPE_CHECKING:
 
 VERSIONS = {
     "add": 1,
+    "against": 1,
     "batch": 1,
     "batch-record": 1,
     "batch-summary": 1,

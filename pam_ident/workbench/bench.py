@@ -1,23 +1,43 @@
 """What lies on the bench: a record, a model of it, where that fails and what it may lack. Nothing here draws."""
 
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from ..core import Specimen, UsageError
+import numpy as np
+
+from ..core import PamError, Specimen, UsageError
+from ..core.progress import steps
 from ..diagnosis import compare
 from ..diagnosis.nouns import Comparison, Diagnosis, Ladder, Rung
 from ..effects import catalogue
-from ..fitting import Fit
+from ..fitting import Fit, fit
 from ..model import Term
 from ..records import Record
 from ..records.doubt import Doubt, grave
 from ..report import Story, render
 from ..report.provenance import provenance
+from ..schema.diagnosis import candidates
 from ..tasks.diagnose import diagnose_record
-from ..tasks.gate import doubts_about
+from ..tasks.gate import computing, doubts_about
 from ..tasks.ladder import ladder_by_hand
 from ..tasks.section import section_of
 from ..tasks.setup import Setup
+
+MOST_CANDIDATES = 7
+"""Candidates that are tried before anybody asks; the others can be added by name."""
+
+
+@dataclass(frozen=True)
+class Preview:
+    """What adding an effect would do: the `rmse` in N that it leaves, and what it would take from the error, in N,
+    shape (n,). `probability` is the diagnosis'."""
+
+    label: str
+    probability: float
+    rmse: float
+    takes: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -25,7 +45,8 @@ class Bench:
     """A record at `path` with a rung for each model from the law alone to the present one.
 
     `diagnosis` is of the present model, None until it is asked for; `first` is that of the law alone. `path` is as the
-    user knows it, and goes into the command that repeats what was done.
+    user knows it, and goes into the command that repeats what was done. `held` are parameters that are held by hand;
+    `previews` what the candidates would do, once that has been tried.
     """
 
     record: Record
@@ -34,6 +55,8 @@ class Bench:
     rungs: tuple[Rung, ...]
     diagnosis: Diagnosis | None = None
     first: Diagnosis | None = None
+    held: Mapping[str, float] = field(default_factory=dict)
+    previews: tuple[Preview, ...] = ()
 
     @classmethod
     def begin(cls, record: Record, path: str, setup: Setup) -> "Bench":
@@ -66,8 +89,14 @@ class Bench:
 
     @cached_property
     def comparison(self) -> Comparison:
-        """Where the present model fails."""
-        return compare(self.fit)
+        """Where the present model fails; what the error follows is the diagnosis' to say, nothing before it."""
+        return compare(self.fit, self.diagnosis.follows if self.diagnosis else ())
+
+    @property
+    def followed(self) -> np.ndarray | None:
+        """What of the present error follows anything, in N, shape (n,); None before the diagnosis, and of a record too
+        long to be looked at whole."""
+        return self.diagnosis.details.get("followed") if self.diagnosis else None
 
     @property
     def noise_floor(self) -> float | None:
@@ -89,9 +118,38 @@ class Bench:
         return tuple(Term(e, form).label for e in known if e.name not in held for form in e.forms)
 
     def diagnosed(self) -> "Bench":
-        """With the diagnosis of the present model. Raises FitError or DataError."""
+        """With the diagnosis of the present model. Raises FitError or DataError, UsageError with parameters held."""
+        if self.held:
+            raise UsageError("nothing is named while a parameter is held by hand; release it first")
         found = diagnose_record(self.record, self.setup)
         return replace(self, diagnosis=found, first=self.first if self.fit.model.terms else found)
+
+    def tried(self) -> "Bench":
+        """With what each candidate would do, fitted as `adding` fits it; the most probable first, of those that are
+        alike the one that leaves the least."""
+        with computing(self.record):
+            found = sorted(self._tried(), key=lambda p: (-round(100 * p.probability), p.rmse))
+        return replace(self, previews=tuple(found))
+
+    def _tried(self) -> Iterator[Preview]:
+        found = self.diagnosis
+        named = {label.partition(":")[0]: label for label in found.labels} if found else {}
+        for one in steps(candidates(found)[:MOST_CANDIDATES] if found else [], "trying candidates"):
+            label = named.get(one.effect, one.label)
+            try:
+                added = fit(replace(self.setup, effects=(*self.setup.effects, label)).model, self.record)
+            except PamError:
+                continue
+            yield Preview(label, one.probability, added.rmse, self.fit.residual - added.residual)
+
+    def holding(self, held: Mapping[str, float]) -> "Bench":
+        """With some parameters held at values, all others fitted; none releases them. Raises FitError."""
+        if not held:
+            return self._with(self.setup.effects)
+        with computing(self.record):
+            one = fit(self.fit.model, self.record, start=self.fit.values, held=held)
+        rung = replace(self.rungs[-1], fit=one, heldout_rmse=math.nan)
+        return replace(self, rungs=(*self.rungs[:-1], rung), diagnosis=None, held=dict(held), previews=())
 
     def adding(self, label: str) -> "Bench":
         """With one effect more, `name` or `name:form`. Raises UsageError, FitError or DataError."""
@@ -106,9 +164,9 @@ class Bench:
 
     def _with(self, effects: tuple[str, ...]) -> "Bench":
         setup = replace(self.setup, effects=effects)
-        known = {rung.effects: rung for rung in self.rungs}
+        known = {rung.effects: rung for rung in (self.rungs[:-1] if self.held else self.rungs)}
         rungs = ladder_by_hand(self.record, setup, known, self.diagnosis)
-        return replace(self, setup=setup, rungs=rungs, diagnosis=None)
+        return replace(self, setup=setup, rungs=rungs, diagnosis=None, held={}, previews=())
 
     @property
     def command(self) -> str:

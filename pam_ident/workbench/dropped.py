@@ -43,13 +43,13 @@ def read_dropped(files: Mapping[str, bytes], specimen: Specimen | None) -> tuple
                 check_unpacked(Path(place, name), MOST_UNPACKED)
             record = read_record(path, None if given else specimen)
         except PamError as error:
-            raise type(error)(_here(str(error), place)) from None
+            raise type(error)(here(str(error), place)) from None
     known_as = runs[0] if len(runs) == 1 else "the files"
-    notes = tuple(replace(note, text=_here(note.text, place)) for note in record.notes)
-    columns = {key: _here(header, place) for key, header in record.columns.items()}
+    notes = tuple(replace(note, text=here(note.text, place)) for note in record.notes)
+    columns = {key: here(header, place) for key, header in record.columns.items()}
     return replace(record, source=known_as, notes=notes, columns=columns), known_as
 
 
-def _here(text: str, place: str) -> str:
+def here(text: str, place: str) -> str:
     """A text without the folder of this machine in which the files lay for a moment."""
     return text.replace(f"{place}/", "").replace(place, "the files")

@@ -1,34 +1,36 @@
-"""The page: what lies on the bench, and the buttons that change it."""
+"""The page: what lies on the bench, and what changes it."""
 
 import asyncio
 import io
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import panel as pn
-from markupsafe import Markup
 from panel.viewable import Viewer
 
-from ..core import PamError
+from ..core import DataError, PamError
 from ..records import Record
 from ..records.datasets import dataset_record
-from ..report.words import titles
 from ..tasks.setup import Setup
 from . import words
 from .bench import Bench, specimen_toml
-from .dropped import read_dropped
-from .parts import Page, html
-from .pictures import pictures
+from .cards import Cards
+from .draft import Draft
+from .drafting import Drafting
+from .history import History
+from .parts import LOOK, Page, html
 from .side import Side
+from .view import Views
 from .work import Work
 
-TICK_MS = 150
+TICK_MS = 100
 """How often the page looks for what the work has found."""
-MOST_SUSPECTS = 7
-"""Suspects that get a line; the others can be added by name."""
-Found = tuple[Bench, Mapping[str, Markup]]
+Found = tuple[bool, Bench] | Draft
+"""A bench, and whether it is a new step; or what was dropped."""
+WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 
 
 class Workbench(Viewer):
@@ -36,7 +38,7 @@ class Workbench(Viewer):
 
     `record` is a path, `law` a force law by name; `effects` (`name` or `name:form`) are in the model from the start,
     `effect_files` hold the user's own. `specimen` is the path of a specimen file; without it the one beside the record
-    is taken.
+    is taken. `history` is what was done on this page before it was loaded anew.
     """
 
     def __init__(
@@ -47,19 +49,22 @@ class Workbench(Viewer):
         effect_files: tuple[str, ...] = (),
         specimen: str | None = None,
         free_geometry: bool = False,
+        history: History | None = None,
     ) -> None:
         super().__init__()
+        self.history = history or History()
         self.setup = Setup(law, effects, effect_files, free_geometry, specimen)
         _ = self.setup.model
-        self.record: tuple[Record, str] | None = None
-        self.bench: Bench | None = None
         self.work: Work[Found] | None = None
+        self.asking = self.history.draft is not None and bool(self.history.draft.problem)
         self._make_side()
         self._make_main()
         self._clock = None
         if pn.state.curdoc is not None:
             pn.state.on_session_destroyed(lambda _: self.work and self.work.stop())
-        if record is not None:
+        if self.bench is not None:
+            self.setup = self.bench.setup
+        elif record is not None:
             self._begin(lambda: self._opened(self.setup.read(record), str(record)))
         self._show()
 
@@ -67,48 +72,74 @@ class Workbench(Viewer):
         """The whole page."""
         return self.page
 
+    @property
+    def bench(self) -> Bench | None:
+        """The step that is shown."""
+        return self.history.bench
+
     # What is asked
 
     def _make_side(self) -> None:
-        side = self.side = Side(self.setup)
+        side = self.side = Side(
+            self.setup, lambda name: self._change(lambda bench: bench.removing(name)), self._on_hold
+        )
         side.drop.param.watch(self._on_drop, "value")
         side.example.param.watch(self._on_example, "value")
         for choice in (side.law, side.geometry):
             choice.param.watch(self._on_law, "value")
+        side.columns.on_click(lambda _: self._ask(True))
         side.use_specimen.on_click(lambda _: self._on_specimen())
-        side.add_other.on_click(lambda _: self._change(lambda bench: bench.adding(side.other.value)))
-        side.save.callback, side.save_specimen.callback = self._report_file, self._specimen_file
+        side.add_other.on_click(lambda _: self._change(lambda bench: bench.adding(side.other)))
+        side.save.callback = partial(self._kept, lambda bench: bench.report())
+        side.save_specimen.callback = partial(self._kept, lambda bench: specimen_toml(bench.record.specimen))
+        side.save_columns.callback = partial(
+            self._kept, lambda _: self.history.draft.toml if self.history.draft else ""
+        )
 
     def _make_main(self) -> None:
-        wide = {"sizing_mode": "stretch_width"}
-        self.head = html()
+        self.head, self.verdict, self.follows = html(), html(), html()
         self.error = html(visible=False)
-        self.status = html(words.status("", ""), **wide)
-        self.bar = pn.indicators.Progress(active=True, width=240, visible=False)
-        self.stop = pn.widgets.Button(label="Stop", visible=False)
-        self.stop.on_click(lambda _: self.work and self.work.stop())
-        self.find = pn.widgets.Button(label="Find what is missing", color="primary", visible=False)
-        self.find.on_click(lambda _: self._change(lambda bench: bench))
-        self.anyway = pn.widgets.Button(label="Answer all the same", visible=False)
-        self.anyway.on_click(lambda _: self._change(lambda bench: bench.all_the_same()))
-        self.verdict = html()
-        self.suspects = pn.Column(**wide)
-        self.views = {name: html() for name in ("follows", "falling", "measured", "where", "trace", "parameters")}
-        self.tabs = pn.Tabs(
-            ("Measured against model", self.views["measured"]),
-            ("Where it fails", self.views["where"]),
-            ("Trace of the effects", self.views["trace"]),
-            ("Parameters", self.views["parameters"]),
-            **wide,
+        self.status = html(words.status("", ""), **WIDE)
+        self.bar = pn.indicators.Progress(active=True, width=160, visible=False)
+        self.stop, self.find, self.anyway = (
+            pn.widgets.Button(label=label, visible=False, color=color, **LOOK)
+            for label, color in (
+                ("Stop", "default"),
+                ("Find what is missing", "primary"),
+                ("Answer all the same", "default"),
+            )
         )
+        self.stop.on_click(lambda _: self.work and self.work.stop())
+        self.find.on_click(lambda _: self._begin(lambda: _found(self.bench)) if self.bench else None)
+        self.anyway.on_click(lambda _: self._change(lambda bench: bench.all_the_same()))
+        self.draft = Drafting(self._on_open, lambda: self._ask(False))
+        self.steps = Cards("Steps taken", self._on_step, css_classes=["strip"])
+        self.pin = pn.widgets.Button(label="Pin this model as A", **LOOK)
+        self.pin.on_click(lambda _: self._on_pin())
+        self.view = Views()
+        self.texts = {name: html() for name in ("where", "parameters", "against", "model")}
+        self.tabs = pn.Tabs(
+            ("Where it fails", pn.Column(self.texts["where"], self.view.map, **WIDE)),
+            ("Parameters", pn.Column(self.texts["model"], self.texts["parameters"], **WIDE)),
+            ("A against B", pn.Column(self.pin, self.texts["against"], **WIDE)),
+            **WIDE, **LOOK,
+        )  # fmt: skip
+        self.suspects = Cards("Candidates", lambda label: self._change(lambda bench: bench.adding(label)))
+        self.no_suspects, self.not_judged = html(), html()
         self.main = pn.Column(
-            self.head, self.error, pn.Row(self.find, self.anyway, self.bar, self.stop, self.status), self.verdict,
-            self.views["follows"], self.views["falling"], self.suspects, self.tabs,
-            styles={"flex": "1 1 30rem", "min-width": "0"},
+            self.head, self.error, pn.FlexBox(self.find, self.anyway, self.bar, self.stop, self.status, **WIDE),
+            self.draft.panel, self.verdict, self.steps, self.view.zoom, self.view.figures, self.tabs,
+            styles={"flex": "40 1 36rem", "min-width": "0"},
+        )  # fmt: skip
+        self.right = pn.Column(
+            html("<h2>What may be missing</h2>"), self.no_suspects, self.suspects, self.not_judged,
+            html("<h2>What the error follows</h2>"), self.follows,
+            styles={"flex": "1 1 17rem", "min-width": "0"},
         )  # fmt: skip
         self.page = Page(
-            html("<h1>pam-ident workbench</h1>"), pn.FlexBox(self.side.column, self.main, flex_wrap="wrap"), **wide
-        )
+            html("<h1>pam-ident workbench</h1>"),
+            pn.FlexBox(self.side.column, self.main, self.right, flex_wrap="wrap", gap="0 1.2rem", **WIDE), **WIDE,
+        )  # fmt: skip
 
     # What is done
 
@@ -132,10 +163,19 @@ class Workbench(Viewer):
         if work is None:
             return
         busy = work.busy
-        for bench, drawn in work.take():
-            self.bench, self.record = bench, (bench.record, bench.path)
-            self.setup = bench.setup
-            self._show(drawn)
+        found = work.take()
+        for one in found:
+            if isinstance(one, Draft):
+                self.history.draft, self.asking = one, bool(one.problem)
+                if one.problem and (one.has_specimen or not one.ours):
+                    self._complain(one.problem)
+            elif one[0]:
+                self.history.push(one[1])
+            else:
+                self.history.renew(one[1])
+        if found:
+            self.setup = self.bench.setup if self.bench else self.setup
+            self._show()
         if not busy:
             self.work = None
             if work.error:
@@ -152,12 +192,26 @@ class Workbench(Viewer):
             self.look()
 
     def _opened(self, record: Record, path: str) -> Iterator[Found]:
-        return _told(Bench.begin(record, path, self.setup))
+        return self._told(Bench.begin(record, path, self._asked()))
+
+    def _asked(self) -> Setup:
+        """The law alone, as the side says, with the effects that the page began with if it is still empty."""
+        effects = () if self.history.steps else self.setup.effects
+        return replace(
+            self.setup, law=self.side.law.value, effects=effects, free_geometry=self.side.geometry.value, assume=()
+        )
+
+    def _told(self, bench: Bench) -> Iterator[Found]:
+        """The bench as fitted, then diagnosed, then with its candidates tried; what is known is not asked again."""
+        known = self.history.known(bench)
+        yield True, known or bench
+        if known is None:
+            yield from _found(bench)
 
     def _change(self, change: Callable[[Bench], Bench]) -> None:
         bench = self.bench
         if bench is not None:
-            self._begin(lambda: _told(change(bench)))
+            self._begin(lambda: self._told(change(bench)))
 
     def _on_drop(self, _: Any) -> None:
         if not self.side.drop.value:
@@ -167,45 +221,87 @@ class Workbench(Viewer):
             self._complain("the files did not arrive whole; drop them again")
             return
         named = dict(zip(names, contents, strict=True))
+        self._begin(lambda: self._dropped(named))
+
+    def _dropped(self, files: Mapping[str, bytes]) -> Iterator[Found]:
+        """A record, if the files are one by themselves; else what they hold, for a person to say what it is."""
+        draft = Draft.of(files)
         try:
-            given = self.side.given_specimen(self.record[0].specimen.name if self.record else "specimen")
+            record, name = draft.read(None, by_hand=False)
+        except DataError as error:
+            yield replace(draft, problem=str(error))
+            return
+        yield draft
+        yield from self._opened(record, name)
+
+    def _on_open(self) -> None:
+        draft = self.draft.draft
+        if draft is None:
+            return
+        try:
+            given = self.draft.form.given("muscle")
         except PamError as error:
             self._complain(str(error))
             return
-        self.setup = Setup(self.side.law.value, (), self.setup.effect_files, self.side.geometry.value)
-        self._begin(lambda: self._opened(*read_dropped(named, given)))
+        self.history.draft = draft
+
+        def read() -> Iterator[Found]:
+            record, name = draft.read(given)
+            yield replace(draft, problem="")
+            yield from self._opened(record, name)
+
+        if given is None and not draft.has_specimen:
+            self._complain("the specimen is missing: type in at least its length, radius and braid angle")
+        else:
+            self._begin(read)
+
+    def _ask(self, ask: bool) -> None:
+        self.asking = ask
+        self.draft.show(self.history.draft, ask)
 
     def _on_example(self, _: Any) -> None:
         if self.side.example.value:
             path = dataset_record(self.side.example.value)
-            self.setup = Setup(self.side.law.value, (), self.setup.effect_files, self.side.geometry.value)
-            self._begin(lambda: self._opened(self.setup.read(path), str(path)))
+            self.history.draft = None
+            self._begin(lambda: self._opened(self.setup.read(path), self.side.example.value))
 
     def _on_law(self, _: Any) -> None:
-        setup = self.setup
+        setup, bench = self.setup, self.bench
         if (self.side.law.value, self.side.geometry.value) == (setup.law, setup.free_geometry):
             return
-        self.setup = Setup(self.side.law.value, (), setup.effect_files, self.side.geometry.value, setup.specimen)
-        if self.record is not None:
-            self._begin(partial(self._opened, *self.record))
+        self.setup = self._asked()
+        if bench is not None:
+            self._begin(partial(self._opened, bench.record, bench.path))
 
     def _on_specimen(self) -> None:
+        bench = self.bench
         try:
-            given = self.side.given_specimen(self.record[0].specimen.name if self.record else "specimen")
+            given = self.side.form.given(bench.record.specimen.name if bench else "muscle")
         except PamError as error:
             self._complain(str(error))
             return
-        if given is None or self.record is None:
+        if given is None or bench is None:
             self._complain("a specimen needs at least its length, radius and braid angle, and a record to belong to")
             return
-        record, path = self.record
-        self._begin(lambda: self._opened(words.with_specimen(record, given), path))
+        self._begin(lambda: self._opened(words.with_specimen(bench.record, given), bench.path))
 
-    def _report_file(self) -> io.BytesIO | None:
-        return self._kept(lambda bench: bench.report())
+    def _on_hold(self, held: dict[str, float]) -> None:
+        self._change(lambda bench: bench.holding(held))
 
-    def _specimen_file(self) -> io.BytesIO | None:
-        return self._kept(lambda bench: specimen_toml(bench.record.specimen))
+    def _on_step(self, key: str) -> None:
+        """Go back or forth; nothing is worked out anew."""
+        at = {"undo": self.history.at - 1, "redo": self.history.at + 1}.get(key)
+        if self.work is not None:
+            self.work.stop()
+            self.work = None
+        if self.history.go(int(key) if at is None else at) and self.bench is not None:
+            self.setup = self.bench.setup
+            self.error.visible = False
+            self._show()
+
+    def _on_pin(self) -> None:
+        self.history.pinned = self.bench
+        self._show()
 
     def _kept(self, make: Callable[[Bench], str]) -> io.BytesIO | None:
         try:
@@ -219,64 +315,46 @@ class Workbench(Viewer):
     def _busy(self, stopped: bool = False) -> None:
         work, bench = self.work, self.bench
         self.bar.visible = self.stop.visible = work is not None
-        waiting = work is None and bench is not None and bench.diagnosis is None
+        waiting = work is None and bench is not None and bench.diagnosis is None and not bench.held
         stopped_by_doubt = bench is not None and bench.stopped
         self.find.visible, self.anyway.visible = waiting and not stopped_by_doubt, waiting and stopped_by_doubt
         said = words.stage(work.stage) if work is not None else "stopped" if stopped else ""
         self.status.object = str(words.status(said, "busy" if work is not None else ""))
         self.side.save.disabled = bench is None or bench.ladder is None
-        self.side.save_specimen.disabled = bench is None
+        self.side.save_columns.disabled = self.history.draft is None
 
     def _complain(self, text: str) -> None:
         self.error.object, self.error.visible = str(words.error(text)), True
 
-    def _show(self, drawn: Mapping[str, Markup] | None = None) -> None:
-        """The bench as it is, with its pictures."""
-        bench, drawn = self.bench, drawn or {}
+    def _show(self) -> None:
+        """The bench as it is."""
+        bench, pinned = self.bench, self.history.pinned
         self.head.object = str(words.head(bench))
         self.verdict.object = str(words.verdict(bench))
-        for name in ("follows", "falling", "measured", "trace"):
-            self.views[name].object = str(drawn.get(name, ""))
-        self.views["follows"].object = str(words.follows(bench, drawn))
-        self.views["where"].object = str(words.where(bench, drawn))
-        self.views["parameters"].object = str(words.parameters(bench))
+        self.follows.object = str(words.follows(bench.diagnosis.follows if bench and bench.diagnosis else ()))
+        for name in ("where", "parameters", "model"):
+            self.texts[name].object = str(getattr(words, name)(bench))
+        self.texts["against"].object = str(words.against(pinned, bench))
+        self.steps.items = words.steps(self.history.steps, self.history.at)
+        self.suspects.items = words.suspects(bench)
+        self.no_suspects.object = str(words.no_suspects(bench))
+        self.not_judged.object = str(words.not_judged(bench))
+        self.pin.disabled = bench is None
+        for one in (self.view.zoom, self.view.figures, self.tabs):
+            one.visible = bench is not None
+        if bench is not None:
+            self.view.show(bench, pinned.fit if pinned and pinned is not bench else None)
+        self.side.columns.visible = self.history.draft is not None and self.history.draft.ours
         self.side.show(bench, self.setup)
-        self.side.model.objects = self._terms()
-        self.suspects.objects = self._suspects()
+        self.draft.show(self.history.draft, self.asking)
         self._busy()
 
-    def _terms(self) -> list[Any]:
-        """The model's equation, and a button for each effect that takes it out."""
-        shown: list[Any] = [html(words.model(self.bench))]
-        for term in self.bench.fit.model.terms if self.bench else ():
-            button = pn.widgets.Button(label=f"Remove {term.label}", sizing_mode="stretch_width")
-            button.on_click(lambda _, name=term.effect.name: self._change(lambda bench: bench.removing(name)))
-            shown.append(button)
-        return shown
 
-    def _suspects(self) -> list[Any]:
-        """A line a suspect, with a button that adds it; what cannot be judged from this record at the end."""
-        found = self.bench.diagnosis if self.bench else None
-        if found is None:
-            return []
-        shown: list[Any] = [html("<h2>Suspects</h2>")]
-        known = titles(found.best.model)
-        candidates = [one for one in found.ranking if one.status == "candidate"]
-        for suspect in candidates[:MOST_SUSPECTS]:
-            label = next((x for x in found.labels if x.partition(":")[0] == suspect.effect), suspect.label)
-            color = "primary" if suspect.effect in found.selected else "default"
-            button = pn.widgets.Button(label=f"Add {label}", color=color, width=280)
-            button.on_click(lambda _, label=label: self._change(lambda bench: bench.adding(label)))
-            shown.append(pn.Row(button, html(words.suspect(suspect, known))))
-        shown.append(html(words.not_judged(found)))
-        return shown
-
-
-def _told(bench: Bench) -> Iterator[Found]:
-    """The bench as fitted, and then diagnosed; each with its pictures."""
-    yield bench, pictures(bench)
-    bench = bench.diagnosed()
-    yield bench, pictures(bench)
+def _found(bench: Bench | None) -> Iterator[Found]:
+    if bench is not None and not bench.held:
+        bench = bench.diagnosed()
+        yield False, bench
+        yield False, bench.tried()
 
 
 def _loop_runs() -> bool:

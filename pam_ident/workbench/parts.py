@@ -7,6 +7,8 @@ from typing import Any
 import panel as pn
 
 STYLE = (files("pam_ident.workbench") / "style.css").read_text(encoding="utf-8")
+LOOK: dict[str, Any] = {"stylesheets": [STYLE]}
+"""What every widget is given, so that it is dark where the browser is."""
 
 
 def html(text: str = "", **options: Any) -> pn.pane.HTML:

@@ -7,6 +7,7 @@ import secrets
 import socket
 import warnings
 from collections.abc import Callable
+from importlib.resources import files
 from typing import Any
 
 import panel as pn
@@ -15,10 +16,13 @@ from tornado.websocket import WebSocketClosedError
 
 from ..core import UsageError
 from .guard import guard
+from .history import History, Kept
 from .page import Workbench
 
 HOST = "127.0.0.1"
-PAGE = "{% extends base %}{% block contents %}<main>{{ embed(roots.bench) }}</main>{% endblock %}"
+PAGE = (files("pam_ident.workbench") / "page.html").read_text(encoding="utf-8")
+SESSION = "page"
+"""The word in the address under which what was done on a page is kept."""
 MOST_BYTES = 256 * 1024 * 1024
 """Largest message from the browser: the files that are dropped there."""
 
@@ -27,9 +31,11 @@ LOG_LINE = 300
 
 
 def serve(
-    make: Callable[[], Workbench], port: int = 5006, show: bool = True, ready: Callable[[str], None] = print
+    make: Callable[[History], Workbench], port: int = 5006, show: bool = True, ready: Callable[[str], None] = print
 ) -> None:
-    """Serve a fresh workbench of `make` to each tab, until interrupted; `ready` is told the address.
+    """Serve a workbench of `make` to each tab, until interrupted; `ready` is told the address.
+
+    A tab begins afresh, and goes on where it was when it is loaded again.
 
     Only this machine is listened to, and only pages of this address are answered. Port 0 takes any that is free.
     Raises UsageError for a port that is taken.
@@ -38,9 +44,10 @@ def serve(
     address = f"http://{HOST}:{port}"
     pn.extension(loading_indicator=False)
     logging.setLogRecordFactory(_in_one_line(logging.getLogRecordFactory()))
+    kept = Kept()
     secret, hosts = secrets.token_urlsafe(32), [f"{HOST}:{port}", f"localhost:{port}"]
     server = get_server(
-        lambda: _page(make()),
+        lambda: _page(make, kept),
         port=port,
         address=HOST,
         show=show,
@@ -63,9 +70,18 @@ def serve(
         server.stop()
 
 
-def _page(bench: Workbench) -> pn.Template:
+def _page(make: Callable[[History], Workbench], kept: Kept) -> pn.Template:
+    given = pn.state.session_args.get(SESSION, [b""])[0].decode("ascii", "replace")
+    word, history = kept.of(given)
+    bench = make(history)
     page = pn.Template(PAGE)
+    page.location = True
     page.add_panel("bench", bench.page)
+    location = pn.state.location
+    if location is not None:
+        pn.state.onload(lambda: setattr(location, "search", f"?{SESSION}={word}"))
+    if pn.state.curdoc is not None:
+        pn.state.curdoc.js_on_event("document_ready", bench.view.themed)
     return page
 
 

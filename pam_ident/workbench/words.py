@@ -1,20 +1,27 @@
 """What the page says, as HTML; every text that comes from a record or a user's file is escaped."""
 
-from collections.abc import Mapping
+import math
 from dataclasses import replace
+from typing import Any
 
 from markupsafe import Markup
 
 from ..core import Specimen, UsageError
 from ..core.progress import Stage
 from ..diagnosis.follows import told
-from ..diagnosis.nouns import Diagnosis, Suspect
+from ..diagnosis.nouns import Diagnosis, Follows
+from ..model import Model
 from ..notebook.pages import table
 from ..records import Record, build_record
 from ..records.doubt import Doubt
 from ..report import tables
-from ..report.words import STATUS, VERDICTS, equation, groups, newtons, titles
+from ..report.words import STATUS, VERDICTS, equation, groups, likely, newtons, number, stderr, titles, unit
+from ..schema.diagnosis import candidates
 from .bench import Bench
+from .draft import Draft, DraftColumn
+
+COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
+"""Of the parts of the bar; the noise is grey."""
 
 
 def status(text: str, state: str) -> Markup:
@@ -38,8 +45,8 @@ def head(bench: Bench | None) -> Markup:
     """Which record lies on the bench."""
     if bench is None:
         return Markup(
-            '<p class="lead">Open a record of a test rig on the left, or drop it there with its specimen.toml: '
-            "the law you choose is fitted, and the workbench says where it fails and what is missing.</p>"
+            '<p class="lead">Open a record of a test rig on the left, or drop its file anywhere: the law you choose is '
+            "fitted, and the workbench says where it fails and what is missing.</p>"
         )
     record = bench.record
     levels = ", ".join(f"{p:g}" for p in record.levels[:8]) + (" …" if len(record.levels) > 8 else "")
@@ -53,45 +60,149 @@ def _doubt(one: Doubt) -> Markup:
     return Markup('<p role="note" class="{}">{}</p>').format("error" if one.grave else "soft", one.text)
 
 
+def draft(shown: Draft, wrong: str = "") -> Markup:
+    """What is still to be said of a dropped file."""
+    lines = [Markup("<h2>What was dropped</h2>")]
+    lacking = [*shown.missing, *([] if shown.has_specimen else ["the muscle's size"])] if shown.ours else []
+    if not shown.ours and shown.problem:
+        lines.append(Markup("<p>Mend the file, or its columns.toml, and drop it again.</p>"))
+    elif shown.missing:
+        lines.append(Markup("<p>Say which column is {}.</p>").format(", and ".join(lacking)))
+    else:
+        unsure = [c.name for c in shown.columns if c.guess.quantity and not c.guess.sure]
+        if unsure:
+            lines.append(Markup("<p><b>Guessed from the numbers, look at it: {}.</b></p>").format(", ".join(unsure)))
+        lines.append(Markup("<p>Check what each column is and its unit{}, then open it.</p>").format(
+            "" if shown.has_specimen else ", type in the muscle"
+        ))  # fmt: skip
+    lines += [error(wrong)] if wrong else []
+    return Markup("").join(lines)
+
+
+def column(one: DraftColumn) -> Markup:
+    """A column of a dropped file: its name, first cells and range."""
+    span = f"{number(one.low)} to {number(one.high)}" if one.low == one.low else "no numbers"
+    return Markup('<p><b>{}</b><br><span class="soft">{} …<br>{}</span></p>').format(
+        one.name, ", ".join(one.first), span
+    )
+
+
+def headline(found: Diagnosis) -> str:
+    """The verdict in a sentence, effects by their plain names."""
+    known = titles(found.best.model)
+    law = " + ".join([found.base.model.law.title, *(known.get(n, n) for n in found.base.model.effect_names)])
+    start = f"{law} leaves {newtons(found.base.rmse)} rms; the noise is about {newtons(found.noise_floor)}."
+    if found.verdict == "adequate":
+        return f"Nothing is missing that this record could show. {start}"
+    parts = []
+    if found.selected:
+        names = ", ".join(known.get(name, name) for name in found.selected)
+        them = "it" if len(found.selected) == 1 else "them"
+        parts += [f"Missing: {names}.", start, f"With {them} {newtons(found.best.rmse)} are left."]
+    else:
+        parts.append(start)
+    if found.pattern is not None:
+        parts.append(f"Something is left that no known effect explains: {found.pattern.text}.")
+    return " ".join(parts)
+
+
 def verdict(bench: Bench | None) -> Markup:
     """The verdict on the present model, and its errors."""
     if bench is None:
         return Markup("")
     found, rung = bench.diagnosis, bench.rungs[-1]
-    facts = [("error now", newtons(rung.fit.rmse) + " rms"), ("on held-out data", newtons(rung.heldout_rmse))]
+    facts = [("error now", newtons(rung.fit.rmse) + " rms")]
+    facts += [("on held-out data", newtons(rung.heldout_rmse))] * math.isfinite(rung.heldout_rmse)
     if len(bench.rungs) > 1:
         facts.insert(0, ("error of the law alone", newtons(bench.law_alone.rmse) + " rms"))
     if bench.noise_floor is not None:
-        facts.append(("noise floor", newtons(bench.noise_floor)))
+        facts.append(("noise", newtons(bench.noise_floor)))
     listed = Markup("").join(Markup("<div><dt>{}</dt><dd>{}</dd></div>").format(*fact) for fact in facts)
-    parts = [Markup('<dl class="facts">{}</dl>').format(listed)]
+    parts = [Markup('<dl class="facts">{}</dl>').format(listed), _fall(bench)]
     parts += [Markup('<p class="error">This fit is not valid: {}.</p>').format(one) for one in rung.fit.problems]
+    if bench.held:
+        parts.append(Markup("<p>Parameters are held by hand. Release them to have named what is missing.</p>"))
     if found is not None:
-        badge, meaning = VERDICTS.get(found.verdict, (found.verdict, ""))
+        badge, _ = VERDICTS.get(found.verdict, (found.verdict, ""))
         notes = groups(found, titles(found.best.model))
         if found.next_experiment is not None:
             notes.append(f"Next experiment: {found.next_experiment.text}")
         parts = [
-            Markup('<p><span class="badge">{}</span> <span class="soft">{}</span></p>').format(badge, meaning),
-            Markup('<p class="lead">{}</p>').format(found.sentence),
+            Markup('<p class="lead"><span class="badge">{}</span> {}</p>').format(badge, headline(found)),
             *parts,
             *[Markup("<p>{}</p>").format(note) for note in notes],
         ]
     return Markup("").join(parts)
 
 
-def suspect(one: Suspect, known: Mapping[str, str]) -> Markup:
-    """An effect by its title among the `known`, how likely it is, and what it would leave."""
-    return Markup("<p>{}: probability {:.0%}, would leave {} rms, held out {}</p>").format(
-        known.get(one.effect, one.effect), one.probability, newtons(one.rmse_after), newtons(one.heldout_rmse_after)
+def _fall(bench: Bench) -> Markup:
+    """The error now as a bar beside that of the law alone, with the noise as a line."""
+    first, now, floor = bench.law_alone.rmse, bench.fit.rmse, bench.noise_floor
+    most = max(first, now, floor or 0.0, 1e-12)
+    noise = "" if floor is None else f"--noise:{floor / most:.4f}"
+    return Markup('<div class="bar large" aria-hidden="true" style="--share:{};{}"></div>').format(
+        f"{now / most:.4f}", noise
     )
 
 
-def not_judged(found: Diagnosis) -> Markup:
+def follows(found: tuple[Follows, ...]) -> Markup:
+    """What the error follows, as one bar and in a sentence."""
+    if not found:
+        return Markup("")
+    parts = [
+        Markup('<span style="flex:{} 0 0;background:{}"></span>').format(
+            f"{one.share:.4f}", "#9aa5b1" if one.what == "noise" else COLOURS[k % len(COLOURS)]
+        )
+        for k, one in enumerate(found)
+    ]
+    return Markup('<div class="shares" aria-hidden="true">{}</div><p>{}</p>').format(
+        Markup("").join(parts), told(found)
+    )
+
+
+def suspects(bench: Bench | None) -> list[dict[str, Any]]:
+    """The candidates as cards: the most probable first, each with the error that adding it leaves."""
+    found = bench.diagnosis if bench else None
+    if bench is None or found is None:
+        return []
+    known = titles(found.best.model)
+    now, noise = max(bench.fit.rmse, 1e-12), (bench.noise_floor or 0.0) / max(bench.fit.rmse, 1e-12)
+    tried = [
+        {
+            "key": one.label,
+            "title": known.get(one.label.partition(":")[0], one.label),
+            "text": f"probability {likely(one.probability)} · leaves {newtons(one.rmse)}",
+            "bar": min(one.rmse / now, 1.0), "noise": min(noise, 1.0), "traced": True,
+            "kind": "named" if one.label in found.labels else "",
+        }
+        for one in bench.previews
+    ]  # fmt: skip
+    return tried or [
+        {"key": one.label, "title": known.get(one.effect, one.effect), "text": f"probability {likely(one.probability)}"}
+        for one in candidates(found)[:3]
+    ]
+
+
+def no_suspects(bench: Bench | None) -> Markup:
+    """In place of candidates, why there are none; else how to use them."""
+    if bench is None:
+        return Markup('<p class="soft">Candidates stand here once a record is open.</p>')
+    if bench.diagnosis is None:
+        return Markup('<p class="soft">Not looked for yet.</p>')
+    if bench.diagnosis.verdict == "adequate":
+        return Markup("<p>Nothing: the error is down to the noise.</p>")
+    return Markup('<p class="soft">Point at one to see its trace in the error; choose it to add it.</p>')
+
+
+def not_judged(bench: Bench | None) -> Markup:
     """Effects that this record cannot show."""
+    found = bench.diagnosis if bench else None
+    known = titles(found.best.model) if found else {}
     lines = [
-        Markup("<li>{}: {}{}</li>").format(one.label, STATUS[one.status], f" ({one.why})" if one.why else "")
-        for one in found.ranking
+        Markup("<li>{}: {}{}</li>").format(
+            known.get(one.effect, one.label), STATUS[one.status], f" ({one.why})" if one.why else ""
+        )
+        for one in (found.ranking if found else ())
         if one.status != "candidate"
     ]
     if not lines:
@@ -101,26 +212,68 @@ def not_judged(found: Diagnosis) -> Markup:
     )
 
 
+def steps(benches: list[Bench], at: int) -> list[dict[str, Any]]:
+    """What was done, as cards, with undo and redo."""
+    if not benches:
+        return []
+    found: list[dict[str, Any]] = [
+        {"key": "undo", "title": "Undo", "disabled": at <= 0},
+        {"key": "redo", "title": "Redo", "disabled": at + 1 >= len(benches)},
+    ]
+    for k, one in enumerate(benches):
+        text = newtons(one.fit.rmse)
+        title = _step(benches[k - 1] if k else None, one)
+        found.append({"key": str(k), "title": title, "text": text, "current": k == at, "kind": "step"})
+    return found
+
+
+def _step(before: Bench | None, now: Bench) -> str:
+    """What led from one bench to the next."""
+    if before is None or before.record is not now.record or before.setup.law != now.setup.law:
+        return now.fit.model.law.title
+    if before.held != now.held:
+        return f"{', '.join(now.held)} held" if now.held else "released"
+    was, held = set(before.fit.model.effect_names), set(now.fit.model.effect_names)
+    known = titles(now.fit.model) | titles(before.fit.model)
+    changes = [f"+ {known[n]}" for n in held - was] + [f"− {known[n]}" for n in was - held]
+    return ", ".join(changes) or now.fit.model.law.title
+
+
+def against(first: Bench | None, now: Bench | None) -> Markup:
+    """The pinned model A beside the present one, B."""
+    if first is None or now is None:
+        return Markup("<p>Pin a model as A, change it, and compare.</p>")
+    rows = [("model", _model(first.fit.model), _model(now.fit.model))]
+    rows += [("law", first.setup.law, now.setup.law)] if first.setup.law != now.setup.law else []
+    rows += [("error", newtons(first.fit.rmse) + " rms", newtons(now.fit.rmse) + " rms")]
+    rows.append(("on held-out data", newtons(first.rungs[-1].heldout_rmse), newtons(now.rungs[-1].heldout_rmse)))
+    follow = [told(b.diagnosis.follows) if b.diagnosis else "–" for b in (first, now)]
+    rows.append(("what the error follows", follow[0], follow[1]))
+    values = [
+        {e.name: f"{number(e.value)} ± {stderr(e)} {unit(e.unit)}" for e in b.fit.estimates} for b in (first, now)
+    ]
+    rows += [(name, *(one.get(name, "–") for one in values)) for name in dict.fromkeys([*values[0], *values[1]])]
+    shown = tables.PageTable(f"A ({first.record.name}) and B ({now.record.name})", ("", "A", "B"), tuple(rows))
+    return table(shown)
+
+
+def _model(model: Model) -> str:
+    known = titles(model)
+    return " + ".join([model.law.title, *(known.get(name, name) for name in model.effect_names)])
+
+
 def model(bench: Bench | None) -> Markup:
     """The model's equation, a line a part."""
     if bench is None:
         return Markup("")
-    return Markup("").join(Markup("<p>{}</p>").format(line) for line in equation(bench.fit.model))
+    return Markup("").join(Markup('<p class="soft">{}</p>').format(line) for line in equation(bench.fit.model))
 
 
-def where(bench: Bench | None, drawn: Mapping[str, Markup]) -> Markup:
-    """Where the present model fails, in a sentence and figures."""
-    if bench is None:
+def where(bench: Bench | None) -> Markup:
+    """Where the present model fails, in a sentence."""
+    if bench is None or bench.diagnosis is None:
         return Markup("")
-    figures = Markup("").join(drawn.get(name, Markup("")) for name in ("where", "along"))
-    return Markup("<p>{}</p>{}").format(bench.comparison.sentence, figures)
-
-
-def follows(bench: Bench | None, drawn: Mapping[str, Markup]) -> Markup:
-    """What the present model's error follows, in a sentence and as a bar."""
-    if bench is None:
-        return Markup("")
-    return Markup("<p>{}</p>{}").format(told(bench.comparison.follows), drawn.get("follows", Markup("")))
+    return Markup("<p>{}</p>").format(bench.comparison.sentence)
 
 
 def parameters(bench: Bench | None) -> Markup:

@@ -24,7 +24,9 @@ def nothing(root):
 def test_compare_says_where_the_error_lies(answer, rubbing):
     result, found = answer("compare", rubbing, *LAW)
     assert result.exit_code == 0 and found["schema"] == "pam-ident/comparison/1"
-    assert found["odd_share"] > 0.95 and "changes sign with the branch" in result.stdout
+    shares = found["odd_share"], found["even_share"], found["rest_share"]
+    assert sum(shares) == pytest.approx(1.0) and min(shares) >= 0.0 and shares[0] > 10.0 * shares[1]
+    assert "changes sign with the branch" in result.stdout
     for coordinate in ("pressure_MPa", "contraction", "branch", "speed_mm_s", "cycle"):
         assert sum(one["share"] for one in found["by"][coordinate]) == pytest.approx(1.0, abs=1e-6), coordinate
     for head in ("by pressure", "by branch", "by speed"):

@@ -80,6 +80,7 @@ def written(root, tmp_path_factory):
         ("diagnose", folder / "rub" / "record.csv"),
         ("add", ours, "--effect", "pressure_friction"),
         ("ladder", "nothing_hidden"),
+        ("against", "nothing_hidden", ours),
         ("validate", folder / "fit.json", ours),
         ("predict", folder / "fit.json", "--at", poor, "--out", folder / "force.csv"),
         ("selftest",),
@@ -97,7 +98,7 @@ def written(root, tmp_path_factory):
     for verb in ("fit", "compare", "diagnose", "ladder", "add", "inspect"):
         more = () if verb == "inspect" else law if verb != "add" else (*law, "--effect", "bladder_elasticity")
         asked.append((verb, doubtful, *more))
-    asked.append(("validate", folder / "fit.json", doubtful))
+    asked += [("validate", folder / "fit.json", doubtful), ("against", ours, doubtful, *law)]
     answers = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("pam_ident.tasks.demo.STAGES", STAGES[2:])  # all three take half a minute

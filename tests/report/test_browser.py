@@ -93,7 +93,7 @@ def test_it_unfolds_every_figure_and_part(unfolded, diagnosis):
 
 def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(unfolded):
     opened = unfolded
-    choice = opened.locator("fieldset").first.get_by_role("radio")
+    choice = opened.locator(".steps fieldset").first.get_by_role("radio")
     assert choice.count() == 3
     names = ["Rung 0", "Rung 1: + Coulomb friction", "Rung 2: + Viscous damping"]
     for k in (1, 2, 0):

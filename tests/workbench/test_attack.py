@@ -20,8 +20,11 @@ from bokeh.client import ClientSession  # noqa: E402
 from bokeh.document.events import MessageSentEvent  # noqa: E402
 from bokeh.events import DocumentReady  # noqa: E402
 from bokeh.util.token import get_session_id  # noqa: E402
+from panel.models.esm import DataEvent, ReactiveESM  # noqa: E402
 from tornado.httpclient import HTTPClientError, HTTPRequest  # noqa: E402
 from tornado.websocket import websocket_connect  # noqa: E402
+
+import pam_ident.workbench.cards  # noqa: E402, F401 - a client decodes only models that it knows
 
 LOG = "log.txt"
 
@@ -139,6 +142,13 @@ def test_no_file_of_the_machine_and_no_path_is_given_away(served):
         assert "root:" not in text and str(place) not in text and "site-packages" not in text
 
 
+def test_the_word_of_a_page_that_nobody_was_given_opens_an_empty_one(served):
+    port, place = served
+    for word in ("x", "%ff", "../../etc/passwd", "<b>", "a" * 5000):
+        status, text = asked(port, f"/?page={word}")
+        assert status == 200 and "<b>" not in text and str(place) not in text
+
+
 def test_sockets_of_other_pages_and_with_tokens_not_given_out_are_refused(served):
     port, _ = served
     here = f"http://127.0.0.1:{port}"
@@ -165,12 +175,20 @@ def test_sockets_of_other_pages_and_with_tokens_not_given_out_are_refused(served
         assert not socket_answers(port, bad, Origin=here), bad
 
 
+@pytest.mark.filterwarnings("ignore:reference already known")  # of the client, that pulls what it has
 def test_what_a_hostile_client_sends_ends_in_a_line(served):
     port, place = served
     client = Client(port)
     for menu in client.models("CustomSelect"):
         for value in ("nonsense", "../../etc/passwd", "x" * 10_000):
             client.send(menu, value=value)
+    cards = [one for one in client.document.models if isinstance(one, ReactiveESM)]
+    for data in ({"key": "creep"}, {"key": ["x"]}, {"key": {}}, {"name": "mu", "value": "x"}, [], None, 7):
+        for one in cards:
+            event = MessageSentEvent(client.document, "bokeh_event", DataEvent(one, data=data))
+            client.document.callbacks.trigger_on_change(event)
+    client.force_roundtrip()
+    assert len(cards) == 4
     (target,) = client.models("FileInput")
     client.send(target, filename=["a.csv"], mime_type=["t"], value=["!!!no base64"])
     client.send(target, filename=["a.csv", "b.csv"], mime_type=["t"], value=["eHg="])

@@ -8,21 +8,17 @@ pn = pytest.importorskip("panel")
 
 import pam_ident.tasks.diagnose as tasks_diagnose  # noqa: E402
 from pam_ident.core import UsageError  # noqa: E402
+from pam_ident.records import read_record  # noqa: E402
 from pam_ident.workbench import Workbench  # noqa: E402
+from pam_ident.workbench.page import _found as found_of  # noqa: E402
 
 
 @pytest.fixture
-def page(folder, undrawn):
+def page(folder):
     """A workbench with the record on it, its first work done."""
     made = Workbench(folder / "record.csv")
     made.wait()
     return made
-
-
-@pytest.fixture
-def undrawn(monkeypatch):
-    """No pictures, which take longer than all else."""
-    monkeypatch.setattr("pam_ident.workbench.page.pictures", lambda bench: {})
 
 
 def buttons(page, beginning):
@@ -38,25 +34,79 @@ def click(page, beginning):
     page.wait()
 
 
-@pytest.mark.long
-def test_the_story_from_verdict_to_adequate_and_back(folder):
-    page = Workbench(folder / "record.csv")
+def choose(page, cards, key):
+    """Choose the card of a key, as a click of the browser does, and wait."""
+    cards._handle_msg({"key": key})
     page.wait()
-    assert "Effect missing" in page.verdict.object and "coulomb_friction" in page.verdict.object
-    assert page.views["measured"].object.startswith("<svg") and not page.views["trace"].object
-    (button,) = [b for name, b in buttons(page, "Add coulomb_friction").items()]
-    assert button.color == "primary"
-    click(page, "Add coulomb_friction")
-    assert "Adequate" in page.verdict.object and "error of the law alone" in page.verdict.object
-    assert page.views["falling"].object.startswith("<svg") and page.views["trace"].object.startswith("<svg")
+
+
+@pytest.mark.long
+def test_the_story_from_verdict_to_adequate_and_back(page):
+    assert "Effect missing" in page.verdict.object and "Missing: Coulomb friction" in page.verdict.object
+    first = page.suspects.items[0]
+    assert first["key"].startswith("coulomb_friction") and first["kind"] == "named"
+    assert first["text"].startswith("probability 9")
+    left = page.bench.previews[0].rmse
+    choose(page, page.suspects, first["key"])
+    assert page.bench.fit.rmse == left, "what a candidate would leave is what adding it leaves"
+    assert "Adequate" in page.verdict.object and page.suspects.items == []
     assert "--effect coulomb_friction" in page.side.command.object
-    assert b"<html" in page._report_file().read()
-    click(page, "Remove coulomb_friction")
+    assert b"<html" in page.side.save.callback().read()
+    choose(page, page.side.terms, "coulomb_friction")
     assert "Effect missing" in page.verdict.object and "--effect" not in page.side.command.object
-    assert not buttons(page, "Remove") and not page.views["falling"].object
+    assert page.side.terms.items == [] and len(page.history.steps) == 3
 
 
-def test_a_grave_warning_stops_naming_until_it_is_answered_all_the_same(folder, undrawn, tmp_path, monkeypatch):
+@pytest.mark.long
+def test_undo_and_redo_show_what_was_found_and_a_new_step_forgets_what_was_undone(page):
+    first = page.bench
+    choose(page, page.suspects, page.suspects.items[0]["key"])
+    added = page.bench
+    choose(page, page.steps, "undo")
+    assert page.bench is first and page.work is None and page.setup.effects == ()
+    assert [item["title"] for item in page.steps.items] == ["Undo", "Redo", "Exponential law", "+ Coulomb friction"]
+    choose(page, page.steps, "redo")
+    assert page.bench is added
+    choose(page, page.steps, "redo")
+    assert page.bench is added, "there is nothing after it"
+    choose(page, page.steps, "0")
+    page._on_hold({"mu": 50.0})
+    page.wait()
+    page._on_hold({"mu": 51.0})
+    page.wait()
+    assert [one.held for one in page.history.steps] == [{}, {"mu": 51.0}], "a slider that moves on is one step"
+    assert page.bench.fit.values["mu"] == 51.0 and page.bench.fit.rmse >= first.fit.rmse
+    assert page.side.sliders.items[0]["name"] == "mu" and not page.find.visible
+    page.side.sliders._handle_msg({"name": "mu", "value": None})
+    page.wait()
+    assert page.bench.held == {} and page.bench.diagnosis is not None
+
+
+def test_a_pinned_model_is_compared_and_what_was_done_outlives_the_page(page):
+    click(page, "Pin this model")
+    page.side.law.value = "sarosi"
+    page.wait()
+    assert "Exponential law" in page.texts["against"].object and "Six-parameter law" in page.texts["against"].object
+    again = Workbench("no such file", history=page.history)
+    assert again.bench is page.bench and again.side.law.value == "sarosi" and again.work is None
+
+
+def test_what_is_drawn_is_the_record_also_without_a_clock(page):
+    drawn = page.view.points.data
+    assert list(drawn["error"]) == list(page.bench.fit.residual) and set(drawn["branch"]) == {
+        "contraction",
+        "extension",
+    }
+    assert list(page.view.traces.data) == ["x", *(one.label for one in page.bench.previews)]
+    page.view.along.value = "contraction"
+    assert list(page.view.points.data["x"]) == list(page.bench.record.inputs.contraction)
+    page.side.example.value = "dmsp20_300"
+    page.wait()
+    assert {len(column) for column in page.view.points.data.values()} == {len(page.bench.record)}
+    assert page.view.along.value == "sample" and page.view.x.end > len(page.bench.record) - 1
+
+
+def test_a_grave_warning_stops_naming_until_it_is_answered_all_the_same(folder, tmp_path, monkeypatch):
     whole = tasks_diagnose.diagnose  # one suspect is enough
     monkeypatch.setattr(tasks_diagnose, "diagnose", lambda *given: whole(*given[:-1], ("coulomb_friction",)))
     lines = (folder / "record.csv").read_text().splitlines()
@@ -78,7 +128,7 @@ def test_another_law_and_another_effect_by_name(page):
     page.side.law.value = "modified_chou_hannaford"
     page.wait()
     assert page.bench.fit.model.law.name == "modified_chou_hannaford"
-    page.side.other.value = "viscous_damping"
+    page.side.effect.value = "viscous_damping"
     click(page, "Add this effect")
     assert page.bench.fit.model.labels == ["viscous_damping"]
     page.side.geometry.value = True
@@ -94,35 +144,64 @@ def test_files_that_are_dropped_take_the_place_of_the_record(page, folder):
     assert page.bench.path == "other.csv" and page.side.command.object.count("other.csv") == 1
     page.side.drop.param.update(filename=["bad.csv"], value=[b"time_s,force_N\n0,1\n"])
     page.wait()
-    assert page.error.visible and "bad.csv" in page.error.object
+    assert page.draft.panel.visible and "the pressure" in page.draft.head.object
     assert page.bench.path == "other.csv", "what lay on the bench stays there"
+    page.side.drop.param.update(filename=["empty.csv"], value=[b""])
+    page.wait()
+    assert page.error.visible and "empty.csv" in page.error.object and page.bench.path == "other.csv"
 
 
-def test_a_record_without_specimen_takes_the_one_that_is_typed(folder, undrawn):
+def foreign(folder):
+    """The record under headings that say little, pressure in bar, without a specimen."""
+    lines = (folder / "record.csv").read_text().splitlines()
+    rows = [line.split(",") for line in lines[1:]]
+    names = lines[0].split(",")
+    order = [names.index(name) for name in ("time_s", "pressure_MPa", "displacement_mm", "force_N")]
+    made = ["t,AI0,LVDT,LoadCell"]
+    for row in rows:
+        t, p, x, force = (float(row[k]) for k in order)
+        made.append(f"{t},{10.0 * p},{x},{force}")
+    return ("\n".join(made) + "\n").encode()
+
+
+def test_a_file_of_unknown_headings_without_a_specimen_is_opened_by_what_is_said_of_it(folder, tmp_path):
     page = Workbench()
-    page.side.drop.param.update(filename=["run.csv"], value=[(folder / "record.csv").read_bytes()])
+    page.side.drop.param.update(filename=["run.csv"], value=[foreign(folder)])
     page.wait()
-    assert page.error.visible and "specimen" in page.error.object and page.bench is None
-    for key, value in (("initial_length_mm", "200"), ("initial_radius_mm", "10,0"), ("braid_angle_deg", "25.4")):
-        page.side.fields[key].value = value
-    page.side.drop.param.update(filename=["run.csv"], value=[(folder / "record.csv").read_bytes() + b"\n"])
-    page.wait()
-    assert not page.error.visible and page.bench.record.specimen.initial_length_mm == 200.0
-    page.side.fields["braid_angle_deg"].value = "eighty"
-    click(page, "Use this specimen")
+    assert page.draft.panel.visible and not page.error.visible and page.bench is None
+    said = [(c.guess.quantity, c.guess.unit) for c in page.draft.draft.columns]
+    assert said == [("time", "s"), ("pressure", "bar"), ("displacement", "mm"), ("force", "N")]
+    click(page, "Open with these columns")
+    assert page.error.visible and "specimen" in page.error.object
+    fields = page.draft.form.fields
+    for key, value in (("initial_length_mm", "200"), ("initial_radius_mm", "10,0"), ("braid_angle_deg", "eighty")):
+        fields[key].value = value
+    click(page, "Open with these columns")
     assert page.error.visible and "Braid angle (°): &#39;eighty&#39;; expected a number" in page.error.object
-    page.side.fields["braid_angle_deg"].value = "80"
-    click(page, "Use this specimen")
-    assert page.error.visible and "5 to 54 degrees" in page.error.object
-    page.side.fields["braid_angle_deg"].value = "24"
+    fields["braid_angle_deg"].value = "80"
+    click(page, "Open with these columns")
+    assert page.error.visible and "5 to 54 degrees" in page.error.object and page.draft.panel.visible
+    fields["braid_angle_deg"].value = "25.4"
+    click(page, "Open with these columns")
+    assert not page.error.visible and not page.draft.panel.visible
+    assert page.bench.record.specimen.initial_length_mm == 200.0 and page.bench.diagnosis is not None
+    (tmp_path / "run.csv").write_bytes(foreign(folder))
+    for name, save in (("specimen.toml", page.side.save_specimen), ("columns.toml", page.side.save_columns)):
+        (tmp_path / name).write_bytes(save.callback().read())
+    again = read_record(tmp_path / "run.csv")
+    assert (again.force == page.bench.record.force).all() and again.specimen.braid_angle_deg == 25.4
+
+
+def test_another_specimen_is_typed_in_later(page):
+    page.side.form.fields["braid_angle_deg"].value = "24"
     click(page, "Use this specimen")
     assert page.bench.record.specimen.braid_angle_deg == 24.0 and not page.error.visible
-    assert b"braid_angle_deg = 24.0" in page._specimen_file().read()
+    assert b"braid_angle_deg = 24.0" in page.side.save_specimen.callback().read()
 
 
 def test_work_is_stopped_by_its_button_and_taken_up_again(page):
-    page.bench = page.bench.adding("viscous_damping")
-    page._change(lambda bench: bench)
+    page.history.push(page.bench.adding("viscous_damping"))
+    page._begin(lambda: found_of(page.bench))
     assert page.stop.visible and not page.find.visible
     page.stop.clicks += 1
     page.wait()
@@ -133,12 +212,12 @@ def test_work_is_stopped_by_its_button_and_taken_up_again(page):
 
 def test_a_fit_that_cannot_be_is_told_and_changes_nothing(page):
     before = page.bench
-    page.side.other.value = "thermal_softening"  # the record holds no temperature
+    page.side.effect.value = "thermal_softening"  # the record holds no temperature
     click(page, "Add this effect")
     assert page.error.visible and "temperature" in page.error.object and page.bench is before
 
 
-def test_examples_are_records(undrawn):
+def test_examples_are_records():
     page = Workbench()
     assert {"hidden_effect", "dmsp20_300"} <= set(page.side.example.options.values())
     page.side.example.value = "nothing_hidden"

@@ -1,0 +1,94 @@
+"""Seconds from a click to its answer on the page, in a real browser: adding, undoing, removing, another law.
+
+    python benchmarks/workbench.py [--record NAME]
+
+`shown` is until the error and its figures are the new ones, `named` until what is missing is said of them.
+Needs a chromium: PAM_IDENT_CHROMIUM, or one on the path.
+"""
+
+import argparse
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+
+from playwright.sync_api import Page, sync_playwright
+
+EFFECTS = (
+    "Friction in proportion to pressure",
+    "Coulomb friction",
+    "Presliding hysteresis",
+    "Viscous damping",
+    "Creep and stress relaxation",
+)
+LAWS = (
+    "Modified Chou–Hannaford law",
+    "Six-parameter law of Sárosi",
+    "Braid in rubber of Martens and Boblan",
+    "Area and membrane spring of Hildebrandt",
+    "Polynomial slope and intercept over pressure",
+)
+"""Each once: what was asked before is not asked again, and would take no time."""
+
+
+def main() -> None:
+    asked = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    asked.add_argument("--record", default="hidden_effect")
+    given = asked.parse_args()
+    words = [sys.executable, "-m", "pam_ident", "workbench", given.record, "--no-browser", "--port", "0"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server, sync_playwright() as playwright:
+        assert server.stdout is not None
+        address = re.search(r"http://127\.0\.0\.1:\d+", server.stdout.readline())
+        assert address is not None
+        chromium = os.environ.get("PAM_IDENT_CHROMIUM") or shutil.which("chromium")
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        page = browser.new_page(viewport={"width": 1400, "height": 1000})
+        page.goto(address.group())
+        page.get_by_label("Another effect").wait_for()
+        idle(page)
+        found: dict[str, list[tuple[float, float]]] = {}
+        for effect in EFFECTS:
+            page.get_by_label("Another effect").select_option(effect)
+            for name, button in (
+                ("add", "Add this effect"),
+                ("undo", "Undo"),
+                ("redo", "Redo"),
+                ("remove", f"Remove {effect}"),
+            ):
+                act = page.get_by_role("button", name=re.compile(f"^{button}"))
+                found.setdefault(name, []).append(timed(page, act.click))
+        for law in LAWS:
+            choose = page.get_by_label("Force law")
+            found.setdefault("law", []).append(timed(page, lambda c=choose, law=law: c.select_option(law)))
+        browser.close()
+        server.kill()
+    for name, times in found.items():
+        shown, named = (statistics.median(each) for each in zip(*times, strict=True))
+        print(f"{name:8} shown {shown:.2f} s, named {named:.2f} s (median of {len(times)})")
+
+
+def timed(page: Page, act) -> tuple[float, float]:
+    """Seconds until the error is another, and until nothing goes on any more."""
+    error = page.locator("dl.facts div", has_text="error now").locator("dd")
+    before, begun = error.text_content(), time.perf_counter()
+    act()
+    while error.text_content() == before:
+        time.sleep(0.005)
+    shown = time.perf_counter() - begun
+    page.locator(".badge").wait_for()
+    named = time.perf_counter() - begun
+    idle(page)
+    return shown, named
+
+
+def idle(page: Page) -> None:
+    """Wait until the workbench has nothing more to find."""
+    page.locator("[data-state='']").wait_for(state="attached", timeout=120_000)
+    page.locator(".badge").wait_for(timeout=120_000)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,230 @@
+"""Two records beside each other: what differs in parameters, in force, in effects, and in what the error follows."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import t as student_t
+
+from ..core import FitError, Inputs
+from ..fitting import Fit, fit
+from ..fitting.solve import jacobian
+from ..model import as_term
+from .nouns import Diagnosis
+
+Array = np.ndarray
+LEVEL = 0.95
+SURE = 0.01
+"""Probability by chance, of all parameters together, below which a difference counts."""
+SHARE = 0.05
+"""Difference of a share of the squared error that is told."""
+
+
+@dataclass(frozen=True)
+class ParameterDifference:
+    """A parameter in both records, each with its standard error; `low` … `high` is the 95 % interval of `difference`,
+    B − A, and `p` the probability of one as large by chance, by Holm (1979) for all parameters. NaN where a record does
+    not determine it."""
+
+    name: str
+    unit: str
+    a: float
+    a_stderr: float
+    b: float
+    b_stderr: float
+    difference: float
+    low: float
+    high: float
+    p: float = math.nan
+
+    @property
+    def differs(self) -> bool:
+        """Whether it is no chance."""
+        return self.p < SURE
+
+
+@dataclass(frozen=True)
+class EffectDifference:
+    """An effect with its probability in each record, None where that record cannot show it; `where` it is named: both,
+    a or b."""
+
+    effect: str
+    a: float | None
+    b: float | None
+    where: str
+
+
+@dataclass(frozen=True)
+class ForceDifference:
+    """Modelled force of B less that of A in N at the `n` states of A that lie in what both records span: mean with its
+    95 % interval, rms, and the largest with its state."""
+
+    n: int
+    mean: float
+    low: float
+    high: float
+    rms: float
+    largest: float
+    pressure_MPa: float
+    contraction: float
+
+
+@dataclass(frozen=True)
+class Against:
+    """Record A against record B. `a` and `b` are their diagnoses by one law; `fits` those of one model, the law with
+    what was named in either, to each record, from which `parameters` and `force` are (None where they span nothing in
+    common)."""
+
+    a: Diagnosis
+    b: Diagnosis
+    fits: tuple[Fit, Fit]
+    parameters: tuple[ParameterDifference, ...]
+    effects: tuple[EffectDifference, ...]
+    force: ForceDifference | None
+    sentence: str
+
+
+def against(a: Diagnosis, b: Diagnosis) -> Against:
+    """What differs between two records that were diagnosed by the same law.
+
+    Args:
+        a, b: their diagnoses.
+
+    Raises:
+        FitError: where the law cannot be fitted to one of them.
+
+    Intervals take the records as independent, with the degrees of freedom of Welch and Satterthwaite.
+
+    Example:
+        >>> from pam_ident.records import read_record
+        >>> from pam_ident.tasks.diagnose import diagnose_record
+        >>> from pam_ident.tasks.setup import Setup
+        >>> setup = Setup("exponential_law")
+        >>> a, b = (diagnose_record(read_record(name), setup) for name in ("nothing_hidden", "hidden_effect"))
+        >>> print([(one.effect, one.where) for one in against(a, b).effects])
+        [('pressure_friction', 'b')]
+    """
+    fits = _fits(a, b)
+    parameters = _parameters(*fits)
+    effects, force = _effects(a, b), _force(*fits)
+    return Against(a, b, fits, parameters, effects, force, _sentence(a, b, parameters, effects, force))
+
+
+def _fits(a: Diagnosis, b: Diagnosis) -> tuple[Fit, Fit]:
+    """One model fitted to both; without an effect that the other record cannot hold."""
+    base, extra = a.base.model, tuple(t.effect for t in (*a.best.model.terms, *b.best.model.terms))
+    named = [as_term(label, extra) for label in (*a.labels, *b.labels)]
+    terms = list({term.effect.name: term for term in named}.values())
+    usable = [t for t in terms if not any(t.effect.missing(one.base.record.inputs) for one in (a, b))]
+    for model in (base.adding(*usable), base) if usable else (base,):
+        try:
+            return fit(model, a.base.record), fit(model, b.base.record)
+        except FitError:
+            if model is base:
+                raise
+    raise AssertionError
+
+
+def _parameters(a: Fit, b: Fit) -> tuple[ParameterDifference, ...]:
+    found, chances = [], []
+    for one, other in zip(a.estimates, b.estimates, strict=True):
+        both = one.identified and other.identified
+        spread = math.hypot(one.stderr, other.stderr) if both else math.nan
+        apart = other.value - one.value
+        freedom = _freedom(one.stderr, one.dof, other.stderr, other.dof) if spread > 0.0 else math.nan
+        half = spread * float(student_t.ppf(0.5 + LEVEL / 2, freedom)) if spread > 0.0 else math.nan
+        chances.append(2.0 * float(student_t.sf(abs(apart) / spread, freedom)) if spread > 0.0 else math.nan)
+        found.append(
+            ParameterDifference(one.name, one.unit, one.value, one.stderr, other.value, other.stderr, apart,
+                                apart - half, apart + half)
+        )  # fmt: skip
+    return tuple(replace(one, p=p) for one, p in zip(found, _holm(chances), strict=True))
+
+
+def _freedom(first: float, first_dof: float, second: float, second_dof: float) -> float:
+    """Degrees of freedom of a difference (Welch 1947)."""
+    return (first**2 + second**2) ** 2 / (first**4 / max(first_dof, 1.0) + second**4 / max(second_dof, 1.0))
+
+
+def _holm(chances: list[float]) -> list[float]:
+    """Probabilities by chance for all that were looked at (Holm 1979); NaN stays."""
+    known = sorted((p, k) for k, p in enumerate(chances) if math.isfinite(p))
+    found, most = list(chances), 0.0
+    for rank, (p, k) in enumerate(known):
+        most = max(most, min(p * (len(known) - rank), 1.0))
+        found[k] = most
+    return found
+
+
+def _effects(a: Diagnosis, b: Diagnosis) -> tuple[EffectDifference, ...]:
+    chances = [{s.effect: s.probability if s.status == "candidate" else None for s in one.ranking} for one in (a, b)]
+    names = dict.fromkeys((*a.selected, *b.selected))
+    where = {(True, True): "both", (True, False): "a", (False, True): "b"}
+    return tuple(
+        EffectDifference(n, chances[0].get(n), chances[1].get(n), where[n in a.selected, n in b.selected])
+        for n in names
+    )
+
+
+def _force(a: Fit, b: Fit) -> ForceDifference | None:
+    """B's model at A's states, less A's."""
+    inputs, other = a.record.inputs, b.record.inputs
+    inside = np.ones(len(a.record), bool)
+    for mine, theirs in ((inputs.pressure, other.pressure), (inputs.contraction, other.contraction)):
+        inside &= (mine >= theirs.min()) & (mine <= theirs.max())
+    if not inside.any():
+        return None
+    moved = replace(inputs, specimen=b.record.specimen)
+    apart = (b.model.force(moved, b.values) - a.force)[inside]
+    half = math.hypot(_half(a, inputs, inside), _half(b, moved, inside))
+    mean, at = float(apart.mean()), int(np.abs(apart).argmax())
+    return ForceDifference(
+        int(inside.sum()), mean, mean - half, mean + half, float(np.sqrt(np.mean(apart**2))), float(apart[at]),
+        float(inputs.pressure[inside][at]), float(inputs.contraction[inside][at]),
+    )  # fmt: skip
+
+
+def _half(one: Fit, inputs: Inputs, inside: Array) -> float:
+    """Half of the 95 % interval of a model's mean force over some states, NaN without a covariance."""
+    if one.covariance is None:
+        return 0.0 if not one.estimates else math.nan
+    force = one.model.force(inputs, one.values)
+    slopes = jacobian(one.model, inputs, one.values, force)[inside].mean(axis=0)
+    index = [k for k, e in enumerate(one.estimates) if e.name in one.free]
+    stderr, dof = one.covariance.error(slopes[None, index])
+    return float(student_t.ppf(0.5 + LEVEL / 2, dof[0]) * stderr[0])
+
+
+def _sentence(
+    a: Diagnosis,
+    b: Diagnosis,
+    parameters: tuple[ParameterDifference, ...],
+    effects: tuple[EffectDifference, ...],
+    force: ForceDifference | None,
+) -> str:
+    names = a.base.record.name, b.base.record.name
+    if names[0] == names[1]:
+        names = "A", "B"
+    parts = []
+    if force is not None:
+        more = "more" if force.mean >= 0.0 else "less"
+        parts.append(
+            f"Where both were measured, {names[1]} pulls {abs(force.mean):.3g} N {more} than {names[0]} on average "
+            f"(95 %: {force.low:.3g} to {force.high:.3g} N), {force.rms:.3g} N rms"
+        )
+    known = [one for one in parameters if math.isfinite(one.p)]
+    apart = sorted((one for one in known if one.differs), key=lambda one: one.p)
+    told = f": {', '.join(one.name for one in apart[:4])}{' …' if len(apart) > 4 else ''}" if apart else ""
+    parts.append(f"{len(apart)} of {len(known)} parameters differ beyond chance{told}")
+    for where, who in (("both", "both"), ("a", f"{names[0]} alone"), ("b", f"{names[1]} alone")):
+        found = [one.effect for one in effects if one.where == where]
+        if found:
+            parts.append(f"named in {who}: {', '.join(found)}")
+    shares = [{one.what: one.share for one in each.follows} for each in (a, b)]
+    words = {one.what: one.text for each in (a, b) for one in each.follows}
+    moved = [(shares[1].get(w, 0.0) - shares[0].get(w, 0.0), w) for w in words if w != "noise"]
+    most = max(moved, key=lambda one: abs(one[0]), default=(0.0, ""))
+    if abs(most[0]) >= SHARE:
+        first, second = (f"{each.get(most[1], 0.0):.0%} in {name}" for each, name in zip(shares, names, strict=True))
+        parts.append(f"of the law's squared error {first} and {second} follow {words[most[1]]}")
+    return "; ".join(parts) + "."

@@ -1,0 +1,154 @@
+"""Which column of a foreign table is what: guessed from its name, its unit and its numbers, for a person to correct."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from ..core.units import TO_INTERNAL, known_scale, split_header
+from .quantities import QUANTITIES, SHAPES
+
+Array = np.ndarray
+WORDS = {
+    "pressure_set": r"soll\w*|set|setpoint|target|command\w*|cmd|consigne",
+    "temperature": r"temp|temperatur\w*",
+    "contraction": r"contraction|kontraktion|verkürzung|eps|epsilon|strain",
+    "force": r"force|kraft|\w+kraft|load\w*|f|fz|fx|fuerza|forza|effort|pull|tension",
+    "pressure": r"press\w*|druck|\w+druck|p|pres[ií]on\w*|pression\w*|air",
+    "displacement": r"disp\w*|weg|\w+weg|stroke|hub|travel|pos\w*|way|lvdt|desplazamiento|d[ée]placement|x|s",
+    "length": r"length|l[äa]nge|laenge|longueur|longitud|l",
+    "cycle": r"cycle\w*|zyklus|zyklen|loop",
+    "time": r"t|time\w*|zeit\w*|temps|tiempo|tempo|clock|sec\w*",
+}
+"""Words of a header that name a quantity, the narrower first."""
+ABSOLUTE = "bar_abs", "kPa_abs", "MPa_abs"
+ROWS = 400
+"""Rows that are looked at to tell columns apart by their numbers."""
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What a column may hold, and in which unit, both empty for nothing; `sure` where its name says so."""
+
+    quantity: str = ""
+    unit: str = ""
+    sure: bool = False
+
+
+def units_of(quantity: str) -> tuple[str, ...]:
+    """The units that a quantity may be given in; none for words and counts."""
+    dimension = QUANTITIES.get(quantity, "text")
+    if quantity in ("cycle", "slack") or dimension == "text":
+        return ()
+    if dimension == "ratio":
+        return ("1", "pct")
+    more = ABSOLUTE if dimension == "pressure" else ()
+    return (*(unit for unit in TO_INTERNAL[dimension] if unit != "degC"), *more)
+
+
+def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Guess, ...]:
+    """A guess for each column.
+
+    Args:
+        headers: the columns' names, with their units where they have any.
+        columns: their first numbers, shape (n,) each, NaN where a cell holds none.
+
+    What the names leave open is told by the numbers: a time grows without end; of pressure, length and force the
+    assignment is taken under which a force in proportion to pressure that falls along the way explains most.
+    """
+    found = [_by_name(header) for header in headers]
+    for k, quantity in enumerate(found):
+        if quantity and quantity in found[:k]:
+            found[k] = ""
+    named = set(filter(None, found))
+    values = [np.asarray(column, float) for column in columns]
+    free = [k for k, name in enumerate(found) if not name and _varies(values[k])]
+    if "time" not in named:
+        clock = next((k for k in free if np.all(np.diff(values[k]) > 0)), None)
+        if clock is not None:
+            found[clock] = "time"
+            free.remove(clock)
+    needed = [name for name in ("pressure", "force") if name not in named]
+    needed += ["displacement"] * (not named & set(SHAPES))
+    for k, quantity in _by_numbers(needed, free, found, values):
+        found[k] = quantity
+    return tuple(
+        Guess(name, _unit(name, header, column), name in named) if name else Guess()
+        for name, header, column in zip(found, headers, values, strict=True)
+    )
+
+
+def _by_name(header: str) -> str:
+    name, unit = split_header(header)
+    if name in QUANTITIES:
+        return name
+    spaced = re.sub(r"([a-zäöü])([A-ZÄÖÜ])", r"\1 \2", header.partition("[")[0].partition("(")[0])
+    words = re.findall(r"[^\W\d_]+", spaced.lower())
+    hits = [q for q, pattern in WORDS.items() if any(re.fullmatch(pattern, word) for word in words)]
+    if "pressure_set" in hits and not {"pressure", "force"} & set(hits):
+        hits.remove("pressure_set")
+    if hits:
+        return hits[0] if hits[0] != "pressure_set" or "force" not in hits else ""
+    shapes = {"pressure": "pressure", "force": "force", "length": "displacement", "time": "time"}
+    return next((q for dimension, q in shapes.items() if unit and known_scale(dimension, unit)), "")
+
+
+def _varies(column: Array) -> bool:
+    return len(column) > 1 and bool(np.isfinite(column).all()) and float(np.ptp(column)) > 0.0
+
+
+def _by_numbers(needed: list[str], free: list[int], found: list[str], values: list[Array]) -> list[tuple[int, str]]:
+    """Which of the free columns are what is needed still."""
+    if not needed or len(free) < len(needed) or len(free) > 8:
+        return []
+    known = {("displacement" if name in SHAPES else name): k for k, name in enumerate(found) if name}
+    best: tuple[float, tuple[int, ...]] = (-np.inf, ())
+    for chosen in permutations(free, len(needed)):
+        roles = known | dict(zip(needed, chosen, strict=True))
+        pick = {name: _some(values[roles[name]]) for name in ("pressure", "displacement", "force")}
+        best = max(best, (_explained(**pick), chosen))
+    return list(zip(best[1], needed, strict=True)) if best[1] else []
+
+
+def _some(column: Array) -> Array:
+    return column[:: max(len(column) // ROWS, 1)]
+
+
+def _explained(pressure: Array, displacement: Array, force: Array) -> float:
+    """Share of a force's variance that pressure times a falling line explains; none where it rises along the way."""
+    columns = np.column_stack([pressure, -pressure * displacement, np.ones(len(pressure))])
+    if not np.isfinite(columns).all() or not np.isfinite(force).all():
+        return -np.inf
+    sizes = np.linalg.lstsq(columns, force, rcond=None)[0]
+    left = float(np.var(force - columns @ sizes) / max(np.var(force), 1e-300))
+    return -left if sizes[0] > 0 and sizes[1] > 0 else -1.0 - left
+
+
+def _unit(quantity: str, header: str, column: Array) -> str:
+    """The unit that the header states, else the one in which the numbers are of a muscle's size."""
+    dimension = QUANTITIES[quantity]
+    if not units_of(quantity):
+        return ""
+    stated = split_header(header)[1]
+    if stated:
+        flat = re.sub(r"[ ()]+", "_", stated).strip("_")
+        same = [unit for unit in units_of(quantity) if flat.lower() in (unit.lower(), {"pct": "%"}.get(unit, ""))]
+        if same:
+            return flat if flat in same else same[0]
+    finite = np.abs(column[np.isfinite(column)])
+    largest = float(finite.max()) if len(finite) else 0.0
+    if quantity == "time":
+        step = float(np.median(np.diff(column))) if len(column) > 1 else 0.0
+        return "ms" if step >= 1.0 and largest > 1000.0 else "s"
+    if dimension == "pressure":
+        sizes = (("MPa", 1.2), ("bar", 12.0), ("psi", 120.0), ("kPa", 1200.0), ("mbar", 12_000.0), ("Pa", np.inf))
+        return next(unit for unit, most in sizes if largest <= most)
+    if quantity == "force":
+        return "kN" if largest < 5.0 else "N"
+    if dimension == "length":
+        return "m" if largest < (2.0 if quantity == "length" else 0.3) else "mm"
+    if dimension == "temperature":
+        return "K" if len(finite) and float(np.median(finite)) > 200.0 else "C"
+    return "pct" if largest > 1.5 else "1"

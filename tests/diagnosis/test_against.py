@@ -1,0 +1,70 @@
+"""Two records beside each other."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from pam_ident.diagnosis.against import _holm, against
+from pam_ident.records import read_record, thinned
+from pam_ident.tasks.diagnose import diagnose_record
+from pam_ident.tasks.setup import Setup
+
+SETUP = Setup("exponential_law")
+
+
+@pytest.fixture(scope="module")
+def found():
+    """Nothing hidden (A) against a friction (B), in the same muscle."""
+    a, b = (thinned(read_record(name), 1500) for name in ("nothing_hidden", "hidden_effect"))
+    return against(diagnose_record(a, SETUP), diagnose_record(b, SETUP))
+
+
+def test_what_was_put_in_is_what_differs(found):
+    assert [(one.effect, one.where) for one in found.effects] == [("pressure_friction", "b")]
+    assert found.effects[0].a < 0.5 < found.effects[0].b
+    apart = {one.name for one in found.parameters if one.differs}
+    assert apart and all(name.startswith("pressure_friction.") for name in apart), "the law is the same muscle's"
+    for one in found.parameters:
+        assert one.difference == one.b - one.a
+        assert math.isnan(one.low) or one.low < one.difference < one.high
+    assert "pressure_friction" in found.sentence and "direction of motion" in found.sentence
+
+
+def test_the_force_differs_by_the_friction_and_not_on_average(found):
+    force = found.force
+    assert force.low < force.mean < force.high and abs(force.mean) < 1.0 < force.rms < abs(force.largest)
+    friction = found.b.base.rmse**2 - found.b.best.rmse**2
+    assert force.rms == pytest.approx(math.sqrt(friction), rel=0.15)
+
+
+def test_a_record_against_its_like_differs_in_nothing(found):
+    same = against(found.b, found.b)
+    assert not any(one.differs for one in same.parameters) and same.force.rms == 0.0
+    assert [one.where for one in same.effects] == ["both"]
+
+
+def test_chances_are_held_for_all_parameters_together():
+    assert _holm([0.01, 0.04, math.nan, 0.03]) == pytest.approx([0.03, 0.06, math.nan, 0.06], nan_ok=True)
+    draw = np.random.default_rng(3)
+    wrong = sum(min(_holm(list(draw.uniform(size=8)))) < 0.05 for _ in range(2000))
+    assert 0.03 < wrong / 2000 < 0.07
+
+
+@pytest.mark.long
+def test_the_answer_in_python(found, tmp_path):
+    import pam_ident as pam
+    from pam_ident.core import UsageError
+
+    a, b = (pam.diagnose(one.base.record, "exponential_law") for one in (found.a, found.b))
+    result = a.against(b)
+    assert result.params.loc["pressure_friction.mu_f", "differs"] and result.follows.loc["direction", "a"] == 0.0
+    assert result.effects.loc["pressure_friction", "where"] == "b" and "pulls" in repr(result)
+    assert "mu_f" in result.summary() and "<table" in result._repr_html_()
+    answer = json.loads(json.dumps(result.to_json(), default=float))
+    assert answer["schema"] == "pam-ident/against/1" and answer["b"]["selected"] == ["pressure_friction"]
+    page = result.report(tmp_path / "ab.html").read_text(encoding="utf-8")
+    assert "Friction in proportion to pressure" in page and "B − A" in page
+    with pytest.raises(UsageError, match="different models"):
+        a.against(pam.diagnose(found.b.base.record, "sarosi"))
