@@ -23,6 +23,7 @@ VERSIONS = {
     "ladder": 1,
     "laws": 1,
     "prediction": 1,
+    "refusal": 1,
     "rig": 1,
     "selftest": 1,
     "track": 1,
