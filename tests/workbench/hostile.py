@@ -29,9 +29,11 @@ PATHS = (
 BYTES = {"type": "bytes", "data": "AAAA"}
 VALUES = (
     None, True, -1, 1e308, float("nan"), float("inf"), "", "x" * 50_000, "<script>alert(1)</script>",
-    "../../etc/passwd", "é\ud7ff\x00", [], [[]], ["a", "b"], {}, {"id": "p999999"}, {"type": "map", "entries": [[1, 2, 3]]},
+    "../../etc/passwd", "é\ud7ff\x00", [], [[]], ["a", "b"], {}, {"id": "p999999"},
+    {"type": "map", "entries": [[1, 2, 3]]},
     {"type": "nonsense"}, {"type": "bytes", "data": "!!!"}, {"type": "number", "value": "nan"},
-    {"type": "object", "name": "os.system", "id": "x1"}, {"type": "symbol", "name": "a"}, {"type": "set", "entries": [{}]},
+    {"type": "object", "name": "os.system", "id": "x1"}, {"type": "symbol", "name": "a"},
+    {"type": "set", "entries": [{}]},
     {"type": "object", "name": "FileInput", "id": "x2", "attributes": {"value": [1]}},
     {"type": "ndarray", "array": BYTES, "shape": [-1], "dtype": "object", "order": "little"},
     {"type": "ndarray", "array": BYTES, "shape": [1 << 40], "dtype": "float64", "order": "big"},
