@@ -14,14 +14,14 @@ import numpy as np
 from .follows import EQUAL, Following
 from .noise import Noise, estimate_noise
 from .nouns import Pattern
+from .repeats import comes_back
 from .trial import Trial, Verdict
 
 PATTERN_MARGIN = 20.0
 """What a pattern costs more than a name."""
-MATTERS = 0.04
-"""Excess over the variance of the free model's noise from which a remainder matters."""
-INEXACT = 0.005
-"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right."""
+INEXACT, EXACT = 0.005, 0.001
+"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
+that forms may leave which follow the same, because together they can come near to much."""
 
 
 def full_cost(trial: Trial, verdict: Verdict) -> tuple[float, Noise]:
@@ -52,9 +52,9 @@ class FreeModel:
         noise = estimate_noise(trial.record, left, slope, freedom + len(trial.base.values), trial.noise.outlier)
         return cls(noise.deviance + trial.price.per_parameter * freedom, noise)
 
-    def likelier(self, trial: Trial, verdict: Verdict) -> bool:
-        """Than a set with whatever noise that leaves."""
-        return self.cost + EQUAL < full_cost(trial, verdict)[0]
+    def odds(self, trial: Trial, verdict: Verdict) -> float:
+        """Twice its log odds against a set with whatever noise that leaves."""
+        return full_cost(trial, verdict)[0] - self.cost
 
 
 @dataclass(frozen=True)
@@ -89,17 +89,25 @@ class Adequacy:
         noise = self.free.noise.whole**2
         return (left - noise) / noise, (left - noise) / max(alone - noise, 1e-9 * noise)
 
+    @cached_property
+    def comes_back(self) -> float:
+        """Share of the squares that the set leaves in its strokes which repeats of them share: no noise does that."""
+        record, clean = self.trial.record, ~self.trial.noise.outlier
+        return comes_back(record, self.trial.view(self.verdict).residual, clean)
+
     @property
     def complete(self) -> bool:
-        """Whether what is left is noise, or what an effect may leave whose form is not exactly right.
-
-        Of effects that follow the same, two that come near prove nothing: together they can come near to much.
-        """
-        if not self.free.likelier(self.trial, self.verdict):
+        """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
+        if self.comes_back > self.trial.noise.too_small:
+            return False
+        odds = self.free.odds(self.trial, self.verdict)
+        if odds < EQUAL:
             return True
         followed = [name for term in self.verdict.terms for name in term.effect.follows]
+        if len(set(followed)) < len(followed):
+            return odds < EQUAL + EXACT * self.trial.excess
         beyond, share = self.unexplained
-        return len(set(followed)) == len(followed) and (beyond < MATTERS or (bool(followed) and share < INEXACT))
+        return beyond < self.trial.noise.too_small or (bool(followed) and share < INEXACT)
 
     def standing(self) -> Verdict:
         """The set with those of its names alone that may stand.
@@ -115,6 +123,6 @@ class Adequacy:
         """What is left, in the words of the contract."""
         first = next((f for f in self.left.shares() if f.what != "noise"), None)
         beyond, share = self.unexplained
-        size = math.sqrt(max(beyond, 0.0)) * self.free.noise.whole
+        size = math.sqrt(max(beyond, self.comes_back)) * self.free.noise.whole
         text = f"about {size:.3g} N rms that no name explains{f'; it follows {first.text}' if first else ''}"
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)

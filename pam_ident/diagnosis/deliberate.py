@@ -17,10 +17,8 @@ from .search import Choice, beam_search
 from .spectrum import beats
 from .trial import Trial, Verdict, labels
 
-LIGHT, LIGHT_PATTERN = 0.04, 0.1
-"""Share of the noise's variance that an effect, or a pattern, must explain: for less a wrong name is worse."""
-LIGHT_COLOURED = 0.1
-"""What is added to it where all noise is coloured: no noise has the colour it is given exactly."""
+PATTERN_MORE = 0.06
+"""What a pattern must explain beyond an effect, as a share of the noise's variance."""
 FAINT = 1.2
 """Squares that the law alone may leave, over those that an answer leaves, for it to be slow noise after all."""
 SURE = 500.0
@@ -37,8 +35,8 @@ NEAR, BENT = 30.0, 0.005
 be explained, because the law bends."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
-adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
-where it takes the place of two names, or of one that leaves something, and has no more parameters than they."""
+adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes;
+none where it takes the place of names that have more parameters."""
 
 
 def investigate(
@@ -126,10 +124,10 @@ def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:
 
 
 def _weighed(trial: Trial, verdict: Verdict) -> Verdict:
-    """Take out, lightest first, what is significant but does not matter: less than LIGHT of the noise's variance."""
-    name, pattern = (light + LIGHT_COLOURED * trial.noise.share for light in (LIGHT, LIGHT_PATTERN))
+    """Take out, lightest first, what is significant but too small to matter."""
+    small = trial.noise.too_small
     while verdict.terms:
-        least = [name if term.effect.candidate else pattern for term in verdict.terms]
+        least = [small if term.effect.candidate else small + PATTERN_MORE for term in verdict.terms]
         weights = [trial.weight(verdict, term) / limit for term, limit in zip(verdict.terms, least, strict=True)]
         lightest = int(np.argmin(weights))
         if weights[lightest] >= 1.0:
@@ -267,12 +265,11 @@ def find_pattern(trial: Trial, verdict: Verdict) -> Verdict | None:
 
 def _pattern_price(trial: Trial, lead: Lead, verdict: Verdict) -> float:
     search = 2.0 * float(np.log(max(lead.tried, 2)))
-    fault = not isinstance(lead.atom.term.form, AddsForce)
     known = sum(len(term.form.params) for term in verdict.terms)
-    beaten = len(verdict.terms) >= 2 or _beyond_noise(trial, verdict) > UNEXPLAINED
-    simpler = not lead.onto.terms and beaten and lead.atom.free <= known
-    tolerance = (FAULT_TOLERANCE if fault or simpler else PATTERN_TOLERANCE) * trial.excess
-    return PATTERN_MARGIN + search + tolerance + trial.price.per_parameter * lead.atom.free
+    simpler = not lead.onto.terms and lead.atom.free < known
+    fault = not isinstance(lead.atom.term.form, AddsForce)
+    tolerance = 0.0 if simpler else FAULT_TOLERANCE if fault else PATTERN_TOLERANCE
+    return PATTERN_MARGIN + search + tolerance * trial.excess + trial.price.per_parameter * lead.atom.free
 
 
 def _with_pattern(trial: Trial, lead: Lead, price: float) -> Verdict:

@@ -23,14 +23,13 @@ from ..core import Inputs
 from ..effects._history import cycles_of_test, relax, runs, since_first, time_held, way_travelled
 from ..effects.base import Effect, slip
 from ..fitting import Fit
-from ..fitting.floor import repeats
 from ..fitting.solve import jacobian
 from ..model import Model
 from ..records import Record, thinned
 from ..records.motion import noise_around
 from .dictionary import slopes
 from .nouns import Follows
-from .repeats import in_common
+from .repeats import comes_back
 from .search import orthonormal
 
 Array = np.ndarray
@@ -42,8 +41,6 @@ EQUAL = 20.0
 """Twice the log odds up to which drivers could stand in each other's place."""
 NEGLIGIBLE = 0.05
 """Share of the noise's variance below which it does not matter how unsure the position is."""
-AROUND, SMOOTHED = 2, 0.5
-"""Samples at each side of a corner that are as unsure as the sensor, and the share of its noise that others keep."""
 SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 BESIDE = 0.01
@@ -162,15 +159,14 @@ def one_speed(record: Record) -> bool:
 def steadied(record: Record) -> tuple[Record, Array | None]:
     """At most ROWS rows of a record with its steady inputs, and how far their position may be off in mm, (n,).
 
-    The noise of pressure and length, which a model turns into force, would follow what is measured. Next to where a
-    move begins or ends no smooth track takes the position's noise out. None where there is no motion.
+    The noise of pressure and length, which a model turns into force, would follow what is measured. A smooth track has
+    less of it, but rows that share one have the rest of it in common: together they are as unsure as the sensor makes
+    each. None where there is no motion.
     """
     steady, raw = thinned(replace(record, inputs=record.steady), ROWS), thinned(record, ROWS).inputs
     if raw.time is None or raw.moving is None:
         return steady, None
-    changes = np.abs(np.diff(raw.direction * raw.moving, prepend=0.0)) > 0.0
-    near = np.convolve(changes, np.ones(2 * AROUND + 1), "same") > 0.0
-    return steady, noise_around(raw.displacement_mm, raw.time) * np.where(near, 1.0, SMOOTHED)
+    return steady, noise_around(raw.displacement_mm, raw.time)
 
 
 def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
@@ -333,7 +329,8 @@ class Following:
                 shares[k] += max(step, 0.0) / total / len(orders)
                 taken = more
         whole = sum(shares.values())
-        back = (1.0 - whole) * _comes_back(self.record, self.left - surfaces.explained(self.best))
+        rest = self.left - surfaces.explained(self.best)
+        back = (1.0 - whole) * comes_back(self.record, rest, np.ones(len(rest), bool))
         found = [
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]
@@ -433,12 +430,6 @@ def _memory(noise: Array) -> float:
     correlation = np.fft.irfft(power)[: len(noise)] / max(float(noise @ noise), 1e-300)
     below = np.flatnonzero(correlation < 0.05)
     return 1.0 + 2.0 * float(np.sum(correlation[1 : below[0]])) if len(below) and below[0] > 1 else 1.0
-
-
-def _comes_back(record: Record, rest: Array) -> float:
-    """Share of the squares of what is left (n,) that neighbouring repeats have in common, 0 where it may be chance."""
-    common = in_common(repeats(record, np.ones(len(rest), bool)), rest)
-    return min(max(common.shared / max(common.size, 1e-300), 0.0), 1.0) if common.certain else 0.0
 
 
 def told(found: Sequence[Follows]) -> str:

@@ -17,6 +17,9 @@ from .whitening import BlockFilter, filter_gains, innovations
 
 Array = np.ndarray
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
+SMALL, SMALL_COLOURED = 0.04, 0.1
+"""Share of the noise's variance that is too small to matter, because for less a wrong name is worse; and what is added
+where all noise is coloured: no noise has the colour it is given exactly."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour lead to the same answer."""
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, *40.0 * 2.0 ** np.arange(6)])
@@ -50,6 +53,11 @@ class Noise:
     def coloured(self) -> bool:
         """Whether neighbouring samples are correlated."""
         return self.share > 0.0
+
+    @property
+    def too_small(self) -> float:
+        """Share of its variance below which what is left, or what a name explains, does not matter."""
+        return SMALL + SMALL_COLOURED * self.share
 
     def like(self, other: "Noise") -> bool:
         """Whether another noise has the same colour and practically the same size."""

@@ -64,6 +64,15 @@ def in_common(groups: Iterable[Group], values: Array) -> Common:
     return Common(float(np.sum(shared)), size, n, certain)
 
 
+def comes_back(record: Record, residual: Array, rows: Array) -> float:
+    """Share of the squares of a residual (n,) in N, within strokes, that repeats of them share; 0 where it may be
+    chance. A line in time is taken off each cycle first; `rows` (mask, (n,)) are looked at."""
+    if record.inputs.time is None:
+        return 0.0
+    common = in_common(repeats(record, rows), residual - _trends(record, residual, rows)[0])
+    return min(max(common.shared / max(common.size, 1e-300), 0.0), 1.0) if common.certain else 0.0
+
+
 def _rounding(force: Array) -> float:
     """Variance in N² of rounding to the gauge's steps, which comes back where the noise is smaller than a step."""
     steps = np.diff(np.unique(force))

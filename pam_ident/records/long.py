@@ -224,7 +224,7 @@ class _Spill:
             self.masked,
             self.n,
             pressures,
-            pressures if "pressure_set" in self.quantities else nominal(pressures, counts),
+            nominal(pressures, counts),
             self.on_disk,
         )
         if "time" in self.quantities:

@@ -278,11 +278,11 @@ def _local_slopes(time: Array, x: Array, noise: float) -> Array:
 
 def _smooth_holds(position: Array, x: Array, rest: Array, noise: float) -> None:
     """Replace the position in each hold by its mean where it does not move by more than the noise, but for samples
-    out of the hold's own scatter, in which the drive still brakes or speeds up."""
+    out of the noise and the hold's own scatter, in which the drive still brakes or speeds up."""
     for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1):
         if len(hold) >= 4 and np.std(x[hold]) < 2.0 * noise:
             away = np.abs(x[hold] - quantile(x[hold], 0.5))
-            still = hold[away <= 3.0 * 1.4826 * quantile(away, 0.5)]
+            still = hold[away <= 3.0 * max(1.4826 * quantile(away, 0.5), noise)]
             position[still] = x[still].mean()
 
 

@@ -129,7 +129,7 @@ def build_record(
 
     `direction` overrides the branch found from the motion. Raises DataError when time runs backwards.
     """
-    level = _levels(pressure) if level is None else np.round(level, 6)
+    level = _levels(pressure if level is None else level)
     if time is None:
         return _table(name, specimen, pressure, contraction, force, level, direction, temperature, origin)
     motion = find_motion(time, contraction * specimen.initial_length_mm, level)

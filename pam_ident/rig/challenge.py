@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from ..core.progress import steps
+from .faults import FAULTS
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
 from .record import Plan, RigRecord, Secret, make_record, write_case
+from .sensors import GAUGES
 
 EXPONENTIAL = (
     "coulomb_friction",
@@ -57,7 +59,10 @@ SHARES = {
 }
 SINGLE = {"tier1": 0.5, "tier2": 0.5}
 """What is asked where the catalogue lacks the hidden effect, or its form: one effect in white noise."""
+WIDE_SHARES = {"tier1": 0.15, "tier2": 0.25, "tier3": 0.10, "pair": 0.10, "null": 0.20, "unknown": 0.20}
+"""Of a set of all protocols, sensors and faults."""
 COLOURED = ("ar1", "ou", "slow")
+HARD = ("ar1", "ou", "slow", "pink", "heavy", "growing")
 SHARP = (
     "standard",
     "standard",
@@ -69,6 +74,20 @@ SHARP = (
     "six_pressures",
     "four_pressures",
     "long_holds",
+)
+WIDE = (
+    *dict.fromkeys(SHARP),
+    "triangles",
+    "sines",
+    "fast_first",
+    "one_cycle",
+    "three_pressures",
+    "eight_pressures",
+    "minor_loops",
+    "low_stroke",
+    "breathing",
+    "dense",
+    "sparse",
 )
 RATIO = (0.7, 6.0)
 
@@ -96,11 +115,13 @@ def _secret(name: str, textbook: bool, rng: np.random.Generator) -> Secret:
 class _Drawer:
     """Draws plans of each kind from one stream."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, wide: bool = False) -> None:
+        self.wide = wide
+        known = [unknown for unknown in UNKNOWNS if wide or unknown != "dynamics"]
         self.seed, self.rng, self.made, self.nulls = seed, np.random.default_rng([seed, 77]), 0, 0
         subjects = [(law, name) for law, names in VISIBLE.items() for name in names]
         self.subjects = {kind: _rounds(subjects, self.rng) for kind in ("tier1", "tier2", "tier3", "pair")}
-        self.subjects["unknown"] = _rounds([(law, u) for law in VISIBLE for u in UNKNOWNS], self.rng)
+        self.subjects["unknown"] = _rounds([(law, u) for law in VISIBLE for u in known], self.rng)
         self.subjects["blunt"] = _rounds(
             [(law, e) for law in VISIBLE for e in ("coulomb_friction", "viscous_damping")], self.rng
         )
@@ -128,6 +149,13 @@ class _Drawer:
             warming=bool(rng.random() < 0.5),
             other_specimen=bool(rng.random() < 0.4),
         )
+        if self.wide:
+            plan = replace(
+                plan,
+                protocol=str(rng.choice(WIDE)),
+                gauges=str(rng.choice(list(GAUGES), p=(0.6, 0.2, 0.2))),
+                fault=str(rng.choice(list(FAULTS))) if rng.random() < 0.4 else None,
+            )
         plan = self.kinds[kind](plan, effect)
         if any(s.name == "thermal_softening" for s in plan.secrets):
             plan = replace(plan, warming=True)
@@ -147,8 +175,9 @@ class _Drawer:
 
     def _null(self, plan: Plan, effect: str) -> Plan:
         self.nulls += 1
-        coloured = self.nulls % 2 == 0
-        return replace(plan, noise=str(self.rng.choice(COLOURED)) if coloured else "white", tier=3 if coloured else 1)
+        coloured = self.wide or self.nulls % 2 == 0
+        noise = str(self.rng.choice(HARD if self.wide else COLOURED)) if coloured else "white"
+        return replace(plan, noise=noise, tier=3 if coloured else 1)
 
     def _unknown(self, plan: Plan, effect: str) -> Plan:
         form = str(self.rng.choice(list(UNKNOWNS[effect])))
@@ -175,15 +204,17 @@ def make_challenge(
     seed: int = 1,
     only: str | None = None,
     left_out: Callable[[Path, RigRecord], Sequence[str]] | None = None,
+    wide: bool = False,
 ) -> list[dict[str, object]]:
     """Writes n cases cNNN into a folder, questions.json (case and law of each) and truth.json; returns the truth.
 
     A draw whose effect cannot be as large as asked is drawn anew. `left_out` says, by a case's folder and record, which
-    effects or forms its question forbids; there each case hides one effect.
+    effects or forms its question forbids; there each case hides one effect. A `wide` set has all protocols, sensors and
+    faults.
     """
     folder = Path(folder)
-    kinds = quotas(n, only, SHARES if left_out is None else SINGLE)
-    drawer = _Drawer(seed)
+    kinds = quotas(n, only, SINGLE if left_out is not None else WIDE_SHARES if wide else SHARES)
+    drawer = _Drawer(seed, wide)
     truth: list[dict[str, object]] = []
     for i, at in enumerate(steps(drawer.rng.permutation(n), "writing cases")):
         kind = kinds[at]

@@ -7,7 +7,7 @@ with memory (creep, lag, presliding) go on while nobody logs.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import cycle, islice
 from typing import TypeVar
 
@@ -55,7 +55,9 @@ class Protocol:
     `hold_s` and `hold_rows` may be lists, whose holds then follow the half cycles in turn. A stroke ends at zero
     force, or at `stroke_share` of the length, or within `stroke_mm` (from, to) where that is given. `minor_loops_mm`
     are driven from the middle of the stroke at each speed, each `cycles_per_speed` times; `warming_K` warms the
-    muscle by so much until the middle of the run and lets it cool again. Raises ValueError for what no rig can run.
+    muscle by so much until the middle of the run and lets it cool again. `breathing` is the share of its level by which
+    the pressure rises or falls at the fastest speed, because the regulator does not keep up. Raises ValueError for what
+    no rig can run.
     """
 
     pressures_MPa: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.5)
@@ -71,6 +73,7 @@ class Protocol:
     warming_K: float = 0.0
     unevenness: float = 0.14
     substeps: int = 8
+    breathing: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("pressures_MPa", "speeds_mm_s"):
@@ -119,7 +122,20 @@ class Protocol:
                 if self.minor_loops_mm:
                     self._minor_loops(log, bottom, top, speed)
             at, before = top, pressure
-        return log.course()
+        return self._breathed(log.course())
+
+    def _breathed(self, course: RigRun) -> RigRun:
+        """With the pressure that falls as the muscle contracts, and recovers within a tenth of a second."""
+        if not self.breathing:
+            return course
+        share = -course.rate * course.length_mm / max(self.speeds_mm_s)
+        slow = np.empty_like(share)
+        state = 0.0
+        kept = np.exp(-np.diff(course.time, prepend=course.time[0]) / 0.1)
+        for k, (keep, drive) in enumerate(zip(kept.tolist(), share.tolist(), strict=True)):
+            state = keep * state + (1.0 - keep) * drive
+            slow[k] = state
+        return replace(course, pressure=course.pressure * (1.0 + self.breathing * slow))
 
     def heating(self, time: Array) -> Array:
         """Warming (K) at instants (m,) by the heater: up to the middle of the run and down again."""
@@ -275,4 +291,15 @@ PROTOCOLS: dict[str, Protocol] = {
     "four_pressures": Protocol((0.15, 0.3, 0.45, 0.6), hold_s=5.0, move_rows=50, hold_rows=14),
     "long_holds": Protocol(cycles_per_speed=2, hold_s=20.0, move_rows=50, hold_rows=26),
     "blunt": Protocol(speeds_mm_s=(10.0,), hold_s=0.0, hold_rows=0),
+    "triangles": Protocol(hold_s=0.0, hold_rows=0, move_rows=50),
+    "sines": Protocol(hold_s=0.0, hold_rows=0, move_rows=50, unevenness=1.0),
+    "fast_first": Protocol(speeds_mm_s=(50.0, 12.0, 3.0), hold_s=3.0, hold_rows=10),
+    "one_cycle": Protocol(cycles_per_speed=1, speeds_mm_s=(1.0, 3.0, 9.0, 27.0), move_rows=60, hold_rows=20),
+    "three_pressures": Protocol((0.15, 0.35, 0.55), cycles_per_speed=4),
+    "eight_pressures": Protocol((0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6), cycles_per_speed=2),
+    "minor_loops": Protocol(cycles_per_speed=1, minor_loops_mm=(4.0, 8.0)),
+    "low_stroke": Protocol(stroke_mm=(2.0, 20.0)),
+    "breathing": Protocol(breathing=0.02),
+    "dense": Protocol(speeds_mm_s=(2.0, 20.0), cycles_per_speed=2, move_rows=160, hold_rows=40),
+    "sparse": Protocol(move_rows=16, hold_rows=5),
 }

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from .faults import FAULTS
 from .hidden import Hidden, TooSmall, carry_over, draw_hidden
 from .muscle import Array, RigMuscle, draw_muscle, draw_specimen
 from .protocol import PROTOCOLS, Protocol, RigRun
 from .refit import law_residual, rms
-from .sensors import RigSensors, temperature_course
+from .sensors import GAUGES, RigSensors, temperature_course
 
 COLUMNS = (
     "time_s",
@@ -53,6 +54,8 @@ class Plan:
     protocol: str | Protocol = "standard"
     sigma_N: float = 2.0
     noise: str = "white"
+    gauges: str = "good"
+    fault: str | None = None
     warming: bool = False
     other_specimen: bool = False
     tier: int = 1
@@ -62,11 +65,13 @@ class Plan:
             raise ValueError(f"protocol {self.protocol!r}: the rig has {', '.join(PROTOCOLS)}")
         if not self.sigma_N > 0:
             raise ValueError(f"sigma_N = {self.sigma_N}: sizes are multiples of the noise, so there must be some")
+        if self.gauges not in GAUGES or self.fault not in (None, *FAULTS):
+            raise ValueError(f"gauges {self.gauges!r}, fault {self.fault!r}: of {list(GAUGES)} and {list(FAULTS)}")
 
 
 @dataclass(frozen=True)
 class RigRecord:
-    """A finished record: table (n, 7) in the order of COLUMNS, muscle, what was hidden, key figures (N).
+    """A finished record: table (n, 7) in the order of COLUMNS, muscle, what was hidden, key figures (N) without faults.
 
     noise_rms is what the true model leaves at the measured pressure and length, rmse_base what the law
     alone leaves at its best fit; `course` is the run, `added` (n,) what is hidden in its rows.
@@ -129,7 +134,7 @@ def make_record(plan: Plan) -> RigRecord:
     p_seen, eps_seen, force_seen = table[:, 3], table[:, 4] / course.length_mm, table[:, 5]
     return RigRecord(
         plan,
-        table,
+        FAULTS[plan.fault](table, _stream(plan.seed, 6)) if plan.fault else table,
         muscle,
         hidden,
         rms(force_seen - muscle.force(p_seen, eps_seen) - added),
@@ -142,12 +147,14 @@ def make_record(plan: Plan) -> RigRecord:
 def _log(plan: Plan, course: RigRun, muscle: RigMuscle, added: Array, rng: np.random.Generator) -> Array:
     """What the sensors make of a run in which `added` (n,) is hidden, N: the table."""
     time, p, eps = course.time[course.rows], course.pressure[course.rows], course.eps[course.rows]
-    sensors = RigSensors(plan.sigma_N, plan.noise)
-    force = muscle.force(p, eps) + added + sensors.force_noise(time, rng)
+    protocol = PROTOCOLS[plan.protocol] if isinstance(plan.protocol, str) else plan.protocol
+    levels = np.array(protocol.pressures_MPa)
+    sensors = RigSensors(plan.sigma_N, plan.noise, *GAUGES[plan.gauges])
+    force = muscle.force(p, eps) + added + sensors.force_noise(time, p, rng)
     columns = (
         time,
         course.cycle[course.rows],
-        p,
+        levels[np.argmin(np.abs(p[:, None] - levels), axis=1)],
         p + sensors.pressure_MPa * rng.standard_normal(len(p)),
         eps * course.length_mm + sensors.displacement_mm * rng.standard_normal(len(p)),
         force,
@@ -186,7 +193,8 @@ def write_case(folder: str | Path, record: RigRecord, times: int = 1) -> dict[st
             for table in repeats(record, times):
                 for begin in range(0, len(table), PIECE):
                     piece = table[begin : begin + PIECE]
-                    file.write(line * len(piece) % tuple(piece.ravel().tolist()))
+                    piece = piece[~np.isnan(piece[:, 0])]
+                    file.write((line * len(piece) % tuple(piece.ravel().tolist())).replace("nan", ""))
         unfinished.replace(folder / "record.csv")
     finally:
         unfinished.unlink(missing_ok=True)
@@ -211,6 +219,8 @@ def write_case(folder: str | Path, record: RigRecord, times: int = 1) -> dict[st
         "repeats": times,
         "forms": {h.name: h.form for h in record.hidden},
         "noise": plan.noise,
+        "gauges": plan.gauges,
+        "fault": plan.fault,
         "size_ratio": {h.name: h.left_N / plan.sigma_N for h in record.hidden},
         "sizes": {h.name: h.size for h in record.hidden},
         "settings": {h.name: h.settings for h in record.hidden},

@@ -9,7 +9,9 @@ from scipy.signal import lfilter
 
 from .muscle import Array
 
-COLOURS = ("white", "ar1", "ou", "slow")
+COLOURS = ("white", "ar1", "ou", "slow", "pink", "heavy", "growing")
+GAUGES = {"good": (0.0002, 0.01), "noisy_pressure": (0.001, 0.01), "noisy_length": (0.0002, 0.04)}
+"""Noise of the gauge in MPa and of the length sensor in mm."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +29,10 @@ class RigSensors:
         if min(self.sigma_N, self.pressure_MPa, self.displacement_mm) < 0:
             raise ValueError("noise cannot be negative")
 
-    def force_noise(self, time: Array, rng: np.random.Generator) -> Array:
+    def force_noise(self, time: Array, pressure: Array, rng: np.random.Generator) -> Array:
         """Force noise (N) at the logged instants (n,), of rms sigma whatever its colour."""
+        if self.colour == "growing":
+            return self.sigma_N * pressure / float(np.sqrt(np.mean(pressure**2))) * rng.standard_normal(len(time))
         return self.sigma_N * _colour(self.colour, time, rng)
 
 
@@ -47,6 +51,12 @@ def _colour(colour: str, time: Array, rng: np.random.Generator) -> Array:
     n = len(time)
     if colour == "white":
         return rng.standard_normal(n)
+    if colour == "heavy":
+        return rng.standard_t(3.0, n) / np.sqrt(3.0)
+    if colour == "pink":  # a sum of wanders, each with the same variance: about 1/f
+        return np.sum([ornstein_uhlenbeck(time, tau, rng) for tau in (0.1, 0.5, 2.5, 12.0, 60.0)], axis=0) / np.sqrt(
+            5.0
+        )
     if colour == "ar1":
         rho = rng.uniform(0.5, 0.95)
         kicks = rng.standard_normal(n) * np.sqrt(1 - rho**2)

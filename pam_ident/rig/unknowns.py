@@ -1,7 +1,7 @@
-"""What no catalogue of muscle effects holds: faults of the rig, in four kinds that a record can show.
+"""What no catalogue of muscle effects holds: faults of the rig, in four kinds that a record can show, and more.
 
 `screw_ripple` repeats itself, `rub` sits at one place of the stroke, `mount_slip` happens at one moment,
-`wandering_sensor` goes on from the first sample to the last.
+`wandering_sensor` goes on from the first sample to the last. `dynamics` is the rig's own: masses, sticking, shaking.
 Same signature as in friction.py; sizes in N.
 """
 
@@ -178,6 +178,33 @@ def slip_and_back(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Se
     return {"time_s": when, "until_s": until}, scaled(1.0 * ((c.time >= when) & (c.time < until)))
 
 
+def moving_mass(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """A mass between muscle and load cell: the force of its acceleration."""
+    acceleration = np.gradient(c.rate, c.time + 1e-9 * np.arange(len(c.time)))
+    acceleration = np.where(c.moving != 0, acceleration, 0.0)
+    return {}, scaled(-acceleration / float(np.sqrt(np.mean(acceleration[c.rows] ** 2))))
+
+
+def _along(c: RigRun) -> Array:
+    """Way in mm since the stroke began, shape (m,)."""
+    step = np.abs(np.diff(c.eps, prepend=c.eps[0])) * c.length_mm
+    whole = np.cumsum(step)
+    began = np.r_[True, np.diff(c.heading) != 0]
+    return whole - np.maximum.accumulate(np.where(began, whole, 0.0))
+
+
+def stick_slip(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Sticking and letting go: a sawtooth against the motion, each tooth a few mm long."""
+    tooth = rng.uniform(2.0, 6.0)
+    saw = _along(c) / tooth % 1.0
+    return {"tooth_mm": tooth}, scaled(-np.where(c.moving != 0, c.moving, 0.5 * c.heading) * (0.5 + saw))
+
+
+def windage(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Fast strokes shake the bench: a force that follows the square of the speed, whichever way it goes."""
+    return {}, scaled((c.rate / float(np.max(np.abs(c.rate)))) ** 2)
+
+
 FORMS: dict[str, dict[str, Form]] = {
     "screw_ripple": {
         "textbook": ripple_sine,
@@ -212,5 +239,10 @@ FORMS: dict[str, dict[str, Form]] = {
         "length": wandering_length,
         "cell": wandering_cell,
         "tiring": tiring,
+    },
+    "dynamics": {
+        "moving_mass": moving_mass,
+        "stick_slip": stick_slip,
+        "windage": windage,
     },
 }

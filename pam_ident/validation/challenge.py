@@ -51,16 +51,17 @@ class Challenge:
 
 
 def write_challenge(
-    folder: str, n: int = 60, seed: int = 1, only: str | None = None, holdout: str | None = None
+    folder: str, n: int = 60, seed: int = 1, only: str | None = None, holdout: str | None = None, wide: bool = False
 ) -> int:
     """Write `n` cases and their answers (truth.json) into `folder`; how many were written.
 
-    `only` asks for cases of one kind; `holdout` leaves the hidden "effects", or their "forms", out of the catalogue.
-    Raises UsageError for an unknown kind or holdout, or a count below 1.
+    `only` asks for cases of one kind; `holdout` leaves the hidden "effects", or their "forms", out of the catalogue; a
+    `wide` set has all protocols, sensors and faults. Raises UsageError for an unknown kind or holdout, or a count below
+    1.
     """
     leaves = None if holdout is None else left_out(holdout)
     try:
-        return len(make_challenge(folder, n, seed, only, leaves))
+        return len(make_challenge(folder, n, seed, only, leaves, wide))
     except ValueError as error:
         raise UsageError(str(error)) from None
 
@@ -72,6 +73,7 @@ def sit_challenge(
     only: str | None = None,
     executor: Executor | None = None,
     holdout: str | None = None,
+    wide: bool = False,
 ) -> Challenge:
     """Write a set into `folder`, let the program answer (answers.jsonl), then open the envelope and score.
 
@@ -82,7 +84,7 @@ def sit_challenge(
         raise UsageError(
             f"{folder}: holds a set already; name another folder, or score your answers to it by --answers"
         )
-    write_challenge(str(folder), n, seed, only, holdout)
+    write_challenge(str(folder), n, seed, only, holdout, wide)
     start = time.perf_counter()
     answers = answer_all(folder, executor)
     seconds = time.perf_counter() - start

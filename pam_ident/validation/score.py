@@ -93,7 +93,8 @@ def score(truth: Json, answer: Json) -> Score:
         right = exact = answer["verdict"] == "adequate"
     elif kind == "unknown":
         right = answer["verdict"] == "unknown_effect"
-        exact = right and (answer.get("pattern") or {}).get("kind") == PATTERN[truth["unknown"]]
+        expected = PATTERN.get(truth["unknown"])
+        exact = right and expected in (None, (answer.get("pattern") or {}).get("kind"))
     elif kind == "held out":
         right = answer["verdict"] == "unknown_effect"
         exact = right and not named
