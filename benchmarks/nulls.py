@@ -81,12 +81,12 @@ NOISES: dict[str, Callable[[Run, np.random.Generator], Array]] = {
 
 
 def protocol(kind: str, rng: np.random.Generator) -> Protocol:
-    """A run of some 400 to 2000 rows, of a short record some 60 to 200."""
+    """A run of some 300 to 1500 rows, of a short record some 60 to 200."""
     speeds = tuple(np.round(np.geomspace(2.0, rng.uniform(10.0, 50.0), int(rng.integers(2, 4))), 1).tolist())
-    pressures = tuple(np.round(np.linspace(0.1, rng.uniform(0.4, 0.6), int(rng.integers(3, 6))), 2).tolist())
+    pressures = tuple(np.round(np.linspace(0.1, rng.uniform(0.4, 0.6), int(rng.integers(3, 5))), 2).tolist())
     if kind == "short record":
         return Protocol(pressures[:3], speeds[:2], 1, hold_s=2.0, move_rows=int(rng.integers(5, 15)), hold_rows=2)
-    rows = int(rng.integers(20, 40))
+    rows = int(rng.integers(16, 32))
     return Protocol(pressures, speeds, int(rng.integers(2, 4)), hold_s=4.0, move_rows=rows, hold_rows=rows // 4)
 
 
@@ -115,9 +115,10 @@ def _columns(kind: str, made: RigRecord, rng: np.random.Generator) -> Array:
         return np.column_stack([p, e * course.length_mm, force])
     slope = (muscle.force(p, e + 1e-4) - muscle.force(p, e - 1e-4)) / 2e-4
     noise = NOISES[kind](Run(time, p, slope), rng)
-    force = muscle.force(p, e) + sigma * noise * (0.3 if kind == "quantised" else 1.0)
+    force = muscle.force(p, e) + sigma * noise
     if kind == "quantised":
-        force = np.round(force / (3.0 * sigma)) * 3.0 * sigma
+        step_N = sigma * rng.uniform(0.5, 3.0)
+        force = np.round(force / step_N) * step_N
     off_mm = rng.uniform(0.05, 0.2) if kind == "noisy length sensor" else 0.01
     off_MPa = rng.uniform(0.001, 0.004) if kind == "noisy pressure sensor" else 0.0002
     seen_p, seen_x = p + off_MPa * _like(p, rng), e * course.length_mm + off_mm * _like(p, rng)

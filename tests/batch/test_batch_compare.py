@@ -10,6 +10,7 @@ import pytest
 from pam_ident.batch.compare import spreads, trends
 from pam_ident.batch.run import run_batch
 from pam_ident.plot import batch_spread, batch_trend, to_svg
+from pam_ident.parallel.executor import Executor
 from pam_ident.tasks.setup import Setup
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -76,7 +77,7 @@ def test_a_planted_trend_and_an_odd_muscle_are_named_on_the_page(tmp_path):
     rows = pd.read_csv(path)
     rows["force_N"] *= 1.2
     rows.to_csv(path, index=False)
-    found = run_batch(tree, Setup("exponential_law"), tmp_path / "out", workers=2)
+    found = run_batch(tree, Setup("exponential_law"), tmp_path / "out", executor=Executor(2))
     table = frame(found.folder)
     a1 = next(t for t in trends(table, spreads(table, table.attrs["units"])) if t.found)
     assert (a1.spread.quantity, a1.over) == ("a1", "length (mm)") and a1.slope == pytest.approx(5.0, rel=0.2)
