@@ -9,8 +9,8 @@ import pytest
 
 from pam_ident.batch.compare import spreads, trends
 from pam_ident.batch.run import run_batch
-from pam_ident.plot import batch_spread, batch_trend, to_svg
 from pam_ident.parallel.executor import Executor
+from pam_ident.plot import batch_spread, batch_trend, to_svg
 from pam_ident.tasks.setup import Setup
 
 sys.path.insert(0, str(Path(__file__).parent))
