@@ -46,8 +46,8 @@ braid_angle_deg = 25.4
 wall_thickness_mm = 1.5
 """
 VERBS = ("inspect", "fit", "compare", "diagnose", "ladder")
-MOST_OFF = 1.0
-"""Standard errors by which a spike may move a parameter."""
+MOST_OFF = 2.0
+"""Standard errors by which a spike may move a parameter: as far as its 95 % interval goes."""
 Outcome = tuple[str, str]
 """How one trial ended, and what is wrong with it, empty where nothing is."""
 
@@ -217,7 +217,7 @@ def rows(share: float, seed: int, only: tuple[str, ...]) -> Iterator[Row]:
         n = max(int(share * DEGENERATE), len(degenerate.KINDS))
         yield trials("degenerate records", "a name out of nothing", n, seed, degenerate_one)
     if "spikes" in only:
-        asked = "a parameter moved by a standard error, another diagnosis, another story of the verbs"
+        asked = "a parameter moved out of its 95 % interval, another diagnosis, another story of the verbs"
         yield trials("records with spikes", asked, max(int(share * SPIKED), 6), seed, spiked_one)
     if "hostile" in only:
         yield hostile(share, seed)

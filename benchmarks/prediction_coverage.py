@@ -4,15 +4,19 @@
 
 Each record of a challenge set (nine in ten hide an effect that the law does not have) is fitted without some of its
 cycles, without one of its inner pressures, without its lowest or highest, and without one of its speeds; each time the
-interval is foretold for the readings that were left out. A row a kind: records, the share of all readings inside, the
-quartiles of that share over the records, and the median half width over the rms error of the same readings. With --real
-the same of the measured muscles, ten draws of each kind a record.
+interval is foretold for the readings that were left out: by the law alone where an effect is hidden, by the law with
+that effect, and where nothing is hidden. A row a kind: records, the share of all readings inside, the quartiles of that
+share over the records, the median half width over the rms error of the same readings and over that of the noise alone,
+and how often the answer says that it is wide because something is missing. With --real the same of the measured
+muscles, ten draws of each kind a record.
 """
 
 import argparse
+import math
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # before numpy is imported
@@ -28,6 +32,8 @@ from pam_ident.rig.challenge import make_challenge
 from pam_ident.tasks.law_choice import choose_law
 from pam_ident.tasks.setup import AUTO, Setup
 
+Case = tuple[Record, Model, float]
+"""A record, the model to fit, and the standard deviation of its noise in N, NaN where it is not known."""
 KINDS = ("cycles", "inner pressure", "end pressure", "speed")
 
 
@@ -47,45 +53,65 @@ def left_out(record: Record, kind: str, rng: np.random.Generator) -> np.ndarray 
     return speed == rng.choice(speeds) if len(speeds) > 2 else None
 
 
-def covered(record: Record, law: str, kind: str, rng: np.random.Generator) -> tuple[float, float, int] | None:
-    """Share of the readings left out that their interval holds, its half width over their rms error, and how many."""
+def covered(case: Case, kind: str, rng: np.random.Generator) -> tuple[float, ...] | None:
+    """Of the readings left out: the share that their interval holds, its half width over their rms error and over that
+    of the noise alone, whether it is told to be wide by what the model lacks, and how many they are."""
+    record, model, noise = case
     out = left_out(record, kind, rng)
     if out is None:
         return None
-    seen, unseen = record.take(np.flatnonzero(~out)), record.take(np.flatnonzero(out))
-    one = fit(Model(law), seen)
-    found = Predictor.of(one, reading_spread(one)).at(unseen.inputs)
-    error = unseen.force - found.force
-    if np.isnan(found.half_reading).any():
+    one = fit(model, record, ~out)
+    found = Predictor.of(one, reading_spread(one)).at(record.inputs)
+    error, half = (record.force - found.force)[out], found.half_reading[out]
+    if np.isnan(half).any():
         return None
-    inside = np.abs(error) <= found.half_reading
-    return float(inside.mean()), float(np.median(found.half_reading) / np.sqrt(np.mean(error**2))), len(error)
+    width = float(np.median(half))
+    rms = float(np.sqrt(np.mean(error**2)))
+    return (
+        float(np.mean(np.abs(error) <= half)),
+        width / rms,
+        width / (1.96 * noise),
+        float(found.unexplained[0]),
+        len(error),
+    )
 
 
-def table(records: list[tuple[Record, str]], seed: int) -> list[str]:
+def table(cases: list[Case], seed: int) -> list[str]:
     """Rows of the table over some records."""
     rng = np.random.default_rng(seed)
     lines = [
-        "| left out | records | readings inside | quartiles over records | half width / rms |",
-        "|---|---|---|---|---|",
+        "| left out | records | readings inside | quartiles over records | half width / rms | / 1.96 noise | says so |",
+        "|---|---|---|---|---|---|---|",
     ]
     for kind in KINDS:
         rows = []
-        for record, law in records:
+        for case in cases:
             try:
-                rows.append(covered(record, law, kind, rng))
+                rows.append(covered(case, kind, rng))
             except PamError:
                 continue
         rows = np.array([row for row in rows if row is not None])
         if not len(rows):
             continue
-        share, width, n = rows.T
+        share, width, wide, said, n = rows.T
         low, middle, high = np.percentile(100 * share, [25, 50, 75])
         lines.append(
             f"| {kind} | {len(rows)} | {100 * np.average(share, weights=n):.1f} % "
-            f"| {low:.0f}, {middle:.0f}, {high:.0f} % | {np.median(width):.2f} |"
+            f"| {low:.0f}, {middle:.0f}, {high:.0f} % | {np.median(width):.2f} | {np.median(wide):.2f} "
+            f"| {100 * said.mean():.0f} % |"
         )
     return lines
+
+
+def groups(records: list[tuple[Record, dict[str, Any]]]) -> dict[str, list[Case]]:
+    """Cases by what the model has of the truth."""
+    found: dict[str, list[Case]] = {"the model lacks an effect": [], "it has the effect": [], "nothing is hidden": []}
+    for record, one in records:
+        hidden, noise = bool(one["truth"] or one["unknown"]), one["noise_rms"]
+        found["the model lacks an effect" if hidden else "nothing is hidden"].append((record, Model(one["law"]), noise))
+        if one["truth"] and not one["unknown"]:
+            found["it has the effect"].append((record, Model(one["law"], one["truth"]), noise))
+    return found
 
 
 def main() -> None:
@@ -96,11 +122,17 @@ def main() -> None:
     asked = parser.parse_args()
     with TemporaryDirectory() as folder:
         truth = make_challenge(folder, asked.records, asked.seed)
-        cases = [(thinned(read_record(Path(folder, one["case"], "record.csv")), 4000), one["law"]) for one in truth]
-    print(*table(cases, asked.seed), sep="\n")
+        records = [(thinned(read_record(Path(folder, one["case"], "record.csv")), 4000), one) for one in truth]
+    for name, cases in groups(records).items():
+        print("", f"{name}:", *table(cases, asked.seed), sep="\n", flush=True)
     for record in measured() if asked.real else ():
         law = choose_law(record, Setup(AUTO)).law
-        print("", f"{record.name}, {law}:", *table(10 * [(thinned(record, 4000), law)], asked.seed), sep="\n")
+        print(
+            "",
+            f"{record.name}, {law}:",
+            *table(10 * [(thinned(record, 4000), Model(law), math.nan)], asked.seed),
+            sep="\n",
+        )
 
 
 def measured() -> list[Record]:

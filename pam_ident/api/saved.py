@@ -48,7 +48,8 @@ class Foretelling(ABC):
             more: where effects need them `time_s`, `temperature_C`, `cycle`, `branch` ('contraction' or 'extension').
 
         A reading's interval holds the noise and what the model leaves unexplained; NaN where nothing is known of that.
-        `outside` marks states that the record did not reach. Raises UsageError, DataError.
+        `outside` marks states that the record did not reach, `unexplained` intervals that are wide because the model
+        leaves more than noise: something is missing in it. Raises UsageError, DataError.
         """
         if contraction is not None:
             inputs = inputs_of(self.specimen, pressure, contraction, **more)

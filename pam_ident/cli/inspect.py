@@ -38,6 +38,8 @@ def inspect(
 
 
 def _columns(found: "Inspection") -> list[str]:
+    from ..records.package import told
+
     record, s = found.record, found.record.specimen
     wall = f"wall {s.wall_thickness_mm:g} mm" if s.wall_thickness_mm is not None else "wall not given"
     lines = [
@@ -48,6 +50,7 @@ def _columns(found: "Inspection") -> list[str]:
     ]
     if record.masked:
         lines.append(f"masked      {record.masked} rows marked as slack")
+    lines += [f"known       {words}: {value}" for words, value in told(record.metadata)]
     return lines + [f"noted       {note.text}" for note in record.notes]
 
 

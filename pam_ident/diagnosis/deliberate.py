@@ -26,8 +26,9 @@ SURE = 500.0
 lost by 160 at most."""
 UNEXPLAINED, EXPLAINED = 10.0, 3.0
 """Whitened squares beyond their number, in standard deviations: something is left; nothing is."""
-CLOSE = 100.0
-"""Cost within which the noise that a rival of other names leaves is given a court of its own."""
+CLOSE, RIVALS = 100.0, 3
+"""Cost within which a rival of other names is mended, and the noise that it leaves given a court of its own; and how
+many are mended."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 NEAR, BENT = 30.0, 0.005
@@ -170,11 +171,13 @@ def fitted_leaders(trial: Trial, most: int) -> list[Verdict]:
 
 
 def mended(trial: Trial, leaders: Sequence[Verdict], most: int) -> Verdict:
-    """The cheapest set that the first two leaders can be made into."""
-    first, second, *_ = *leaders, trial.empty
+    """The cheapest set that the first leaders can be made into: the next, and those that come close."""
+    first, *others = *leaders, trial.empty
     best = _mend(trial, first, most)
-    if not first.terms or not first.kin <= second.kin:  # what it has beyond the first is tried on the first, too
-        best = min(best, _mend(trial, second, most), key=lambda v: v.cost)
+    rivals = [v for k, v in enumerate(others) if k == 0 or v.cost < first.cost + CLOSE]
+    for rival in rivals[:RIVALS]:
+        if not first.terms or not first.kin <= rival.kin:  # what it has beyond the first is tried on the first, too
+            best = min(best, _mend(trial, rival, most), key=lambda v: v.cost)
     return best
 
 

@@ -31,8 +31,9 @@ MOSTLY, UNDER_A_NAME = 0.5, 0.1
 """Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
-HEAVY, STRUCK = 3.0, 0.1
-"""Excess kurtosis of the innovations, and share of their squares that lies far out, from which bursts are told."""
+HEAVY, STRUCK, LASTING = 3.0, 0.1, 0.3
+"""Excess kurtosis of the innovations, share of their squares that lies far out, and share of these samples after
+which the next is still off, from which bursts are told: noise with heavy tails strikes single samples."""
 
 
 def diagnose(
@@ -229,13 +230,16 @@ def _bursts(trial: Trial, verdict: Verdict) -> Pattern | None:
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
     if corner.all():
         return None
-    time, left = inputs.time[~corner], trial.noise.whiten(trial.view(verdict).residual)[~corner]
+    residual = trial.view(verdict).residual
+    time, left, residual = inputs.time[~corner], trial.noise.whiten(residual)[~corner], residual[~corner]
     square = float(np.mean(left**2))
     if not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
         return None
     far = np.abs(left) > 5.0 * float(np.median(np.abs(left))) / 0.6745
     share = float(np.sum(left[far] ** 2) / np.sum(left**2))
-    if share < STRUCK:
+    rest = residual / (float(np.median(np.abs(residual))) / 0.6745)
+    lasting = np.roll(rest, -1) * np.sign(rest) > 2.0
+    if share < STRUCK or np.mean(lasting[far]) < LASTING:
         return None
     worst = float(time[np.argmax(np.abs(left))])
     text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {worst:.4g} s"

@@ -85,6 +85,16 @@ def _speed(inputs: Inputs) -> Array | None:
     return np.column_stack([v * moves, np.sqrt(v) * moves, np.log1p(10.0 * v) * moves, v])
 
 
+def _acceleration(inputs: Inputs) -> Array | None:
+    if inputs.velocity is None or inputs.time is None:
+        return None
+    moving = slip(inputs)[0] != 0.0
+    within = moving & np.roll(moving, 1) & np.roll(moving, -1)
+    steps = np.maximum(np.gradient(inputs.time), 1e-9)
+    rate = np.where(within, np.gradient(inputs.velocity) / steps, 0.0)
+    return rate[:, None] / max(float(np.sqrt(np.mean(rate**2))), 1e-9)
+
+
 def _way(inputs: Inputs) -> Array | None:
     if inputs.moving is None:
         return None
@@ -139,6 +149,7 @@ DRIVERS = (
     Driver("map", "pressure and contraction, alike on both branches", lambda i: np.ones((len(i), 1)), orders=MAP),
     Driver("direction", "the direction of motion", _direction, ((0,), (0, 1))),
     Driver("speed", "the speed", _speed, ((0,), (0, 1, 2), (0, 1, 2, 3))),
+    Driver("acceleration", "the acceleration", _acceleration, orders=((0, 0),)),
     Driver("way", "the way since the last reversal", _way, ONE_OR_ALL),
     Driver("rest", "rest and relaxation", _rest, RELAXED),
     Driver("cycle", "the cycle and the distance travelled", _cycle, COUNTED),
@@ -302,11 +313,11 @@ class Following:
         return tuple(name for name, (loss, _) in self._instead.items() if loss > least)
 
     def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
-        """Drivers that none of some effects follows, and without which the error is less likely; none in a table."""
-        if self.record.inputs.time is None or any(not effect.follows for effect in effects):
+        """Drivers that must be there and that none of some effects follows; none where one may follow anything."""
+        if any(not effect.follows for effect in effects):
             return ()
         covered = {name for effect in effects for name in effect.follows}
-        return tuple(name for name, (loss, _) in self._instead.items() if loss > EQUAL and name not in covered)
+        return tuple(name for name in self.needed if name not in covered)
 
     def supports(self, follows: Collection[str]) -> bool:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may."""

@@ -61,10 +61,16 @@ def since_first(inputs: Inputs, values: Array) -> Array:
 
 
 def time_held(inputs: Inputs, held: Array) -> Array:
-    """Seconds since the hold began that a sample is part of, by the mask `held`, shape (n,); live nothing is held."""
+    """Seconds since the hold began that a sample is part of, by the mask `held`, shape (n,)."""
     assert inputs.time is not None
     if inputs.live is not None:
-        return inputs.xp.zeros_like(inputs.time)
+        xp, now = inputs.xp, inputs.time
+        mark = xp.where(held, 1.0, 0.0)
+
+        def advance(begin: Array, before: Array) -> Slot:
+            return xp.where(mark > before, now, begin), mark
+
+        return now - inputs.live.step((now, mark), advance)[0]
     begins = np.r_[True, held[1:] & ~held[:-1]]
     return inputs.time - inputs.time[np.maximum.accumulate(np.where(begins, np.arange(len(inputs)), 0))]
 

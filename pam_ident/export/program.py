@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..core import Inputs, UsageError
-from ..core.recursion import Live
+from ..core.recursion import Live, Slot
 from ..leg.arrays import jax, jnp
+from ..leg.muscle import SPEED_OF_REVERSAL, count_reversals
 from ..model import GEOMETRY
 from .fitted import Fitted
 from .graph import Graph
@@ -23,8 +24,11 @@ ARGUMENTS = {
     "time_s": "time of the sample, s; it must not run backwards",
     "cycle": "number of the cycle, from 1",
     "temperature_C": "temperature of the muscle, degrees C",
+    "held": "1 while the rig holds the length, else 0; the direction stays that of the motion before",
 }
 """What a program may be given, in the order of its arguments; the first two are always there."""
+FOUND = ("direction", "cycle")
+"""What is found from the speed where a program is live."""
 Tree = Any
 
 
@@ -62,15 +66,15 @@ class Program:
         return {name: named[name] for name in self.constants}
 
 
-def program(fitted: Fitted) -> Program:
+def program(fitted: Fitted, live: bool = False) -> Program:
     """The program of a fitted model: its `Model.step`, or where nothing is remembered its `Model.force`.
 
     Where the branches have parameters of their own, `contraction_…` and `extension_…`, their forces are blended by the
-    direction. The muscle always moves: what a fit found in holds is not there. Raises UsageError for an effect that
-    JAX cannot trace or that uses what cannot be exported.
+    direction. With `live`, direction and cycle are no arguments but found from the speed, as a `leg.Muscle` finds them.
+    Raises UsageError for an effect that JAX cannot trace or that uses what cannot be exported.
     """
     graph = Graph()
-    given = {name: np.array([graph.name(name)], dtype=object) for name in ARGUMENTS}
+    given = {name: np.array([graph.name(name)], dtype=object) for name in ARGUMENTS if not (live and name in FOUND)}
     values = {
         branch: {
             p.name: np.array(graph.name(constant_name(fitted, branch, p.name)), dtype=object)
@@ -81,9 +85,7 @@ def program(fitted: Fitted) -> Program:
     }
     try:
         force, memory = _traced(graph, partial(_instant, fitted, None), given, values)
-        first, later, names = Block(_one(force)), None, ()
-        if memory:
-            first, later, names = _with_memory(graph, fitted, given, values, force, memory)
+        first, later, names = _with_memory(graph, fitted, given, values, force, memory)
     except jax.errors.JAXTypeError:
         labels = ", ".join(fitted.model.labels)
         raise UsageError(f"an effect among {labels} cannot be exported: take functions from the arrays, xp") from None
@@ -105,8 +107,13 @@ def constant_name(fitted: Fitted, branch: str, name: str) -> str:
 
 
 def _instant(fitted: Fitted, memory: Tree, given: Tree, values: Tree) -> tuple[Any, Tree]:
-    """Force (1,) of a muscle at an instant and what is then remembered, () where that is nothing."""
-    velocity, direction = given["velocity_mm_s"], given["direction"]
+    """Force (1,) of a muscle at an instant and what is then remembered."""
+    (turn, stroke), *before = ((None, None),) if memory is None else memory
+    velocity, held = given["velocity_mm_s"], given["held"] > 0.5
+    moving_to = jnp.tanh(velocity / SPEED_OF_REVERSAL)
+    turn, cycle = count_reversals(turn, moving_to)
+    direction = given.get("direction", jnp.where(held, turn[0], moving_to))
+    stroke, mean_speed = _stroke(stroke, given["time_s"], jnp.where(held, 0.0, jnp.abs(velocity)), held, direction)
     inputs = Inputs(
         pressure=given["pressure_MPa"],
         contraction=given["contraction"],
@@ -114,21 +121,34 @@ def _instant(fitted: Fitted, memory: Tree, given: Tree, values: Tree) -> tuple[A
         direction=direction,
         time=given["time_s"],
         velocity=velocity,
-        stroke_speed=jnp.abs(velocity),
-        moving=jnp.ones(1, bool),
-        cycle=given["cycle"],
+        stroke_speed=jnp.where(held, mean_speed, jnp.abs(velocity)),
+        moving=~held,
+        cycle=given.get("cycle", cycle),
         temperature=given["temperature_C"],
         segment=jnp.zeros(1, int),
     )
     asked = []
     for k, branch in enumerate(fitted.branches):
         own = {p.name: p.value for p in fitted.branches[branch] if _geometry(fitted, p.name)} | values[branch]
-        asked.append(_step(fitted, inputs, own, None if memory is None else memory[k]))
+        asked.append(_step(fitted, inputs, own, before[k] if before else None))
+    after = ((turn, stroke), *(after for _, after in asked if after))
     if len(asked) == 1:
-        return asked[0][0], tuple(after for _, after in asked if after)
+        return asked[0][0], after
     share = dict(zip(fitted.branches, (0.5 * (1.0 + direction), 0.5 * (1.0 - direction)), strict=True))
     force = sum(share[branch] * one for branch, (one, _) in zip(fitted.branches, asked, strict=True))
-    return force, tuple(after for _, after in asked if after)
+    return force, after
+
+
+def _stroke(slot: Slot | None, time: Any, speed: Any, held: Any, direction: Any) -> tuple[Slot, Any]:
+    """Way in mm and time in s since the last reversal, holds left out, direction and time of the sample, (1,) each, and
+    the mean speed that makes: what a record takes from a stroke as a whole is not yet known."""
+    if slot is None:
+        return (jnp.zeros(1), jnp.zeros(1), direction, time), speed
+    way, lasted, direction_before, time_before = slot
+    step, goes_on = time - time_before, direction * direction_before >= 0.0
+    way = jnp.where(goes_on, way, 0.0) + speed * step
+    lasted = jnp.where(goes_on, lasted, 0.0) + jnp.where(held, 0.0, step)
+    return (way, lasted, direction, time), jnp.where(lasted > 0.0, way / jnp.maximum(lasted, 1e-300), speed)
 
 
 def _step(fitted: Fitted, inputs: Inputs, values: dict[str, Any], memory: Tree) -> tuple[Any, Tree]:
@@ -141,8 +161,9 @@ def _step(fitted: Fitted, inputs: Inputs, values: dict[str, Any], memory: Tree) 
 
 def _with_memory(
     graph: Graph, fitted: Fitted, given: Tree, values: Tree, force: Tree, memory: Tree
-) -> tuple[Block, Block, tuple[str, ...]]:
-    """First and later block with the names of the memory, less what is never read or is there twice."""
+) -> tuple[Block, Block | None, tuple[str, ...]]:
+    """First and later block with the names of the memory, less what is never read or is there twice; no later block
+    where the first says all."""
     ends, shape = jax.tree.flatten(memory)
     begins = [_one(end) for end in ends]
     slots = [graph.name(f"memory{k}") for k in range(len(begins))]
@@ -167,6 +188,8 @@ def _with_memory(
         read = more
     kept = sorted(slots.index(slot) for slot in read)
     names = tuple(str(graph.nodes[slots[k]].leaf) for k in kept)
+    if not kept and then == _one(force):
+        return Block(then), None, ()
     first = Block(_one(force), tuple(begins[k] for k in kept))
     return first, Block(then, tuple(becomes[k] for k in kept)), names
 

@@ -8,16 +8,16 @@ from .fitted import Fitted
 
 @dataclass(frozen=True)
 class Written:
-    """Text of a file, of others beside it by their endings, and what is to be said of them."""
+    """Text or bytes of a file, text of others beside it by their endings, and what is to be said of them."""
 
-    text: str
+    text: str | bytes
     beside: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Target:
-    """Files of a kind end in `suffix`; `write` puts a model into the text of one, in which its function is called
+    """Files of a kind end in `suffix`; `write` puts a model into the content of one, in which its function is called
     `name`. It raises UsageError for a name that the language does not take, or a model that cannot be exported."""
 
     suffix: str

@@ -143,7 +143,7 @@ def heading(dialect: Dialect, fitted: Fitted, program: Program, about: Sequence[
         if constant_name(fitted, b, p.name) not in program.constants
     ]
     if unused:
-        lines += ["Parameters that stand in no formula below: they are part of its numbers, or act in holds alone."]
+        lines += ["Parameters that stand in no formula below: they are part of its numbers."]
         lines += [f"  {p.name} = {p.value!r} {told(p)}" for p in dict.fromkeys(unused)]
     return remarks(dialect, lines)
 

@@ -13,6 +13,7 @@ from ..model import Model
 from ..records import Record, thinned
 from .covariance import LEVEL, student
 from .fit import Fit, fit, picker
+from .floor import noise_floor
 from .solve import jacobian, solve
 
 Array = np.ndarray
@@ -23,6 +24,10 @@ NEAR_MPA = 0.01
 NEAR_SPEED = 1.25
 """The same of a speed, as a ratio."""
 FOLDS = 5
+NORMAL_95 = 1.96
+"""Half width of 95 % of normal noise of one."""
+WIDE = 1.25
+"""How much wider than the noise's the interval of a reading must be to be told as wide."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,7 @@ class ReadingSpread:
     `same` is of other cycles at the record's own pressures and speeds, `between` of a pressure between its own,
     `beyond` of one outside them, `speed` of another speed; each from refits without those readings, NaN where the
     record has too few to leave any out. `pressures` (MPa), `speeds` (mm/s) and `contraction` (from, to) were measured.
+    `noise` is the standard deviation in N that repeated strokes show, NaN without them.
     """
 
     same: float
@@ -41,6 +47,12 @@ class ReadingSpread:
     pressures: tuple[float, ...]
     speeds: tuple[float, ...]
     contraction: tuple[float, float]
+    noise: float = math.nan
+
+    @property
+    def wide(self) -> bool:
+        """Whether readings lie off by far more than noise: the model lacks something, and its intervals hold that."""
+        return self.same > WIDE * NORMAL_95 * self.noise
 
     def half_width(self, inputs: Inputs) -> Array:
         """Half the width in N of the interval of a reading at each sample, shape (n,); NaN where nothing is known."""
@@ -91,7 +103,7 @@ def reading_spread(one: Fit) -> ReadingSpread:
     if len(levels) <= one.model.law.min_levels:
         inner = outer = []
     e = record.inputs.contraction[rows]
-    same = _half(one, cycles, "cycles")
+    same, noise = _half(one, cycles, "cycles"), noise_floor(one)
     return ReadingSpread(
         same,
         _wider(same, _half(one, inner, "pressures"), len(inner)),
@@ -100,6 +112,7 @@ def reading_spread(one: Fit) -> ReadingSpread:
         tuple(float(p) for p in levels),
         tuple(float(v) for v in speeds),
         (float(e.min()), float(e.max())),
+        math.nan if noise is None else noise.sigma,
     )
 
 
@@ -152,13 +165,15 @@ def _quantile(groups: list[Array]) -> float:
 @dataclass(frozen=True)
 class Prediction:
     """Force in N of n samples, shape (n,) each: the mean with its standard error, the half widths of the 95 % intervals
-    of the mean and of a new reading, NaN where they are not known, and whether the record did not reach there."""
+    of the mean and of a new reading, NaN where they are not known, whether the record did not reach there, and whether
+    the interval of a reading is wide because the model leaves more than noise."""
 
     force: Array
     stderr: Array
     half_mean: Array
     half_reading: Array
     outside: Array
+    unexplained: Array
 
 
 @dataclass(frozen=True)
@@ -192,9 +207,11 @@ class Predictor:
         half = student(np.array(self.dof)) * stderr if math.isfinite(self.dof) else stderr
         if self.spread is None:
             nothing = np.full(len(force), math.nan)
-            return Prediction(force, stderr, half, nothing, np.zeros(len(force), bool))
+            no = np.zeros(len(force), bool)
+            return Prediction(force, stderr, half, nothing, no, no)
         reading = np.hypot(self.spread.half_width(inputs), half)
-        return Prediction(force, stderr, half, reading, self.spread.outside(inputs))
+        wide = np.full(len(force), self.spread.wide)
+        return Prediction(force, stderr, half, reading, self.spread.outside(inputs), wide)
 
     def _stderr(self, inputs: Inputs, force: Array) -> Array:
         if self.matrix is None or not self._index:

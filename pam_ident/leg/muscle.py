@@ -157,7 +157,7 @@ class Muscle:
         p, e, v = (jnp.asarray(x, float) for x in (pressure_MPa, contraction, velocity_mm_s))
         turn, *before = (None, None, None) if memory is None else memory
         direction = jnp.tanh(v / SPEED_OF_REVERSAL)
-        turn, cycle = _count(turn, direction)
+        turn, cycle = count_reversals(turn, direction)
         inputs = Inputs(
             pressure=p,
             contraction=e,
@@ -184,8 +184,11 @@ class Muscle:
         return {p.name: values[p.name] for p in GEOMETRY} if self.model.free_geometry else {}
 
 
-def _count(turn: Slot | None, direction: Array) -> tuple[Slot, Array]:
-    """The way each muscle last clearly went with its reversals so far, and the cycle that makes, from 1."""
+def count_reversals(turn: Slot | None, direction: Array) -> tuple[Slot, Array]:
+    """The way each muscle last clearly went with its reversals so far, and the cycle that makes, from 1, (n,) each.
+
+    `turn` is the same of the last accepted instant, None at the first; `direction` is tanh(v/0.2 mm/s), shape (n,).
+    """
     if turn is None:
         turn = (jnp.zeros_like(direction), jnp.zeros_like(direction))
     way, reversals = turn

@@ -11,6 +11,7 @@ from ..core.nearest import nearest
 from .datasets import bundled, dataset_names
 from .formats import catalogue
 from .mapping import Mapping, read_mapping
+from .package import data_of, read_package
 from .table import Table
 from .text_table import read_layout, read_text
 
@@ -74,8 +75,10 @@ def find_files(path: str | Path) -> Files:
     given, path = str(path), Path(path)
     if path.is_file():
         return Files(given, (path,), path.parent, path.name.removesuffix(".gz").rpartition(".")[0] or path.name)
+    endings = (*TEXT, *catalogue())
+    if path.is_dir() and (package := read_package(path)):
+        return Files(given, data_of(package, path, endings), path, package.title)
     if path.is_dir():
-        endings = (*TEXT, *catalogue())
         found = [file for file in path.iterdir() if file.is_file() and _ending(file) in endings]
         if not found:
             raise DataError(

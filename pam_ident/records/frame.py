@@ -1,6 +1,5 @@
 """A record from a table of pandas."""
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..core import DataError, Specimen
@@ -44,6 +43,4 @@ def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "")
     notes = Notes()
     values = join_runs(read_columns(table, sources, specimen.initial_length_mm, notes), place)
     where = {key: source.header for key, source in sources.items()}
-    return replace(
-        build_loaded(name or specimen.name, name or "table", "", specimen, values, where), notes=notes.told()
-    )
+    return build_loaded(name or specimen.name, name or "table", "", specimen, values, where, notes)

@@ -5,11 +5,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ..core import DataError, Specimen
+from .clipped import clipped_rows
 from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
 from .mapping import Mapping, read_mapping
 from .notes import Notes
+from .package import read_metadata
 from .quantities import Source, find_sources
 from .ranges import Values, contraction_of
 from .record import Record, build_record
@@ -25,9 +29,9 @@ def read_record(
 
     Args:
         path: a file (CSV and other text, .xlsx, .mat, .tdms, .lvm, .parquet; the text ones gzipped too), or several
-            that are runs of one test: a folder, or a pattern such as `runs/*.csv`. Columns are found by name and unit:
-            pressure and force, one of displacement, contraction or length; optional time, pressure_set, cycle, branch,
-            temperature and slack (rows with slack = 1 are left out).
+            that are runs of one test: a folder, also a Data Package, or a pattern such as `runs/*.csv`. Columns are
+            found by name and unit: pressure and force, one of displacement, contraction or length; optional time,
+            pressure_set, cycle, branch, temperature and slack (rows with slack = 1 are left out).
         specimen: the muscle, or its file; by default `specimen.toml` in the same folder.
         columns: a file that says which column is what; by default `columns.toml` in the same folder, if there is one.
 
@@ -53,8 +57,8 @@ def read_record(
         where = where or headers(sources)
     values = join_runs(runs, str(path))
     del runs
-    found = build_loaded(record_name(files, muscle), files.given, files_sha256(files), muscle, values, where)
-    return replace(found, notes=notes.told(), said_kind=said_kind(files, specimen, columns))
+    found = build_loaded(record_name(files, muscle), files.given, files_sha256(files), muscle, values, where, notes)
+    return replace(found, said_kind=said_kind(files, specimen, columns), metadata=read_metadata(files.folder))
 
 
 def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
@@ -118,10 +122,10 @@ def nothing_left(given: str) -> DataError:
 
 
 def build_loaded(
-    name: str, given: str, sha256: str, specimen: Specimen, values: Values, where: dict[str, str]
+    name: str, given: str, sha256: str, specimen: Specimen, values: Values, where: dict[str, str], notes: Notes
 ) -> Record:
-    """A record from values in internal units, less its slack rows; `given` is its source, `where` maps quantities to
-    columns. Raises DataError where nothing is left."""
+    """A record from values in internal units, less its slack and its clipped rows; `given` is its source, `where` maps
+    quantities to columns. Raises DataError where nothing is left."""
     slack = values.pop("slack", None)
     masked = 0
     if slack is not None:
@@ -130,7 +134,7 @@ def build_loaded(
             raise nothing_left(given)
         values = {key: column[keep] for key, column in values.items()}
         masked = int((~keep).sum())
-    return build_record(
+    found = build_record(
         name,
         specimen,
         values["pressure"],
@@ -144,6 +148,12 @@ def build_loaded(
         masked=masked,
         **{key: values.get(key) for key in ("time", "cycle", "temperature")},
     )
+    if found.inputs.time is not None:  # the motion goes on while the load cell is at its end
+        clipped = clipped_rows(found.inputs.contraction, found.force)
+        if clipped.any():
+            notes.add("clipped", where["force"], f"sample {int(clipped.argmax()) + 1}", int(clipped.sum()))
+            found = found.take(np.flatnonzero(~clipped))
+    return replace(found, notes=notes.told())
 
 
 def _chosen(tables: list[Table], mapping: Mapping | None, run: str) -> list[tuple[Table, dict[str, Source]]]:

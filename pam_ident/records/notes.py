@@ -14,6 +14,9 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
     "spike": lambda n, column, where: (
         f"{_rows(n)} left out: column {column!r} jumps away there for a reading and comes back (first {where})"
     ),
+    "clipped": lambda n, column, where: (
+        f"{_rows(n)} left out: column {column!r} is at the end of its range there or next to it (first {where})"
+    ),
     "decimal_point": lambda _, column, where: (
         f"column {column!r}: {where} was read with a decimal point, but nothing in the file says that the point does "
         "not part thousands. Say decimal = '.' or ',' under [file] in a columns.toml"
@@ -64,7 +67,7 @@ class Notes:
         )
 
 
-LEAVE_OUT = ("empty_cells", "frozen_sensor", "impossible_value", "spike", "rows_chosen")
+LEAVE_OUT = ("empty_cells", "frozen_sensor", "impossible_value", "spike", "clipped", "rows_chosen")
 
 
 def _rows(n: int) -> str:

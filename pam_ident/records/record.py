@@ -1,9 +1,10 @@
 """A measured record, ready to be fitted."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +38,7 @@ class Record:
         masked: how many slack rows were left out.
         notes: what else was left out, or assumed, while it was read.
         said_kind: which kind of test it is said to be, empty where the data must show it (`kind_of`).
+        metadata: what else is known of it (rig, calibration, operator, date, licence), as `metadata.toml` says.
 
     Example:
         >>> from pam_ident.records import read_record
@@ -60,6 +62,7 @@ class Record:
     masked: int = 0
     notes: tuple[Note, ...] = ()
     said_kind: str = ""
+    metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.force)

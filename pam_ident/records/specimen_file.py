@@ -1,7 +1,8 @@
 """specimen.toml: the muscle's geometry at rest, and the errors of the sensors where they are known."""
 
+import json
 import tomllib
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,19 @@ def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
         return Specimen(**given, sensors=_read_sensors(path, content.get("sensors")))
     except DataError as error:
         raise DataError(f"{path}: {error}") from None
+
+
+def specimen_toml(specimen: Specimen, kind: str = "") -> str:
+    """The text of a specimen file, with the kind of test where one was said; `read_specimen` reads the same back."""
+    given = {item.name: getattr(specimen, item.name) for item in fields(Specimen) if item.name != "sensors"}
+    sensors = [] if specimen.sensors is None else ["", "[sensors]", *_lines(asdict(specimen.sensors))]
+    lines = [*_lines({"kind": kind or None}), "[specimen]", *_lines(given), *sensors]
+    return "\n".join([*lines, ""])
+
+
+def _lines(table: dict[str, Any]) -> list[str]:
+    """Keys and values as TOML; a string of JSON is one of TOML."""
+    return [f"{key} = {json.dumps(value, ensure_ascii=True)}" for key, value in table.items() if value is not None]
 
 
 def read_kind(path: str | Path) -> str:

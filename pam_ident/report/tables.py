@@ -9,6 +9,7 @@ from ..fitting.fit import Estimate
 from ..plot.failure_map import Cell
 from ..plot.ladder import added
 from ..records import Record
+from ..records.package import told
 from .story import Section
 from .words import STATUS, named, newtons, number, standing, stderr, titles, unit
 
@@ -201,6 +202,7 @@ def source(record: Record) -> PageTable:
         ("samples", f"{len(record)}" + (f", {record.masked} more left out as unusable" if record.masked else "")),
         ("isobars (MPa)", ", ".join(f"{p:g}" for p in record.levels)),
         ("specimen", record.specimen.name),
+        *told(record.metadata),
         *((f"column for {key}", str(value)) for key, value in record.columns.items()),
     ]
     return PageTable(f"What was read: {record.name}", ("what", "value"), tuple(rows))

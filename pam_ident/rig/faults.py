@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .muscle import Array
 
@@ -16,7 +17,7 @@ TIME, PRESSURE, LENGTH, FORCE = 0, 3, 4, 5
 Fault = Callable[[Array, np.random.Generator], Array]
 
 
-def _some(n: int, share: float, rng: np.random.Generator) -> Array:
+def _some(n: int, share: float, rng: np.random.Generator) -> NDArray[np.intp]:
     return rng.choice(n, max(int(share * n), 1), replace=False)
 
 

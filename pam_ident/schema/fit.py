@@ -111,6 +111,7 @@ def _elsewhere(spread: "ReadingSpread", plain: "Simpler") -> Json:
             "between_N": spread.between,
             "beyond_N": spread.beyond,
             "speed_N": spread.speed,
+            "noise_N": spread.noise,
             "pressures_MPa": list(spread.pressures),
             "speeds_mm_s": list(spread.speeds),
             "contraction": list(spread.contraction),

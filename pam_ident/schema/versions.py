@@ -22,6 +22,7 @@ VERSIONS = {
     "inspection": 1,
     "ladder": 1,
     "laws": 1,
+    "package": 1,
     "prediction": 1,
     "refusal": 1,
     "rig": 1,

@@ -123,15 +123,15 @@ def _predictor(found: Answer, holder: Mapping[str, Any], model: Model, specimen:
 def _reading(table: Any) -> ReadingSpread | None:
     if not isinstance(table, dict):
         return None
-    same, between, beyond, speed = (
+    same, between, beyond, speed, noise = (
         math.nan if table.get(f"{key}_N") is None else float(table[f"{key}_N"]) for key in READING
     )
     low, high = table["contraction"]
     pressures, speeds = tuple(table["pressures_MPa"]), tuple(table["speeds_mm_s"])
-    return ReadingSpread(same, between, beyond, speed, pressures, speeds, (low, high))
+    return ReadingSpread(same, between, beyond, speed, pressures, speeds, (low, high), noise)
 
 
-READING = ("same", "between", "beyond", "speed")
+READING = ("same", "between", "beyond", "speed", "noise")
 
 
 def _simpler(table: Mapping[str, Any]) -> Simpler:
@@ -202,8 +202,8 @@ def _signs(branch: Any) -> Array:
 
 
 def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
-    """A row a sample: what was asked, force, its standard error, both 95 % intervals in N, and whether the record that
-    was fitted did not reach there."""
+    """A row a sample: what was asked, force, its standard error, both 95 % intervals in N, whether the record that was
+    fitted did not reach there, and whether a reading's interval is wide because the model leaves more than noise."""
     import pandas as pd
 
     columns = {"time_s": inputs.time, "pressure_MPa": inputs.pressure, "contraction": inputs.contraction}
@@ -216,6 +216,7 @@ def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
         reading_low_N=found.force - found.half_reading,
         reading_high_N=found.force + found.half_reading,
         outside=found.outside,
+        unexplained=found.unexplained,
     )
 
 

@@ -43,7 +43,17 @@ def test_predict_writes_a_table(ask, answer, saved, tmp_path):
     assert table["outside"].tolist() == [False, False, True] and "1 rows lie outside" in result.stderr
     result, found = answer("predict", saved, "--at", states, "--out", tmp_path / "force.csv")
     assert found["columns"]["force_N"] == pytest.approx(table["force_N"].tolist(), rel=1e-6)
-    assert pd.read_csv(tmp_path / "force.csv").shape == (3, 9)
+    assert pd.read_csv(tmp_path / "force.csv").shape == (3, 10)
+
+
+def test_predict_says_why_its_intervals_are_wide(ask, saved, rubbing, tmp_path):
+    states = tmp_path / "states.csv"
+    states.write_text("pressure_MPa,contraction\n0.25,0.1\n", encoding="utf-8")
+    assert "intervals" not in ask("predict", saved, "--at", states).stderr
+    assert ask("fit", rubbing, *LAW, "--json", tmp_path / "fit.json").exit_code == 0
+    result = ask("predict", tmp_path / "fit.json", "--at", states)
+    assert "leaves more than noise" in result.stderr
+    assert pd.read_csv(io.StringIO(result.stdout))["unexplained"].tolist() == [True]
 
 
 def test_a_saved_fit_with_a_branch_each_asks_for_the_branch(ask, clean, tmp_path):

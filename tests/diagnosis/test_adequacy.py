@@ -92,3 +92,27 @@ def test_without_and_only_take_a_form(hidden_effect):
 def test_kin_are_those_of_a_family_and_those_that_follow_the_same_but_the_map():
     assert kin("viscous_damping") == ("pressure_lag", "stribeck_friction", "viscous_damping")
     assert kin("threshold_pressure") == ("threshold_pressure",)
+
+
+@pytest.mark.parametrize("form", ["moving_mass", pytest.param("stick_slip", marks=LONG)])
+def test_what_is_the_rigs_own_is_unknown(tmp_path, form):
+    """A driver that the catalogue lacks, and teeth that only repeats of a stroke show."""
+    write_case(tmp_path, make_record(Plan(15, EXPONENTIAL, unknown=Secret("dynamics", form, 3.0), sigma_N=1.0)))
+    assert diagnose(Model.build(EXPONENTIAL), read_record(tmp_path / "record.csv")).verdict == "unknown_effect"
+
+
+@LONG
+@pytest.mark.parametrize("fault", ["spikes", "clipped", "empty_cells"])
+def test_what_a_logger_spoils_changes_no_name(tmp_path, fault):
+    secret = Secret("creep", "textbook", 2.0)
+    write_case(tmp_path, make_record(Plan(16, EXPONENTIAL, (secret,), fault=fault)))
+    record = read_record(tmp_path / "record.csv")
+    assert diagnose(Model.build(EXPONENTIAL), record).selected == ("creep",)
+    assert any(note.rows for note in record.notes)
+
+
+def test_noise_of_the_length_sensor_is_followed_by_nothing(tmp_path):
+    """Where the law is steep it is far above the load cell's; in a hold all rows share what is left of it."""
+    write_case(tmp_path, make_record(Plan(17, EXPONENTIAL, sigma_N=1.0, gauges="noisy_length")))
+    found = fit(Model.build(EXPONENTIAL), read_record(tmp_path / "record.csv"))
+    assert Following.of(found).chosen == set()

@@ -85,6 +85,7 @@ def written(root, tmp_path_factory):
         ("selftest",),
         ("challenge", "--n", 1, "--workers", 1, "--quiet"),
         ("inspect", ours),
+        ("pack", ours, "--out", folder / "package"),
         ("export", ours, *law, "--to", "c", "--out", folder / "muscle.h"),
         ("laws",),
         ("effects",),

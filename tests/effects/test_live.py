@@ -33,8 +33,8 @@ REMEMBER = {
         f"thermal_softening:{form}"
         for form in ("textbook", "quadratic", "lagging", "pressure", "elastic", "linear", "free")
     ),
-    "coulomb_friction:stuck",
-    "stribeck_friction:bending",
+    *(f"coulomb_friction:{form}" for form in ("stuck", "relaxing", "free")),
+    *(f"stribeck_friction:{form}" for form in ("relaxing", "bending")),
     *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve")),
     "mullins_softening:pseudo_elastic",
     "mullins_softening:travelled",

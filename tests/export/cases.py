@@ -54,29 +54,46 @@ class Case:
 
 
 def samples() -> Inputs:
-    """Muscles that go to and fro without a rest while pressure and temperature wander, one track after the other."""
+    """Muscles that go to and fro and are held now and then, while pressure and temperature wander, one track after the
+    other."""
     rng = np.random.default_rng(7)
     rows = []
     for _ in range(TRACKS):
         time = 100.0 * rng.uniform() + np.cumsum(rng.uniform(0.002, 0.08, LENGTH))
-        turns = np.arange(0, LENGTH + 40, 40)
-        ends = np.where(turns // 40 % 2, rng.uniform(20.0, 55.0, len(turns)), rng.uniform(-3.0, 15.0, len(turns)))
-        x = np.interp(np.arange(LENGTH), turns, ends)
-        v = np.r_[0.0, np.diff(x) / np.diff(time)]
+        ends = []
+        for turn in range(LENGTH // 40 + 1):
+            end = rng.uniform(20.0, 55.0) if turn % 2 else rng.uniform(-3.0, 15.0)
+            ends += [end, end] if rng.uniform() < 0.3 else [end]
         k = np.arange(LENGTH)
+        x = np.interp(k, 40 * np.arange(len(ends)), ends)
+        v = np.r_[0.0, np.diff(x) / np.diff(time)]
+        held = (v == 0.0) & (k > 0)
+        direction = np.sign(v[np.maximum.accumulate(np.where(held, 0, k))])
         p = 0.36 + 0.34 * np.sin(k * rng.uniform(0.01, 0.1))
         temperature = 22.0 + 6.0 * np.sin(time / 20.0) + rng.uniform(-3.0, 3.0)
-        rows.append((p, x / 200.0, v, np.sign(v), time, 1.0 + k // 80, temperature))
-    p, e, v, direction, time, cycle, temperature = np.concatenate(rows, axis=1)
-    return Inputs(
-        p, e, MUSCLE, direction, time, v, np.abs(v), np.ones(len(p), bool), cycle, temperature, np.zeros(len(p), int)
-    )
+        pace = pace_of_strokes(time, v, held, direction)
+        rows.append((p, x / 200.0, v, direction, time, 1.0 + k // 80, temperature, held, pace))
+    p, e, v, direction, time, cycle, temperature, held, pace = np.concatenate(rows, axis=1)
+    return Inputs(p, e, MUSCLE, direction, time, v, pace, held == 0.0, cycle, temperature, np.zeros(len(p), int))
+
+
+def pace_of_strokes(time, v, held, direction) -> np.ndarray:
+    """|v| in motion, in a hold the mean speed of the stroke before it, (n,)."""
+    pace, way, lasted = np.abs(v), 0.0, 0.0
+    for k in range(1, len(v)):
+        if direction[k] * direction[k - 1] < 0.0:
+            way, lasted = 0.0, 0.0
+        if held[k]:
+            pace[k] = way / lasted if lasted else 0.0
+        else:
+            way, lasted = way + pace[k] * (time[k] - time[k - 1]), lasted + time[k] - time[k - 1]
+    return pace
 
 
 def columns(inputs: Inputs) -> np.ndarray:
-    """The arguments of an export in their order, (n, 7)."""
+    """The arguments of an export in their order, (n, 8)."""
     names = ("pressure", "contraction", "velocity", "direction", "time", "cycle", "temperature")
-    return np.stack([getattr(inputs, name) for name in names], axis=1)
+    return np.stack([*(getattr(inputs, name) for name in names), ~inputs.moving], axis=1)
 
 
 def instant(inputs: Inputs, k: int) -> Inputs:

@@ -25,7 +25,7 @@ def c_forces(request, tmp_path_factory, inputs) -> dict[str, np.ndarray]:
     lines = ["#include <stdio.h>", "#include <stdlib.h>"]
     lines += [f'#include "{case.name}.h"' for case in asked]
     lines += ["int main(void) {", f"  const int n = {len(inputs)};"]
-    lines += ["  double (*x)[7] = malloc(sizeof(double[7]) * (size_t)n), *out = malloc(sizeof(double) * (size_t)n);"]
+    lines += ["  double (*x)[8] = malloc(sizeof(double[8]) * (size_t)n), *out = malloc(sizeof(double) * (size_t)n);"]
     lines += ["  if (fread(x, sizeof *x, (size_t)n, stdin) != (size_t)n) return 1;"]
     for case in asked:
         (folder / f"{case.name}.h").write_text(c_header(case.fitted, case.name), encoding="utf-8")

@@ -98,11 +98,11 @@ def test_the_export_is_the_muscle_that_runs_in_the_leg(root, tmp_path):
     assert ask("export", ladder, "--to", "python", "--out", tmp_path / "arm.py").exit_code == 0
     arm, muscle = force_in(tmp_path / "arm.py"), Muscle.read(ladder)[-1]
     values, memory, state = muscle.values(), muscle.start(np.array([0.3]), np.array([0.1])), None
-    _, state = arm(0.3, 0.1, 0.0, 0.0, state)
+    _, state = arm(0.3, 0.1, 0.0, 0.0, 0.0, state)
     for t in np.arange(0.005, 0.5, 0.005):
         p, e, v = 0.3 + 0.1 * np.sin(9.0 * t), 0.1 + 0.05 * np.sin(20.0 * t), 200.0 * np.cos(20.0 * t)
         expected, memory = muscle.force(values, memory, t, np.array([p]), np.array([e]), np.array([v]))
-        force, state = arm(p, e, v, np.tanh(v / 0.2), state)
+        force, state = arm(p, e, v, np.tanh(v / 0.2), 0.0, state)
         assert force == pytest.approx(float(expected[0]), rel=1e-10)
 
 
@@ -153,7 +153,7 @@ def test_a_file_that_lacks_something_is_refused_by_its_name(stored, tmp_path, ch
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--to", "fortran", "--out", "arm.f"), "c, matlab, mujoco, python, json"),
+        (("--to", "fortran", "--out", "arm.f"), "c, fmu, fmu3, matlab, mujoco, python, json"),
         (("--to", "c", "--out", "arm.m"), ".h"),
         (("--to", "c", "--out", "2nd.h"), "begins with a letter"),
         (("--to", "json", "--out", "arm.json"), "JSON already"),

@@ -21,7 +21,7 @@ def matlab_forces(tmp_path_factory, inputs) -> dict[str, np.ndarray]:
     folder = tmp_path_factory.mktemp("matlab")
     columns(inputs).tofile(folder / "given.bin")
     lines = [
-        f"x = reshape(fread(fopen('given.bin'), Inf, 'double'), 7, {LENGTH}, {TRACKS});",
+        f"x = reshape(fread(fopen('given.bin'), Inf, 'double'), 8, {LENGTH}, {TRACKS});",
         "file = fopen('out.bin', 'w');",
     ]
     for case in CASES:

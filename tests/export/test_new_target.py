@@ -29,7 +29,7 @@ def program(tmp_path, root):
 
 
 def test_a_new_target_is_listed_and_written(program, tmp_path):
-    assert "c, matlab, mujoco, python, sheet or json" in program("export", "--help").stdout
+    assert "c, fmu, fmu3, matlab, mujoco, python, sheet or json" in program("export", "--help").stdout
     words = ("export", RECORD, "--law", "sarosi", "--to", "sheet", "--out")
     done = program(*words, "arm.csv")
     assert done.returncode == 0 and "wrote arm.csv" in done.stdout, done.stderr

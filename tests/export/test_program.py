@@ -48,7 +48,9 @@ def test_a_law_is_asked_for_pressure_and_contraction_alone():
 @pytest.mark.parametrize(
     ("name", "arguments", "slots"),
     [
-        ("coulomb_friction_textbook", ("direction",), 0),
+        ("coulomb_friction_textbook", ("direction", "held"), 0),
+        ("coulomb_friction_relaxing", ("direction", "time_s", "held"), 2),
+        ("stribeck_friction_textbook", ("velocity_mm_s", "direction", "time_s", "held"), 4),
         ("viscous_damping_power", ("velocity_mm_s",), 0),
         ("creep_textbook", ("time_s",), 3),
         ("creep_prony_3", ("time_s",), 5),

@@ -1,5 +1,6 @@
 """The Python function, run without pam-ident."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -7,9 +8,14 @@ import pytest
 from cases import BY_NAME, CASES, EACH_CASE, LENGTH, assert_agrees, columns, instant
 
 from pam_ident.core import UsageError
+from pam_ident.export.fitted import Fitted, Parameter
 from pam_ident.export.program import ARGUMENTS, program
 from pam_ident.export.targets.python import python_function
+from pam_ident.fitting import fit
 from pam_ident.leg.arrays import jax, jnp
+from pam_ident.model import Model
+from pam_ident.records import read_record
+from pam_ident.records.datasets import dataset_record
 
 
 def function_of(case):
@@ -34,6 +40,24 @@ def test_the_python_file_agrees_with_the_model_at_ten_thousand_samples(case, num
             forces.append(force)
         found = np.array(forces).T.ravel()
     assert_agrees(found, numpy_forces[case.name])
+
+
+def test_along_a_record_with_holds_the_export_is_the_fit():
+    """What friction keeps in a hold and how it fades, and the creep that goes on there."""
+    record = read_record(dataset_record("hidden_effect"))
+    one = fit(Model("exponential_law", ["coulomb_friction:relaxing", "creep"]), record, detail=False)
+    values = tuple(Parameter(p.name, one.values[p.name], math.nan, p.unit, p.doc) for p in one.model.params)
+    fitted = Fitted(one.model, record.specimen, {"together": values}, "", {})
+    defined: dict = {}
+    exec(python_function(fitted, "muscle"), defined)
+    isobar = record.inputs.take(record.inputs.segment == 0)
+    places = [list(ARGUMENTS).index(name) for name in program(fitted).arguments]
+    state, forces = None, []
+    for row in columns(isobar)[:, places]:
+        force, state = defined["muscle"](*row, state)
+        forces.append(force)
+    assert np.count_nonzero(~isobar.moving) > 100
+    np.testing.assert_allclose(forces, one.force[record.inputs.segment == 0], rtol=0.0, atol=1e-9)
 
 
 @pytest.mark.long

@@ -49,6 +49,16 @@ def test_it_is_wider_where_the_model_lacks_an_effect():
     assert widths[0] == pytest.approx(1.96 * 2.0, rel=0.08) and widths[1] > 2.5 * widths[0]
 
 
+@pytest.mark.parametrize(
+    ("friction", "effects", "said"), [(0.0, (), False), (10.0, (), True), (10.0, ("coulomb_friction",), False)]
+)
+def test_it_says_that_it_is_wide_where_the_model_lacks_an_effect(friction, effects, said):
+    one = fit(Model("exponential_law", effects), made(1, friction))
+    spread = reading_spread(one)
+    assert spread.noise == pytest.approx(2.0, rel=0.1) and spread.wide == said
+    assert np.all(Predictor.of(one, spread).at(one.record.inputs).unexplained == said)
+
+
 def test_it_is_wider_at_pressures_that_were_not_measured():
     one = fit(Model("exponential_law"), made(1, wander=15.0))
     spread = reading_spread(one)

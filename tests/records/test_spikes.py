@@ -8,6 +8,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.records import read_record, record_from_frame
+from pam_ident.records.clipped import clipped_rows
 from pam_ident.records.datasets import dataset_record
 from pam_ident.records.gate import doubts_of
 from pam_ident.records.spikes import spike_rows
@@ -111,3 +112,28 @@ def test_few_rows_and_many_such_readings_are_taken_as_they_are():
     frame.loc[7, "force_N"] = 5e4
     record = record_from_frame(frame, Specimen("m", 200.0, 10.0, 25.4, 1.5))
     assert len(record) == 29 and [d.code for d in doubts_of(record) if d.grave] == ["impossible_value"]
+
+
+def test_a_load_cell_at_its_end_says_only_that_the_force_is_beyond(clean):
+    table = pd.read_csv(HOME)
+    end = 0.9 * table.force_N.max()
+    here = table.force_N > end
+    table.loc[here, "force_N"] = end
+    specimen = read_record(HOME).specimen
+    record = record_from_frame(table, specimen)
+    assert [note.code for note in record.notes] == ["clipped"] and record.force.max() < end
+    assert here.sum() <= record.notes[0].rows < 2 * here.sum()
+    found = fit_record(record, SETUP).fits["together"]
+    assert found.rmse == pytest.approx(clean.rmse, rel=0.03)
+    table["force_N"] = np.minimum(table.force_N, 0.3 * end)
+    assert [d.code for d in doubts_of(record_from_frame(table, specimen)) if d.grave] == ["force_clipped"]
+
+
+def test_a_hold_and_a_coarse_gauge_are_not_clipped():
+    record = read_record(HOME)
+    contraction, force = record.inputs.contraction, record.force
+    assert not clipped_rows(contraction, np.round(force)).any()
+    top = np.argsort(-force)[:200]
+    held, at_rest = force.copy(), contraction.copy()
+    held[top], at_rest[top] = force.max(), 0.0
+    assert not clipped_rows(at_rest, held).any()

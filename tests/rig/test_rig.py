@@ -17,6 +17,7 @@ from pam_ident.rig import (
     write_case,
 )
 from pam_ident.rig.challenge import SHARES, VISIBLE, quotas
+from pam_ident.rig.faults import FAULTS
 from pam_ident.rig.friction import FORMS as FRICTION
 from pam_ident.rig.friction import maxwell_slip
 from pam_ident.rig.hidden import EFFECTS, UNKNOWNS
@@ -24,7 +25,7 @@ from pam_ident.rig.integrate import follow
 from pam_ident.rig.memory import FORMS as MEMORY
 from pam_ident.rig.muscle import ChouHannaford, Exponential, RigMuscle, RigSpecimen
 from pam_ident.rig.record import COLUMNS
-from pam_ident.rig.sensors import RigSensors, ornstein_uhlenbeck
+from pam_ident.rig.sensors import COLOURS, RigSensors, ornstein_uhlenbeck
 from pam_ident.rig.statics import bladder_hoop, elastic_force, hoop_energy
 
 SPECIMEN = RigSpecimen()
@@ -220,13 +221,45 @@ def _rows(record):
     return PROTOCOLS[record.plan.protocol].run(record.muscle, np.random.default_rng([record.plan.seed, 2])).rows
 
 
-@pytest.mark.parametrize("colour", ["white", "ar1", "ou", "slow"])
+@pytest.mark.parametrize("colour", COLOURS)
 def test_noise_has_its_rms(colour):
-    time = np.arange(20000) * 0.1
-    noise = RigSensors(3.0, colour).force_noise(time, rng(2))
+    time, pressure = np.arange(20000) * 0.1, np.repeat([0.1, 0.5], 10000)
+    noise = RigSensors(3.0, colour).force_noise(time, pressure, rng(2))
     assert np.std(noise) == pytest.approx(3.0, rel=0.12)
     neighbour = np.corrcoef(noise[1:], noise[:-1])[0, 1]
-    assert (abs(neighbour) < 0.03) == (colour == "white")
+    assert (abs(neighbour) < 0.03) == (colour in ("white", "heavy", "growing"))
+    low, high = np.std(noise[:10000]), np.std(noise[10000:])
+    assert (high > 4.0 * low) == (colour == "growing")
+
+
+def test_faults_spoil_what_they_say_and_nothing_else():
+    table = make_record(Plan(5)).table
+    for name, fault in FAULTS.items():
+        changed = ~np.isclose(fault(table, rng(4)), table, rtol=0.0, atol=0.0)
+        columns = set(np.flatnonzero(changed.any(axis=0)).tolist())
+        assert (
+            columns
+            == {
+                "spikes": {5},
+                "empty_cells": {3, 4, 5},
+                "lost_rows": {0},
+                "jitter": {0},
+                "coarse": {3, 4, 5},
+                "clipped": {5},
+            }[name]
+        )
+    assert np.isnan(FAULTS["lost_rows"](table, rng(4))[:, 0]).mean() == pytest.approx(0.05, abs=0.001)
+    assert np.all(np.diff(FAULTS["jitter"](table, rng(4))[:, 0]) > 0.0)
+
+
+def test_a_regulator_that_does_not_keep_up_lets_the_pressure_fall_while_the_muscle_shortens():
+    record = make_record(Plan(6, protocol="breathing"))
+    steps, off = (
+        np.diff(record.column("displacement_mm")),
+        record.column("pressure_MPa") - record.column("pressure_set_MPa"),
+    )
+    off = off[1:] / record.column("pressure_set_MPa")[1:]
+    assert off[steps > 1.0].mean() < -0.003 and off[steps < -1.0].mean() > 0.003 and np.abs(off).max() < 0.03
 
 
 def test_ornstein_uhlenbeck_forgets_with_its_time():
@@ -289,7 +322,9 @@ def test_quotas_add_up():
         lambda: Protocol(hold_s=0.0),
         lambda: Plan(1, protocol="none"),
         lambda: Plan(1, sigma_N=0.0),
-        lambda: RigSensors(colour="pink"),
+        lambda: RigSensors(colour="mauve"),
+        lambda: Plan(1, fault="fire"),
+        lambda: Plan(1, gauges="none"),
         lambda: make_record(Plan(1, law="cubic")),
         lambda: make_record(Plan(1, secrets=(Secret("gravity"),))),
         lambda: make_record(Plan(1, secrets=(Secret("creep", "none"),))),

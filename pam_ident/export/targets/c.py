@@ -25,14 +25,14 @@ C = Dialect(
 )
 
 
-def c_header(fitted: Fitted, name: str) -> str:
+def c_header(fitted: Fitted, name: str, made: Program | None = None) -> str:
     """The text of NAME.h: `NAME_force(…)`, or of a model that remembers `NAME_init(&state)` and
-    `NAME_step(&state, …)`.
+    `NAME_step(&state, …)`. `made` is the model's program, where it is there already.
 
     Raises UsageError for a name that C does not take, or a model that cannot be exported.
     """
     check_name(name, C)
-    made = program(fitted)
+    made = program(fitted) if made is None else made
     names = Names.choose(C, made, name, "state->memory[{}]")
     arguments = ", ".join(f"double {argument}" for argument in made.arguments)
     use = f"{name}_force({', '.join(made.arguments)})"

@@ -83,6 +83,7 @@ def install(model, actuator="$name", cycle=1.0, temperature_C=20.0):
             "time_s": d.time,
             "cycle": cycle,
             "temperature_C": temperature_C,
+            "held": 0.0,
         }
         $call
         return -float(force)
