@@ -2,25 +2,34 @@
 
 import numpy as np
 
+from ..core import Inputs
+
 Array = np.ndarray
 LEAST = 10
 """Rows that read the very same extreme force while the muscle moves."""
 MOVES = 0.005
 """Share of the stroke by which it moves meanwhile: more than a sensor's noise in a hold."""
+DIFFERENT = 0.5
+"""Share of the readings of other holds that differ from each other where there is noise."""
 BESIDE = 2
 """Rows to both sides that go with them: near its end a sensor cuts off half of the noise."""
 MOST = 0.25
 """Share of the rows up to which the others still are a record."""
 
 
-def clipped_rows(contraction: Array, force: Array) -> Array:
+def clipped_rows(inputs: Inputs, force: Array) -> Array:
     """Mask (n,) of the samples, in order of time, at the lowest or the highest force in N that the sensor can give.
 
-    All that they say is that the force is beyond it. None where they are too many to do without.
+    All that they say is that the force is beyond it. None where they are too many to do without. In a hold a force
+    without noise repeats, too: there all others must differ.
     """
-    out = np.zeros(len(force), bool)
-    for end in (force.min(), force.max()):
+    contraction, out = inputs.contraction, np.zeros(len(force), bool)
+    ends = (force.min(), force.max())
+    rest = ~np.isin(force, ends) if inputs.moving is None else ~np.isin(force, ends) & ~inputs.moving
+    noisy = rest.any() and len(np.unique(force[rest])) > DIFFERENT * rest.sum()
+    for end in ends:
         here = force == end
-        if here.sum() >= LEAST and np.ptp(contraction[here]) > MOVES * np.ptp(contraction):
+        moves = np.ptp(contraction[here]) > MOVES * np.ptp(contraction)
+        if here.sum() >= LEAST and (moves or noisy):
             out |= np.convolve(here, np.ones(2 * BESIDE + 1), "same") > 0.0
     return out if out.sum() <= MOST * len(out) else np.zeros(len(force), bool)

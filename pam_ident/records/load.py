@@ -149,7 +149,7 @@ def build_loaded(
         **{key: values.get(key) for key in ("time", "cycle", "temperature")},
     )
     if found.inputs.time is not None:  # the motion goes on while the load cell is at its end
-        clipped = clipped_rows(found.inputs.contraction, found.force)
+        clipped = clipped_rows(found.inputs, found.force)
         if clipped.any():
             notes.add("clipped", where["force"], f"sample {int(clipped.argmax()) + 1}", int(clipped.sum()))
             found = found.take(np.flatnonzero(~clipped))
