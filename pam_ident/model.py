@@ -4,14 +4,23 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from inspect import Parameter, Signature
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .core import Inputs, Param, UsageError
 from .core.lmfit_names import from_lmfit_names, to_parameters
 from .core.recursion import Live, Memory
-from .effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure, get_effect
+from .effects import (
+    AddsForce,
+    Effect,
+    Form,
+    ScalesForce,
+    TransformsContraction,
+    TransformsPressure,
+    catalogue,
+    get_effect,
+)
 from .laws import Law, get_law
 
 if TYPE_CHECKING:
@@ -27,6 +36,11 @@ class Term:
 
     effect: Effect
     form: Form
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        known = catalogue().get(self.effect.name)  # whose forms may hold functions made on the spot
+        by_name = known is not None and self.form in known.forms
+        return (as_term, (f"{self.effect.name}:{self.form.name}",)) if by_name else (Term, (self.effect, self.form))
 
     @property
     def label(self) -> str:

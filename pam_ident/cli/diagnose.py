@@ -45,16 +45,15 @@ def diagnose(
     from ..schema.diagnosis import diagnosis_json, stopped_json
     from ..schema.prediction import law_choice_json
     from ..tasks.diagnose import diagnose_records
-    from ..tasks.gate import NothingNamed, warnings_of
+    from ..tasks.gate import warnings_of
 
     answers, code = [], 0
     for path, found, choice in diagnose_records(record, setup):
         if isinstance(found, Exception):
             typer.echo(" ".join(str(found).split()), err=True)
             code = max(code, found.exit_code)
-            if isinstance(found, NothingNamed):
-                taken = law if choice is None else choice.law
-                answers.append(stopped_json(path, taken, found.n, found.doubts) | law_choice_json(choice))
+            taken, n = law if choice is None else choice.law, getattr(found, "n", 0)
+            answers.append(stopped_json(path, taken, n, options.reasons(found)) | law_choice_json(choice))
             continue
         doubts = warnings_of(found.base)
         answers.append(diagnosis_json(path, found, doubts) | law_choice_json(choice))

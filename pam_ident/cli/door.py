@@ -43,6 +43,8 @@ def explain(error: Exception) -> tuple[str, int]:
 
     if isinstance(error, PamError):
         return _short(str(error)), error.exit_code
+    if isinstance(error, MemoryError):
+        return "the memory ran out; take a part of the record, or a larger machine", 2
     if name == "LinAlgError":
         return f"the fit broke down ({_short(str(error))}); check the record for constant columns", 3
     if os.environ.get("PAM_IDENT_DEBUG"):

@@ -15,18 +15,19 @@ def ladder(
 ) -> None:
     """Diagnose and add down to the noise floor."""
     setup = asked.setup(law)
+    from ..core import PamError
     from ..schema.diagnosis import ladder_json
     from ..schema.prediction import law_choice_json
-    from ..tasks.gate import NothingNamed, warnings_of
+    from ..tasks.gate import warnings_of
     from ..tasks.ladder import climb_ladder
     from ..tasks.law_choice import settle
 
-    measured = setup.read(record)
     choice = None
     try:
+        measured = setup.read(record)
         setup, choice = settle(measured, setup)
         found = climb_ladder(measured, setup)
-    except NothingNamed as stop:
+    except PamError as stop:
         options.give_stopped(asked.json, record, setup.law, stop, choice)
         raise
     doubts = warnings_of(found.rungs[0].fit)

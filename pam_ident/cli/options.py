@@ -1,5 +1,6 @@
 """Options that several commands share, and what they become."""
 
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,7 +9,8 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from ..tasks.gate import NothingNamed
+    from ..core import PamError
+    from ..records.doubt import Doubt
     from ..tasks.law_choice import LawChoice
     from ..tasks.setup import Setup
 
@@ -106,6 +108,8 @@ class Asked:
 
 
 NOTHING = Asked()
+answered: ContextVar[bool] = ContextVar("answered", default=False)
+"""Whether the command has written its JSON."""
 
 
 def check_json(path: str | None) -> None:
@@ -128,18 +132,38 @@ def give_json(path: str | None, answer: "Callable[[], Mapping[str, Any]]") -> No
     if path is not None:
         from ..core.files import write_json
 
+        answered.set(True)
         found = dict(answer())
         write_json(path, found | {"warnings": found.get("warnings", [])})
 
 
-def give_stopped(
-    path: str | None, record: str, law: str, stop: "NothingNamed", choice: "LawChoice | None" = None
-) -> None:
-    """Write, where an answer was asked for, that nothing is named, and why."""
-    from ..schema.diagnosis import stopped_json
-    from ..schema.prediction import law_choice_json
+def reasons(error: "PamError") -> "tuple[Doubt, ...]":
+    """Why a command was refused, as its warnings."""
+    from ..records.doubt import Doubt
 
-    give_json(path, lambda: stopped_json(record, law, stop.n, stop.doubts) | law_choice_json(choice))
+    code = {3: "no_fit", 4: "bad_data"}.get(error.exit_code, "failed")
+    return getattr(error, "doubts", None) or (Doubt(code, " ".join(str(error).split()), None, True),)
+
+
+def give_refused(path: str | None, error: Exception, asked: "Mapping[str, Any]") -> None:
+    """Write, where an answer was asked for and none is written, why there is none; `asked` are the command's words."""
+    from ..core import PamError
+
+    if isinstance(error, PamError) and error.exit_code in (3, 4) and not answered.get():
+        from ..schema.diagnosis import refusal_json
+
+        record = asked.get("record") or asked.get("at")
+        give_json(path, lambda: refusal_json(record, asked.get("law"), error.exit_code, reasons(error)))
+
+
+def give_stopped(path: str | None, record: str, law: str, stop: "PamError", choice: "LawChoice | None" = None) -> None:
+    """Write, where an answer was asked for, that nothing is named, and why."""
+    if stop.exit_code in (3, 4):
+        from ..schema.diagnosis import stopped_json
+        from ..schema.prediction import law_choice_json
+
+        n = getattr(stop, "n", 0)
+        give_json(path, lambda: stopped_json(record, law, n, reasons(stop)) | law_choice_json(choice))
 
 
 def held(pairs: list[str] | None) -> dict[str, float]:

@@ -38,5 +38,5 @@ def predict(
     outside = int(frame["outside"].to_numpy().sum())
     if outside:
         text.warn(f"{outside} rows lie outside what was fitted; intervals there were never tried")
-    if frame["unexplained"].any():
+    if frame["unexplained"].to_numpy().any():
         text.warn("the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks")

@@ -13,20 +13,21 @@ def report(
     asked: options.Asked = options.NOTHING,
 ) -> None:
     """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
+    from ..core import PamError
     from ..schema.diagnosis import diagnosis_json
     from ..schema.prediction import law_choice_json
-    from ..tasks.gate import NothingNamed, warnings_of
+    from ..tasks.gate import warnings_of
     from ..tasks.law_choice import settle
     from ..tasks.report import check_report, report_record
 
     setup = asked.setup(law)
     check_report(out, format)
-    measured = setup.read(record)
     choice = None
     try:
+        measured = setup.read(record)
         setup, choice = settle(measured, setup)
         story = report_record(measured, setup, out, format)
-    except NothingNamed as stop:
+    except PamError as stop:
         options.give_stopped(asked.json, record, setup.law, stop, choice)
         raise
     diagnosis = story.sections[0].diagnosis

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from . import text
-from .options import Asked, check_json
+from .options import Asked, answered, check_json, give_refused
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -24,8 +24,8 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only; a
 
 
 def verb(command: Callable[..., None]) -> Callable[..., None]:
-    """The command with `--quiet`, the options of its argument `asked` one by one, a `--json` that can be written, and
-    its progress shown where stderr is a terminal.
+    """The command with `--quiet`, the options of its argument `asked` one by one, a `--json` that can be written and is
+    also where the command is refused, and its progress shown where stderr is a terminal.
 
     With `--quiet`, or with `--json -`, which puts the answer on stdout, nothing else is printed there.
     """
@@ -38,15 +38,21 @@ def verb(command: Callable[..., None]) -> Callable[..., None]:
         check_json(given.get("json"))
         with ExitStack() as after:
             after.callback(text.silent.reset, text.silent.set(quiet or given.get("json") == "-"))
+            after.callback(answered.reset, answered.set(False))
             if not quiet and sys.stderr.isatty():
                 from ..core.progress import heard
 
                 line = ProgressLine()
                 after.callback(line.clear)
                 after.enter_context(heard(line.tell))
+            words = dict(given)
             if shared:
                 given["asked"] = Asked(**{name: given.pop(name) for name in shared})
-            command(**given)
+            try:
+                command(**given)
+            except Exception as error:
+                give_refused(words.get("json"), error, words)
+                raise
 
     spread = [p for name, one in own.items() for p in (shared.values() if name == "asked" else [one])]
     spread = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in [*spread, extra]]

@@ -65,12 +65,13 @@ def in_common(groups: Iterable[Group], values: Array) -> Common:
 
 
 def comes_back(record: Record, residual: Array, rows: Array) -> float:
-    """Share of the squares of a residual (n,) in N, within strokes, that repeats of them share; 0 where it may be
-    chance. A line in time is taken off each cycle first; `rows` (mask, (n,)) are looked at."""
+    """Share of the squares of a residual (n,) in N, within strokes, that repeats of them share, less what a coarse
+    gauge makes; 0 where it may be chance. A line in time is taken off each cycle first; `rows` (mask, (n,)) are looked at."""
     if record.inputs.time is None:
         return 0.0
     common = in_common(repeats(record, rows), residual - _trends(record, residual, rows)[0])
-    return min(max(common.shared / max(common.size, 1e-300), 0.0), 1.0) if common.certain else 0.0
+    shared = common.shared - common.n * _rounding(record.force)
+    return min(max(shared / max(common.size, 1e-300), 0.0), 1.0) if common.certain else 0.0
 
 
 def _rounding(force: Array) -> float:

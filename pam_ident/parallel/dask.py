@@ -72,8 +72,7 @@ def _until_gone(client: "Client", work: Callable, left: dict[int, Any]) -> Itera
             future = next(running)
             if future.status in ("cancelled", "lost"):
                 return
-            failure: Any = future.exception() if future.status == "error" else None
-            result = future.result() if failure is None else None
+            failure, result = _outcome(future)
         except Exception as error:
             # The line can break at any instant, that between a future's status and its result included.
             if client.status == "running" and not isinstance(error, (OSError, CancelledError)):
@@ -89,3 +88,15 @@ def _until_gone(client: "Client", work: Callable, left: dict[int, Any]) -> Itera
             raise failure
         else:
             yield k, result
+
+
+def _outcome(future: Any) -> tuple[Any, Any]:
+    """What a task that is done raised, or its result: to be found anew where its worker has died with it since."""
+    from distributed import KilledWorker
+
+    if future.status == "error":
+        return future.exception(), None
+    try:
+        return None, future.result()
+    except KilledWorker as error:
+        return error, None

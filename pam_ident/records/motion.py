@@ -70,14 +70,14 @@ def _distances(x: Array, time: Array | None) -> Array:
     # by which strokes then were smoothed, and their ends came out as a rub or as friction.
     t = np.arange(len(x), dtype=float) if time is None else time
     near, shares = (0, 1, 3, 4), []
-    for j in near:
-        share = np.ones(n)
-        for k in near:
-            if k != j:
-                apart = t[j : j + n] - t[k : k + n]
-                share *= np.divide(t[2 : 2 + n] - t[k : k + n], apart, out=np.full(n, np.nan), where=apart != 0.0)
-        shares.append(share)
     with np.errstate(over="ignore", invalid="ignore"):  # steps of a spoilt clock; what is not finite is left out
+        for j in near:
+            share = np.ones(n)
+            for k in near:
+                if k != j:
+                    apart = t[j : j + n] - t[k : k + n]
+                    share *= np.divide(t[2 : 2 + n] - t[k : k + n], apart, out=np.full(n, np.nan), where=apart != 0.0)
+            shares.append(share)
         off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
         return np.where(np.isfinite(off), np.abs(off), np.nan) / np.sqrt(1.0 + sum(share**2 for share in shares))
 

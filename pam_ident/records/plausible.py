@@ -196,7 +196,7 @@ def _doubt_isobar(record: Record, likeness: float | None) -> Iterator[Doubt]:
     """Force must fall along an isobar, and end near the braid's free contraction."""
     here = _highest(record)
     e, force = record.inputs.contraction[here], record.force[here]
-    if likeness is None or np.ptp(e) < 1e-6:
+    if likeness is None or not len(e) or np.ptp(e) < 1e-6:
         return
     level = float(np.median(record.level[here]))
     if likeness > RISES:

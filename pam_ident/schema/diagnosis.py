@@ -81,6 +81,12 @@ def stopped_json(record: str, law: str, n: int, doubts: "Sequence[Doubt]") -> Js
     }
 
 
+def refusal_json(record: str | None, law: str | None, exit_code: int, doubts: "Sequence[Doubt]") -> Json:
+    """Schema pam-ident/refusal/1 of what a command could not read or fit, because of `doubts`."""
+    found = {"schema": schema("refusal"), "record": record, "law": law, "exit_code": exit_code}
+    return found | {"warnings": warnings_json(doubts)}
+
+
 def diagnosis_json(record: str, diagnosis: "Diagnosis", doubts: "Sequence[Doubt]" = ()) -> Json:
     """Schema pam-ident/diagnosis/1."""
     return {

@@ -25,6 +25,7 @@ VERSIONS = {
     "laws": 1,
     "package": 1,
     "prediction": 1,
+    "refusal": 1,
     "rig": 1,
     "selftest": 1,
     "track": 1,

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterable, Iterator
 from functools import partial
 
-from ..core import PamError
+from ..core import PamError, UsageError
 from ..diagnosis import diagnose
 from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
@@ -70,6 +70,8 @@ def _diagnose(setup: Setup, path: str) -> tuple[Answer, LawChoice | None]:
         return diagnose_record(record, setup), choice
     except PamError as error:
         return error, choice
+    except MemoryError:
+        return UsageError(f"{path}: the memory ran out; take a part of it, or a larger machine"), choice
     except Exception as error:
         if os.environ.get("PAM_IDENT_DEBUG"):
             raise

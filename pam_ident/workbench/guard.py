@@ -1,13 +1,21 @@
-"""Who may ask the server: pages of this address, with a session that this server has given out."""
+"""Who may ask the server, and what it tells them: pages of this address, with a session that it has given out."""
 
+import gzip
+import os
+import zlib
 from collections.abc import Collection
+from importlib import import_module
+from types import SimpleNamespace
 from typing import Any
 
+from bokeh.core import serialization
 from bokeh.util.token import check_token_signature, get_session_id
 from tornado.httputil import HTTPServerRequest
 from tornado.web import Application, ErrorHandler
 
 PROTOCOL = "Sec-Websocket-Protocol"
+MOST_UNPACKED = 1 << 28
+"""Bytes that a packed part of a message may have when it is unpacked."""
 
 
 def guard(app: Application, hosts: Collection[str], secret: str) -> None:
@@ -25,6 +33,23 @@ def guard(app: Application, hosts: Collection[str], secret: str) -> None:
         return find(request, **more)
 
     app.find_handler = find_guarded  # type: ignore[method-assign]
+
+
+def tell_no_files() -> None:
+    """Bokeh answers a message that it cannot take with a traceback, and unpacks what it is sent without a limit: take
+    both away. PAM_IDENT_DEBUG leaves the former."""
+    if not os.environ.get("PAM_IDENT_DEBUG"):
+        messages = import_module("bokeh.protocol.messages.error")  # the package has a class of that name
+        messages.format_exception = lambda *_: ()  # type: ignore[attr-defined]
+    serialization.gzip = SimpleNamespace(compress=gzip.compress, decompress=_unpacked)  # type: ignore[attr-defined]
+
+
+def _unpacked(data: bytes) -> bytes:
+    unpack = zlib.decompressobj(16 + zlib.MAX_WBITS)
+    found = unpack.decompress(data, MOST_UNPACKED)
+    if not unpack.eof:
+        raise ValueError(f"a part of a message that unpacks to more than {MOST_UNPACKED >> 20} MiB, or is cut short")
+    return found
 
 
 def _tokens(request: HTTPServerRequest) -> list[str]:

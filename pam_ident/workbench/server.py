@@ -15,7 +15,7 @@ from panel.io.server import get_server
 from tornado.websocket import WebSocketClosedError
 
 from ..core import UsageError
-from .guard import guard
+from .guard import guard, tell_no_files
 from .history import History, Kept
 from .page import Workbench
 
@@ -61,6 +61,7 @@ def serve(
         http_server_kwargs={"max_buffer_size": MOST_BYTES},
     )
     guard(server._tornado, hosts, secret)
+    tell_no_files()
     server.io_loop.add_callback(lambda: asyncio.get_running_loop().set_exception_handler(_unless_gone))
     warnings.filterwarnings("ignore", "reference already known")  # Bokeh, when a button is pressed; nothing is amiss
     ready(address)

@@ -1,6 +1,7 @@
 """A tree of made-up records whose parameters are known, and the program as a process that can be killed."""
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -77,4 +78,15 @@ def work_that_kills(item):
     if item.name == "bad" or (item.name == "once" and not marker.exists()):
         marker.touch()
         os.kill(os.getpid(), signal.SIGKILL)
+    return item.name
+
+
+def work_that_runs_out(item):
+    """Work whose record `bad` asks for more memory than there is always, `once` the first time; then its process has
+    none left."""
+    marker = Path(item.path)
+    if item.name == "bad" or (item.name == "once" and not marker.exists()):
+        marker.touch()
+        resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
+        np.ones(1 << 32)
     return item.name

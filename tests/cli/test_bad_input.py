@@ -1,5 +1,6 @@
 """Bad input ends in the right exit code and one clear message, never in a traceback."""
 
+import json
 import re
 
 import pytest
@@ -151,3 +152,42 @@ def test_wrong_calls_exit_with_2(ask, write_record, words, tmp_path, monkeypatch
     path = write_record(GOOD)
     one_message(ask(*(path if word == "RECORD" else word for word in words)), 2)
     assert list(tmp_path.iterdir()) == []
+
+
+VERBS = {
+    "inspect": ("RECORD",),
+    "fit": ("RECORD",),
+    "compare": ("RECORD", "--law", "sarosi"),
+    "add": ("RECORD", "--effect", "creep"),
+    "diagnose": ("RECORD",),
+    "ladder": ("RECORD",),
+    "report": ("RECORD", "--out", "out.html"),
+    "validate": ("none.json", "RECORD"),
+    "predict": ("none.json", "--at", "RECORD"),
+    "export": ("RECORD", "--to", "c", "--out", "out.h"),
+}
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_what_cannot_be_read_has_its_line_of_json(verb, ask, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.csv").write_text("time_s,force_N\n0,1\n")
+    words = [word.replace("RECORD", "bad.csv") for word in VERBS[verb]]
+    result = ask(verb, *words, "--json", "-")
+    answer = json.loads(result.stdout)
+    naming = verb in ("diagnose", "ladder", "report")
+    assert result.exit_code == 4 and answer["schema"] == f"pam-ident/{'diagnosis' if naming else 'refusal'}/1"
+    ((warning,), record) = answer["warnings"], answer["record"]
+    assert warning["code"] == "bad_data" and warning["grave"] and warning["text"] == " ".join(result.stderr.split())
+    assert record == (None if verb == "export" else "bad.csv")
+    ask(verb, *words, "--json", tmp_path / "answer.json")
+    assert json.loads((tmp_path / "answer.json").read_text()) == answer
+
+
+def test_each_of_several_records_has_its_line_and_a_wrong_call_has_none(ask, rubbing, tmp_path):
+    (tmp_path / "bad.csv").write_text("time_s,force_N\n0,1\n")
+    result = ask("diagnose", tmp_path / "bad.csv", rubbing, "--law", "exponential_law", "--json", "-")
+    lines = [json.loads(line) for line in result.stdout.splitlines()]
+    assert result.exit_code == 4 and [one["selected"] for one in lines] == [[], ["coulomb_friction"]]
+    result = ask("fit", rubbing, "--law", "none", "--json", tmp_path / "answer.json")
+    assert result.exit_code == 2 and not (tmp_path / "answer.json").exists()

@@ -76,8 +76,8 @@ def test_several_records_get_a_line_each_and_a_bad_one_stops_none(ask, rubbing, 
     result = ask("diagnose", rubbing, bad, clean, *LAW, "--json", out)
     assert result.exit_code == 4 and len(result.stderr.strip().splitlines()) == 1 and str(bad) in result.stderr
     found = [json.loads(line) for line in out.read_text().splitlines()]
-    assert [one["record"] for one in found] == [str(rubbing), str(clean)]
-    assert [one["verdict"] for one in found] == ["missing_effect", "adequate"]
+    assert [one["record"] for one in found] == [str(rubbing), str(bad), str(clean)]
+    assert [one["verdict"] for one in found] == ["missing_effect", "unknown_effect", "adequate"]
 
 
 @pytest.mark.long

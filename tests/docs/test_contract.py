@@ -109,6 +109,7 @@ def written(root, tmp_path_factory):
             answers.setdefault(answer["schema"], []).append(answer)
     return answers | {
         "pam-ident/track/1": [made_up_track()],
+        "pam-ident/refusal/1": [refused(tree / "bad.csv", folder / "refused.json")],
         "pam-ident/workbench/1": [served(folder / "served.json")],
         "pam-ident/effects/1": [*answers["pam-ident/effects/1"], checked(folder)],
     }
@@ -127,6 +128,12 @@ def checked(folder):
     (folder / "mine.py").write_text(text.replace("    return ", '    return float("nan") * '), encoding="utf-8")
     CliRunner().invoke(app, ["effects", "check", str(folder / "mine.py"), "--json", str(folder / "checked.json")])
     return json.loads((folder / "checked.json").read_text(encoding="utf-8"))
+
+
+def refused(record, file):
+    """What is written of a record that cannot be read."""
+    assert CliRunner().invoke(app, ["fit", str(record), "--json", str(file)]).exit_code == 4
+    return json.loads(file.read_text(encoding="utf-8"))
 
 
 def served(file):

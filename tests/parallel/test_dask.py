@@ -34,6 +34,20 @@ def test_a_line_that_breaks_before_a_result_is_fetched_loses_no_task(address, mo
     assert told == [f"the scheduler at {address} is gone; waiting for it"]
 
 
+def test_a_worker_that_dies_with_a_result_before_it_is_fetched_loses_no_task(address, monkeypatch):
+    whole, asked = distributed.Future.result, []
+
+    def result(future):
+        asked.append(future.key)
+        if len(asked) == 2:
+            raise distributed.KilledWorker(future.key, None, 0)
+        return whole(future)
+
+    monkeypatch.setattr(distributed.Future, "result", result)
+    found = list(Executor(scheduler=address).map(str, range(5), "numbers"))
+    assert sorted(found) == [(k, str(k)) for k in range(5)] and len(asked) == 6
+
+
 def test_what_a_worker_raises_is_no_broken_line(address):
     def work(task):
         raise OSError("no such disk")

@@ -9,7 +9,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "batch"))
-from batch_tree import work_that_kills, write_tree
+from batch_tree import work_that_kills, work_that_runs_out, write_tree
 from dask_cluster import Cluster
 
 from pam_ident.batch.request import Item
@@ -21,6 +21,7 @@ from pam_ident.tasks import fit as fit_record
 from pam_ident.tasks.diagnose import diagnose_records
 from pam_ident.tasks.fit import FitOptions
 from pam_ident.tasks.setup import Setup
+from pam_ident.validation.challenge import answer_all, write_challenge
 
 EFFECT = """
 from pam_ident.core import Param
@@ -116,9 +117,9 @@ def killing(tmp_path):
     return [Item(name, str(tmp_path / name), "", "", name) for name in names]
 
 
-def held(items, executor):
+def held(items, executor, work=work_that_kills):
     """That all tasks but the one that kills each of its workers are done."""
-    found = {items[k].name: result for k, result in executor.map(work_that_kills, items, "items")}
+    found = {items[k].name: result for k, result in executor.map(work, items, "items")}
     lost = found.pop("bad")
     assert isinstance(lost, WorkerLost) and found == {name: name for name in ("a", "b", "c", "d", "once")}
     return str(lost)
@@ -126,6 +127,11 @@ def held(items, executor):
 
 def test_a_process_that_dies_is_replaced_and_only_its_task_given_up(tmp_path):
     assert held(killing(tmp_path), Executor(2)).startswith("its worker was killed 2 times")
+
+
+@pytest.mark.long
+def test_a_process_that_runs_out_of_memory_is_replaced_and_only_its_task_given_up(tmp_path):
+    assert held(killing(tmp_path), Executor(2), work_that_runs_out).startswith("its worker was killed 2 times")
 
 
 @pytest.mark.long
@@ -139,15 +145,27 @@ def test_a_task_that_was_lost_is_told_where_all_are_needed(tmp_path):
         Executor(1).all(work_that_kills, killing(tmp_path), "items")
 
 
+STAGES = {"profile": "profiles", "bootstrap": "hundreds of refits", "challenge": "cases"}
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("back", [True, False])
-def test_a_scheduler_that_dies_in_mid_run_of_profiles(record, effect, tmp_path, back):
+@pytest.mark.parametrize(
+    ("verb", "back"), [("profile", True), ("profile", False), ("bootstrap", True), ("challenge", True)]
+)
+def test_a_scheduler_that_dies_in_mid_run(verb, back, record, effect, tmp_path):
     """Back again, the answer is the same to the bit; else it is one error that says what to do."""
     told = []
+
+    def ask(by):
+        if verb != "challenge":
+            return intervals(record, effect, verb, by)
+        return [{**one, "record": ""} for one in answer_all(tmp_path / "set", by).values()]
+
+    write_challenge(str(tmp_path / "set"), 4, 5, "null")
     with Cluster(tmp_path, 1) as cluster:
 
         def ear(stage):
-            if stage.what != "profiles":
+            if stage.what != STAGES[verb]:
                 return
             told.append(stage.done)
             if stage.done == 1:
@@ -160,13 +178,13 @@ def test_a_scheduler_that_dies_in_mid_run_of_profiles(record, effect, tmp_path, 
         by = Executor(scheduler=cluster.address, patience_s=60.0 if back else 0.5)
         with heard(ear):
             if back:
-                found = intervals(record, effect, "profile", by)
+                found = ask(by)
             else:
                 with pytest.raises(UsageError, match=r"no Dask scheduler answers .* start one"):
-                    intervals(record, effect, "profile", by)
+                    ask(by)
     if back:
-        assert found == intervals(record, effect, "profile", Executor())
-        assert told == list(range(len(found) + 1))
+        assert found == ask(Executor())
+        assert told == list(range(len(told))) and len(told) > 2
     else:
         assert told == [0, 1]
 

@@ -111,6 +111,7 @@ KINDS: dict[str, Callable] = {
     "a pressure that rises all the time": _with(1, lambda p, r: np.linspace(0.05, 0.6, len(p))),
     "turned pressure": _with(1, lambda p, r: -p),
     "absolute pressure": _with(1, lambda p, r: p + 0.101325),
+    "near vacuum, at hardly a length": lambda rng: good(rng) * [1.0, 1e-3, 1e-3, 1.0] - [0.0, 0.101, 0.0, 0.0],
     "no length": _with(2, lambda x, r: 0.0 * x),
     "a length of 1e-300": _with(2, lambda x, r: 1e-300 * x),
     "a length of 1e-7": _with(2, lambda x, r: 1e-7 * x),

@@ -95,6 +95,13 @@ class Client(ClientSession):
     def token(self):
         return self.given
 
+    def pull(self):
+        """The page as it is now. While it is put in place, nothing is sent: the server would take it for a new page."""
+        if self.document is not None:
+            self.document.callbacks.remove_on_change(self)
+        super().pull()
+        self.document.callbacks.on_change_dispatch_to(self)
+
     def models(self, kind):
         """The page's models of a kind."""
         return [one for one in self.document.models if type(one).__name__ == kind]
