@@ -65,8 +65,11 @@ def in_common(groups: Iterable[Group], values: Array) -> Common:
 
 
 def comes_back(record: Record, residual: Array, rows: Array) -> float:
-    """Share of the squares of a residual (n,) in N, within strokes, that repeats of them share, less what a coarse
-    gauge makes; 0 where it may be chance. A line in time is taken off each cycle first; `rows` (mask, (n,)) are looked at."""
+    """Share of the squares of a residual (n,) in N, within strokes, that repeats share; 0 where it may be chance.
+
+    Rounding of a coarse gauge comes back, too, and is taken off, as is a line in time of each cycle. `rows` (mask,
+    (n,)) are looked at.
+    """
     if record.inputs.time is None:
         return 0.0
     common = in_common(repeats(record, rows), residual - _trends(record, residual, rows)[0])

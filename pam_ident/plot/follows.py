@@ -13,6 +13,7 @@ COLOUR = {
     "map": BLUE,
     "direction": VERMILION,
     "speed": ORANGE,
+    "acceleration": INK,
     "way": PURPLE,
     "rest": GREEN,
     "cycle": YELLOW,
@@ -22,7 +23,7 @@ COLOUR = {
     "noise": FAINT,
 }
 """A colour each, the same in every figure."""
-DARK = {BLUE, VERMILION, PURPLE, BLACK, GREEN, GREY}
+DARK = {BLUE, VERMILION, PURPLE, BLACK, INK, GREEN, GREY}
 SEEN = 0.005
 """Shares below this are neither drawn nor named, but for the noise."""
 WRITTEN = 0.09

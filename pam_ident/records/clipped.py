@@ -5,7 +5,7 @@ import numpy as np
 from ..core import Inputs
 
 Array = np.ndarray
-LEAST = 10
+LEAST = 20
 """Rows that read the very same extreme force while the muscle moves."""
 MOVES = 0.005
 """Share of the stroke by which it moves meanwhile: more than a sensor's noise in a hold."""

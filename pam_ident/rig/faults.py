@@ -21,14 +21,14 @@ def _some(n: int, share: float, rng: np.random.Generator) -> NDArray[np.intp]:
     return rng.choice(n, max(int(share * n), 1), replace=False)
 
 
-def spikes(table: Array, rng: np.random.Generator) -> Array:
+def _spikes(table: Array, rng: np.random.Generator) -> Array:
     """Two samples in a thousand of the force are off by 50 to 500 N."""
     out, rows = table.copy(), _some(len(table), 0.002, rng)
     out[rows, FORCE] += rng.choice([-1.0, 1.0], len(rows)) * rng.uniform(50.0, 500.0, len(rows))
     return out
 
 
-def empty_cells(table: Array, rng: np.random.Generator) -> Array:
+def _empty_cells(table: Array, rng: np.random.Generator) -> Array:
     """One in a hundred cells of pressure, length or force is empty."""
     out = table.copy()
     for column in (PRESSURE, LENGTH, FORCE):
@@ -36,14 +36,14 @@ def empty_cells(table: Array, rng: np.random.Generator) -> Array:
     return out
 
 
-def lost_rows(table: Array, rng: np.random.Generator) -> Array:
+def _lost_rows(table: Array, rng: np.random.Generator) -> Array:
     """One row in twenty was never written."""
     out = table.copy()
     out[_some(len(out), 0.05, rng), TIME] = np.nan
     return out
 
 
-def jitter(table: Array, rng: np.random.Generator) -> Array:
+def _jitter(table: Array, rng: np.random.Generator) -> Array:
     """The clock is read up to a fifth of a step too late."""
     out = table.copy()
     steps = np.diff(out[:, TIME], append=out[-1, TIME] + 0.01)
@@ -51,7 +51,7 @@ def jitter(table: Array, rng: np.random.Generator) -> Array:
     return out
 
 
-def coarse(table: Array, rng: np.random.Generator) -> Array:
+def _coarse(table: Array, rng: np.random.Generator) -> Array:
     """A logger of 12 bits: 1 N, 0.05 mm, 0.5 kPa."""
     out = table.copy()
     for column, step in ((PRESSURE, 0.0005), (LENGTH, 0.05), (FORCE, 1.0)):
@@ -59,7 +59,7 @@ def coarse(table: Array, rng: np.random.Generator) -> Array:
     return out
 
 
-def clipped(table: Array, rng: np.random.Generator) -> Array:
+def _clipped(table: Array, rng: np.random.Generator) -> Array:
     """The load cell ends at 85 to 95 % of the largest force."""
     out = table.copy()
     out[:, FORCE] = np.minimum(out[:, FORCE], np.round(rng.uniform(0.85, 0.95) * out[:, FORCE].max(), 3))
@@ -67,5 +67,10 @@ def clipped(table: Array, rng: np.random.Generator) -> Array:
 
 
 FAULTS: dict[str, Fault] = {
-    fault.__name__: fault for fault in (spikes, empty_cells, lost_rows, jitter, coarse, clipped)
+    "spikes": _spikes,
+    "empty_cells": _empty_cells,
+    "lost_rows": _lost_rows,
+    "jitter": _jitter,
+    "coarse": _coarse,
+    "clipped": _clipped,
 }
