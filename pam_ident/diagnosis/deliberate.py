@@ -36,9 +36,8 @@ NEAR, BENT = 30.0, 0.005
 be explained, because the law bends."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
-adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes;
-the same where it takes the place of names
-that have as many parameters, and none where they have more."""
+adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
+takes the place of names with no fewer parameters; and none where these have more, and it leaves noise alone."""
 
 
 def investigate(
@@ -271,8 +270,10 @@ def _pattern_price(trial: Trial, lead: Lead, verdict: Verdict) -> float:
     search = 2.0 * float(np.log(max(lead.tried, 2)))
     known = sum(len(term.form.params) for term in verdict.terms)
     more = lead.atom.free - known if not lead.onto.terms else 1
+    rest = (lead.onto.cost - lead.gain - len(trial.record)) / float(np.sqrt(2.0 * len(trial.record)))
     fault = not isinstance(lead.atom.term.form, AddsForce)
-    tolerance = 0.0 if more < 0 else FAULT_TOLERANCE if fault or more == 0 else PATTERN_TOLERANCE
+    simpler = more < 0 and rest < EXPLAINED
+    tolerance = 0.0 if simpler else FAULT_TOLERANCE if fault or more <= 0 else PATTERN_TOLERANCE
     return PATTERN_MARGIN + search + tolerance * trial.excess + trial.price.per_parameter * lead.atom.free
 
 

@@ -43,9 +43,10 @@ def _swinging(inputs: Inputs, shape: Shape, force: Array) -> Array:
     return xp.stack([xp.sin(angle), 1.0 - xp.cos(angle)]).T
 
 
-def _powers(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
     late = elapsed(inputs) / 600.0
-    return inputs.xp.stack([late, late**2, late**3]).T
+    powers = inputs.xp.stack([late, late**2, late**3]).T
+    return inputs.xp.hstack([_settling(inputs, shape, force), powers])
 
 
 EFFECT = Effect(
@@ -59,7 +60,7 @@ EFFECT = Effect(
         AddsForce("logarithmic", "+F_d ln(1 + t/τ)", (LEVEL,), _logarithmic, (TAU,)),
         AddsForce("settling_on", "+F_d (1 − exp(−t/τ)) + rate · t", (LEVEL, RATE), _settling_on, (TAU,)),
         AddsForce("swinging", "+F_sin sin(2πt/T) + F_cos (1 − cos(2πt/T))", SWING, _swinging, (PERIOD,)),
-        AddsForce("free", "+Σ F_k (t/10 min)^k, k = 1, 2, 3", FREE, _powers),
+        AddsForce("free", "+F_d (1 − exp(−t/τ)) + Σ F_k (t/10 min)^k, k = 1, 2, 3", (LEVEL, *FREE), _smooth, (TAU,)),
     ),
     follows=("clock",),
     test="tare before and after; pressures in random order",
