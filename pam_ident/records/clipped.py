@@ -7,6 +7,8 @@ from ..core import Inputs
 Array = np.ndarray
 LEAST = 20
 """Rows that read the very same extreme force while the muscle moves."""
+PILED = 3.0
+"""How many times as often that force is read as the one next to it."""
 MOVES = 0.005
 """Share of the stroke by which it moves meanwhile: more than a sensor's noise in a hold."""
 DIFFERENT = 0.5
@@ -21,15 +23,16 @@ def clipped_rows(inputs: Inputs, force: Array) -> Array:
     """Mask (n,) of the samples, in order of time, at the lowest or the highest force in N that the sensor can give.
 
     All that they say is that the force is beyond it. None where they are too many to do without. In a hold a force
-    without noise repeats, too: there all others must differ.
+    without noise repeats, too: there all others must differ. A coarse gauge repeats the reading next to its end, too.
     """
     contraction, out = inputs.contraction, np.zeros(len(force), bool)
     ends = (force.min(), force.max())
     rest = ~np.isin(force, ends) if inputs.moving is None else ~np.isin(force, ends) & ~inputs.moving
     noisy = rest.any() and len(np.unique(force[rest])) > DIFFERENT * rest.sum()
-    for end in ends:
-        here = force == end
+    readings, counts = np.unique(force, return_counts=True)
+    for end, inner in ((0, 1), (-1, -2)) if len(readings) > 1 else ():
+        here = force == readings[end]
         moves = np.ptp(contraction[here]) > MOVES * np.ptp(contraction)
-        if here.sum() >= LEAST and (moves or noisy):
+        if counts[end] >= max(LEAST, PILED * counts[inner]) and (moves or noisy):
             out |= np.convolve(here, np.ones(2 * BESIDE + 1), "same") > 0.0
     return out if out.sum() <= MOST * len(out) else np.zeros(len(force), bool)
