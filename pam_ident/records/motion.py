@@ -234,7 +234,7 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
         return x, np.zeros(n)
     if n >= 12:
         centred = 2.0 * (time - time[0]) / width - 1.0
-        waves = chebyshev.chebvander(centred, min(7, n // 3))
+        waves = chebyshev.chebvander(centred, min(7, n // 6))
         curve = np.linalg.lstsq(waves, x, rcond=None)[0]
         smooth = waves @ curve
         missed = np.std(x - smooth)
