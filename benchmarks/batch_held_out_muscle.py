@@ -60,7 +60,7 @@ def asked() -> Iterator[tuple[Model, dict[str, str]]]:
     """Models, each with what is every muscle's own, in words and by name."""
     zero, rest = Term(*get_effect("force_bias")), Term(*get_effect("length_offset"))
     own_zero = {"own zero": "force_bias.F_b"}
-    own_rest = {"own rest length": f"length_offset.{rest.form.sizes[0].name}"}
+    own_rest = {"own rest length": f"length_offset.{rest.form.linear[0].name}"}
     for law in catalogue().values():
         alone = Model(law, free_geometry=leans_on_the_braid(law))
         yield alone, {}

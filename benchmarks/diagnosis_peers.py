@@ -28,7 +28,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from pam_ident.core.files import write_whole
-from pam_ident.diagnosis.dictionary import atoms_at, slopes
+from pam_ident.diagnosis.dictionary import regressors_at, slopes
 from pam_ident.fitting import fit
 from pam_ident.fitting.solve import jacobian
 from pam_ident.model import Model, Term
@@ -47,7 +47,7 @@ STRONG = 10.0
 
 
 def textbook(record: Record) -> list[Term]:
-    """Every suspect that the record can show, in its textbook form."""
+    """Every candidate that the record can show, in its textbook form."""
     from pam_ident.effects import catalogue
 
     effects = [e for e in catalogue().values() if e.candidate and not e.missing(record.inputs)]
@@ -74,15 +74,15 @@ def refit(model: Model, record: Record, start: dict[str, float]) -> tuple[float,
         return np.nan_to_num(record.force - model.force(record.inputs, values), nan=1e6)
 
     found = least_squares(residual, begin, bounds=(lower, upper), x_scale="jac", max_nfev=40)
-    return 2.0 * float(found.cost), dict(zip(model.names, map(float, found.x * unit), strict=True))
+    return 2.0 * float(found.criterion), dict(zip(model.names, map(float, found.x * unit), strict=True))
 
 
 def starts(term: Term) -> list[dict[str, float]]:
     """Sizes a tenth of their typical magnitude off neutral, shapes at each point of their grids."""
     name, form = term.effect.name, term.form
-    sizes = {f"{name}.{p.name}": p.clip(p.neutral + 0.1 * p.scale) for p in form.sizes}
-    grids = product(*(p.grid or (p.start,) for p in form.shapes))
-    return [sizes | {f"{name}.{p.name}": x for p, x in zip(form.shapes, point, strict=True)} for point in grids]
+    sizes = {f"{name}.{p.name}": p.clip(p.neutral + 0.1 * p.scale) for p in form.linear}
+    grids = product(*(p.grid or (p.start,) for p in form.nonlinear))
+    return [sizes | {f"{name}.{p.name}": x for p, x in zip(form.nonlinear, point, strict=True)} for point in grids]
 
 
 def stepwise(record: Record, law: str) -> dict:
@@ -93,13 +93,13 @@ def stepwise(record: Record, law: str) -> dict:
     terms = textbook(record)
     while True:
         now = bic(squares, n, len(model.params))
-        trials = []
+        selections = []
         for term in terms:
             if term.effect.name not in selected:
                 larger = model.adding(term)
                 best = min((refit(larger, record, values | s) for s in starts(term)), key=lambda item: item[0])
-                trials.append((bic(best[0], n, len(larger.params)), term, larger, best))
-        least, term, larger, best = min(trials, key=lambda item: item[0])
+                selections.append((bic(best[0], n, len(larger.params)), term, larger, best))
+        least, term, larger, best = min(selections, key=lambda item: item[0])
         if least > now - STRONG:
             return answer(selected, float(np.sqrt(squares / n)))
         model, (squares, values) = larger, best
@@ -120,10 +120,10 @@ def sindy(optimizers: Callable[[float], list]) -> Callable[[Record, str], dict]:
         basis = np.linalg.qr(jacobian(model, inputs, base.values, record.force))[0]
         names, columns = [], []
         for term in textbook(record):
-            shapes = [{p.name: s[f"{term.effect.name}.{p.name}"] for p in term.form.shapes} for s in starts(term)]
-            for atom in atoms_at(term.effect, term.form, shapes, inputs, around):
-                left = atom.columns - basis @ (basis.T @ atom.columns)
-                seen = np.linalg.norm(left, axis=0) > 0.05 * np.linalg.norm(atom.columns, axis=0) + 1e-9
+            shapes = [{p.name: s[f"{term.effect.name}.{p.name}"] for p in term.form.nonlinear} for s in starts(term)]
+            for regressor in regressors_at(term.effect, term.form, shapes, inputs, around):
+                left = regressor.columns - basis @ (basis.T @ regressor.columns)
+                seen = np.linalg.norm(left, axis=0) > 0.05 * np.linalg.norm(regressor.columns, axis=0) + 1e-9
                 columns.append(left[:, seen] / np.sqrt(np.mean(left[:, seen] ** 2, axis=0)))
                 names += [term.effect.name] * int(seen.sum())
         library, residual = np.hstack(columns), base.residual - basis @ (basis.T @ base.residual)

@@ -38,13 +38,7 @@ from pam_ident.rig import Plan, Secret, make_record, write_case
 TEXTS, BINARIES, DEGENERATE, SPIKED, NULLS, HOSTILE = 20_000, 2_000, 500, 60, 1_000, 200
 HEAD = ("| class | a failure is also | seed | tried | ended | failures |", "|---|---|---:|---:|---|---:|")
 OPEN, CLOSE = "<!-- faults -->\n", "<!-- /faults -->"
-SPECIMEN = """[specimen]
-name = "made"
-initial_length_mm = 200.0
-initial_radius_mm = 10.0
-braid_angle_deg = 25.4
-wall_thickness_mm = 1.5
-"""
+SPECIMEN = runpy.run_path(str(ROOT / "tests" / "cli" / "conftest.py"))["SPECIMEN"]
 VERBS = ("inspect", "fit", "compare", "diagnose", "ladder")
 MOST_OFF = 2.0
 """Standard errors by which a spike may move a parameter: as far as its 95 % interval goes."""

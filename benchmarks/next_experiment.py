@@ -14,8 +14,8 @@ import numpy as np
 
 from pam_ident.core import FitError
 from pam_ident.diagnosis import Diagnosis, diagnose
-from pam_ident.diagnosis.candidates import Candidate, candidates
 from pam_ident.diagnosis.confounding import one_speed
+from pam_ident.diagnosis.possible_runs import PossibleRun, possible_runs
 from pam_ident.diagnosis.strokes import Strokes
 from pam_ident.effects import catalogue
 from pam_ident.model import Model
@@ -55,21 +55,21 @@ WAYS = ("chosen", "random", "rule")
 def main(seeds: int) -> None:
     print("| poor record | law | hidden | open | chosen | random | old rule | minutes: chosen, random, old rule |")
     for row, (name, protocol, law, hidden) in enumerate(SUBJECTS):
-        trials = [trial(protocol, law, hidden, 900 + k, row) for k in range(seeds)]
-        left = [t for t in trials if t]
+        selections = [selection(protocol, law, hidden, 900 + k, row) for k in range(seeds)]
+        left = [t for t in selections if t]
         counts = " | ".join(str(sum(t[way][0] for t in left)) for way in WAYS)
         minutes = ", ".join(f"{np.median([t[way][1] for t in left]):.0f}" if left else "-" for way in WAYS)
         print(f"| {name} | {law} | {hidden} | {len(left)} of {seeds} | {counts} | {minutes} |", flush=True)
 
 
-def trial(protocol: Protocol, law: str, hidden: str, seed: int, row: int) -> dict[str, tuple[bool, float]]:
+def selection(protocol: Protocol, law: str, hidden: str, seed: int, row: int) -> dict[str, tuple[bool, float]]:
     """Whether each way to choose a run split it, and the minutes of the run; empty where the poor record was clear."""
     secret, warming = Secret(hidden, "textbook", 2.0), hidden == "thermal_softening"
     plan = Plan(seed, law, (secret,), protocol=protocol, warming=warming)
     record, first = answer(plan)
     if not first.selected or (first.selected == (hidden,) and not first.groups):
         return {}
-    runs = candidates(record, Model.build(law), first.base.values)
+    runs = possible_runs(record, Model.build(law), first.base.values)
     draw = np.random.default_rng([seed, row]).integers(len(runs))
     ways = {
         "chosen": first.next_experiment.protocol if first.next_experiment else None,
@@ -80,7 +80,7 @@ def trial(protocol: Protocol, law: str, hidden: str, seed: int, row: int) -> dic
     for strokes in ways.values():
         if strokes not in known:
             known[strokes] = splits(strokes, plan, hidden)
-    return {way: (known[s], Candidate((), s).minutes if s else 0.0) for way, s in ways.items()}
+    return {way: (known[s], PossibleRun((), s).minutes if s else 0.0) for way, s in ways.items()}
 
 
 def splits(strokes: Strokes, plan: Plan, hidden: str) -> bool:
@@ -102,7 +102,7 @@ def answer(plan: Plan) -> tuple[Record, Diagnosis]:
     return record, diagnose(Model.build(plan.law), record)
 
 
-def old_rule(first: Diagnosis, runs: list[Candidate]) -> Strokes | None:
+def old_rule(first: Diagnosis, runs: list[PossibleRun]) -> Strokes | None:
     """All that the rule of until now asks for, in one run: each lever that the first group does not share and the
     record does not vary; the rest as in the record."""
     if not first.groups:
@@ -111,8 +111,8 @@ def old_rule(first: Diagnosis, runs: list[Candidate]) -> Strokes | None:
     members = [effects[name] for name in first.groups[0]]
     levers = list(dict.fromkeys(lever for m in members for lever in m.levers))
     shared = [lever for lever in levers if all(lever in m.levers for m in members)]
-    kin = any(a.name == b.special_case_of for a in members for b in members)
-    splitting = shared if kin else [v for v in levers if v not in shared]
+    exclusion_groups = any(a.name == b.special_case_of for a in members for b in members)
+    splitting = shared if exclusion_groups else [v for v in levers if v not in shared]
     wanted = [v for v in levers if v in lacking(record)] or splitting or levers
     speeds = tuple(sorted({float(f"{v:.1g}") for v in record.inputs.stroke_speed[record.inputs.moving]}))
     plain = runs[0].strokes

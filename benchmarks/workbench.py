@@ -2,7 +2,8 @@
 
     python benchmarks/workbench.py [--record NAME]
 
-`shown` is until the error and its figures are the new ones, `named` until what is missing is said of them.
+`shown` is until the error and its figures are the new ones, `named` until what is missing is said of them, `worked` the
+seconds of a processor that the program needed for it, whatever else runs.
 Needs a chromium: PAM_IDENT_CHROMIUM, or one on the path.
 """
 
@@ -15,6 +16,7 @@ import subprocess
 import sys
 import time
 
+import psutil
 from playwright.sync_api import Page, sync_playwright
 
 EFFECTS = (
@@ -49,7 +51,8 @@ def main() -> None:
         page.goto(address.group())
         page.get_by_label("Another effect").wait_for()
         idle(page)
-        found: dict[str, list[tuple[float, float]]] = {}
+        found: dict[str, list[tuple[float, ...]]] = {}
+        program = psutil.Process(server.pid)
         for effect in EFFECTS:
             page.get_by_label("Another effect").select_option(effect)
             for name, button in (
@@ -59,29 +62,29 @@ def main() -> None:
                 ("remove", f"Remove {effect}"),
             ):
                 act = page.get_by_role("button", name=re.compile(f"^{button}"))
-                found.setdefault(name, []).append(timed(page, act.click))
+                found.setdefault(name, []).append(timed(page, program, act.click))
         for law in LAWS:
             choose = page.get_by_label("Force law")
-            found.setdefault("law", []).append(timed(page, lambda c=choose, law=law: c.select_option(law)))
+            found.setdefault("law", []).append(timed(page, program, lambda c=choose, law=law: c.select_option(law)))
         browser.close()
         server.kill()
     for name, times in found.items():
-        shown, named = (statistics.median(each) for each in zip(*times, strict=True))
-        print(f"{name:8} shown {shown:.2f} s, named {named:.2f} s (median of {len(times)})")
+        shown, named, worked = (statistics.median(each) for each in zip(*times, strict=True))
+        print(f"{name:8} shown {shown:.2f} s, named {named:.2f} s, worked {worked:.2f} s (median of {len(times)})")
 
 
-def timed(page: Page, act) -> tuple[float, float]:
-    """Seconds until the error is another, and until nothing goes on any more."""
+def timed(page: Page, program: psutil.Process, act) -> tuple[float, float, float]:
+    """Seconds until the error is another and until something is named, and of the processor until then."""
     error = page.locator("dl.facts div", has_text="error now").locator("dd")
-    before, begun = error.text_content(), time.perf_counter()
+    before, worked, begun = error.text_content(), sum(program.cpu_times()[:2]), time.perf_counter()
     act()
     while error.text_content() == before:
         time.sleep(0.005)
     shown = time.perf_counter() - begun
     page.locator(".badge").wait_for()
-    named = time.perf_counter() - begun
+    named, worked = time.perf_counter() - begun, sum(program.cpu_times()[:2]) - worked
     idle(page)
-    return shown, named
+    return shown, named, worked
 
 
 def idle(page: Page) -> None:

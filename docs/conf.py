@@ -2,6 +2,7 @@
 
 import os
 import sys
+from html import escape
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -15,7 +16,7 @@ project_copyright = author
 version = release = pam_ident.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "pages", "sphinx.ext.napoleon", "matplotlib.sphinxext.mathmpl"]
-exclude_patterns = ["build", "_ext"]
+exclude_patterns = ["build", "_ext", "_static"]
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(?!pam_ident\.).*"),  # types of other packages: their pages are on the network
@@ -40,12 +41,21 @@ html_theme = "furo"
 html_title = f"pam-ident {release}"
 html_show_sourcelink = False
 html_copy_source = False
-mathmpl_fontsize = 12.0
+html_static_path = ["_static"]
+html_css_files = ["formulas.css"]
+mathmpl_fontsize = 15.0
 mathmpl_srcset = ["2x"]
 
 
 def setup(app):
-    """Formulas as pictures made here: what Sphinx does by itself asks the network for MathJax."""
-    from matplotlib.sphinxext.mathmpl import MathDirective
+    """Formulas as pictures made here, with their LaTeX to be read out: what Sphinx does by itself asks the network for
+    MathJax."""
+    from matplotlib.sphinxext import mathmpl
 
-    app.add_directive("math", MathDirective, override=True)
+    picture = mathmpl.latex2html
+
+    def told(node, source):
+        return picture(node, source).replace("<img ", f'<img alt="{escape(node["latex"])}" ', 1)
+
+    mathmpl.latex2html = told
+    app.add_directive("math", mathmpl.MathDirective, override=True)

@@ -1,4 +1,4 @@
-"""Pictures of the workbench and of the report for these pages: `python docs/make_screenshots.py`.
+"""First screens of the workbench, the report and the README for these pages: `python docs/make_screenshots.py`.
 
 Needs a chromium: PAM_IDENT_CHROMIUM, or one on the path.
 """
@@ -11,10 +11,13 @@ import sys
 import tempfile
 from pathlib import Path
 
+from markdown_it import MarkdownIt
 from playwright.sync_api import Page, sync_playwright
 
 DOCS = Path(__file__).parent
 RECORD, SIZE = "hidden_effect", {"width": 1400, "height": 900}
+LOOK = """<style>body { font: 16px/1.5 sans-serif; max-width: 60rem; margin: 2rem auto } img { max-width: 100% }
+pre, code { background: #f3f4f6 } pre { padding: 1rem }</style>"""
 PROGRAM = [sys.executable, "-m", "pam_ident"]
 
 
@@ -44,10 +47,20 @@ def report(page: Page) -> None:
         page.screenshot(path=DOCS / "report.png")
 
 
+def readme(page: Page) -> None:
+    """The first screen of the README, as a host of code would show it."""
+    text = MarkdownIt("commonmark").enable("table").render((DOCS.parent / "README.md").read_text(encoding="utf-8"))
+    with tempfile.TemporaryDirectory() as place:
+        shown = Path(place, "readme.html")
+        shown.write_text(f'<meta charset="utf-8"><base href="{DOCS.parent.as_uri()}/">{LOOK}{text}', encoding="utf-8")
+        page.goto(shown.as_uri())
+        page.screenshot(path=DOCS / "readme.png")
+
+
 if __name__ == "__main__":
     with sync_playwright() as playwright:
         chromium = os.environ.get("PAM_IDENT_CHROMIUM") or shutil.which("chromium")
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
-        for picture in (workbench, report):
+        for picture in (workbench, report, readme):
             picture(browser.new_page(viewport=SIZE))
         browser.close()

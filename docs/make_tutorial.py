@@ -1,4 +1,5 @@
-"""Run the commands of docs/tutorial.md and write what they print beneath them: `python docs/make_tutorial.py`."""
+"""Run the commands of docs/tutorial.md and the README and write what they print beneath them:
+`python docs/make_tutorial.py`."""
 
 import re
 import subprocess
@@ -7,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs" / "tutorial.md"
+PAGE, README = ROOT / "docs" / "tutorial.md", ROOT / "README.md"
 BLOCK = re.compile(r"```console\n\$ (?P<command>[^\n]+)\n(?P<output>.*?)```\n", re.S)
 
 
@@ -29,4 +30,5 @@ def _block(command: str, folder: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(refreshed(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for page in (PAGE, README):
+        page.write_text(refreshed(page.read_text(encoding="utf-8")), encoding="utf-8")

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .api.catalogue import effects, laws
+    from .api.model import ShownModel as Model
     from .api.record import ShownRecord as Record
     from .api.record import read
     from .api.runs import batch, track
     from .api.saved import load
     from .api.verbs import compare, diagnose, fit, ladder, report
-    from .model import Model
 
 __version__ = "0.1.0"
 
@@ -36,7 +36,7 @@ _HOME = {
     "track": "pam_ident.api.runs.track",
     "load": "pam_ident.api.saved.load",
     "Record": "pam_ident.api.record.ShownRecord",
-    "Model": "pam_ident.model.Model",
+    "Model": "pam_ident.api.model.ShownModel",
     "laws": "pam_ident.api.catalogue.laws",
     "effects": "pam_ident.api.catalogue.effects",
 }

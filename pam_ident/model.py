@@ -53,14 +53,14 @@ class Term:
         return tuple(replace(p, name=f"{self.effect.name}.{p.name}") for p in params)
 
     def columns(self, inputs: Inputs, values: Values, force: Array) -> Array:
-        """The form's columns, shape (n, sizes), at the shapes in `values`."""
-        shape = {p.name: values[f"{self.effect.name}.{p.name}"] for p in self.form.shapes}
+        """The form's columns, shape (n, k), at the nonlinear parameters in `values`."""
+        shape = {p.name: values[f"{self.effect.name}.{p.name}"] for p in self.form.nonlinear}
         return self.form.columns(inputs, shape, force)
 
     def amount(self, inputs: Inputs, values: Values, force: Array) -> Array:
-        """columns · (sizes − neutral), shape (n,)."""
-        sizes = _vector(inputs, [values[f"{self.effect.name}.{p.name}"] - p.neutral for p in self.form.sizes])
-        return self.columns(inputs, values, force) @ sizes
+        """columns · (linear − neutral), shape (n,)."""
+        linear = _vector(inputs, [values[f"{self.effect.name}.{p.name}"] - p.neutral for p in self.form.linear])
+        return self.columns(inputs, values, force) @ linear
 
 
 def as_term(effect: "str | Effect | Term", extra: tuple[Effect, ...] = ()) -> Term:
@@ -168,21 +168,21 @@ class Model:
     @cached_property
     def linear(self) -> tuple[Param, ...]:
         """Parameters in which the force is linear while all others stay."""
-        added = [t.qualified(t.form.sizes) for t in self.terms if isinstance(t.form, AddsForce)]
+        added = [t.qualified(t.form.linear) for t in self.terms if isinstance(t.form, AddsForce)]
         return sum(added, self.law.linear)
 
     @cached_property
-    def curved(self) -> tuple[Param, ...]:
-        """The other parameters: geometry, shapes, and sizes of what acts inside the law."""
+    def nonlinear(self) -> tuple[Param, ...]:
+        """The others: geometry, the law's and the forms' own, and the linear ones of what acts inside the law."""
         geometry = GEOMETRY if self.free_geometry else ()
-        inside = [t.qualified(t.form.sizes) for t in self.terms if not isinstance(t.form, AddsForce)]
-        shapes = [t.qualified(t.form.shapes) for t in self.terms]
-        return sum(inside + shapes, geometry + self.law.shape)
+        inside = [t.qualified(t.form.linear) for t in self.terms if not isinstance(t.form, AddsForce)]
+        own = [t.qualified(t.form.nonlinear) for t in self.terms]
+        return sum(inside + own, geometry + self.law.nonlinear)
 
     @property
     def params(self) -> tuple[Param, ...]:
-        """All free parameters: linear, then curved."""
-        return self.linear + self.curved
+        """All free parameters: linear, then nonlinear."""
+        return self.linear + self.nonlinear
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -195,16 +195,16 @@ class Model:
         return not any(term.form.uses_force for term in self.terms)
 
     def neutral(self, inputs: Inputs) -> dict[str, float]:
-        """Start values of all parameters, with the effects' sizes where they vanish."""
+        """Start values of all parameters, with the effects' linear ones where they vanish."""
         values = {p.name: p.start for p in self.params}
         for term in self.terms:
-            values |= {p.name: p.neutral for p in term.qualified(term.form.sizes)}
+            values |= {p.name: p.neutral for p in term.qualified(term.form.linear)}
         if self.free_geometry:
             values |= {"r0": inputs.specimen.initial_radius_mm, "theta0": inputs.specimen.braid_angle_deg}
         return values
 
     def bounded(self, inputs: Inputs) -> tuple[Param, ...]:
-        """All free parameters, linear then curved, with the radius kept within 15 % of the specimen's."""
+        """All free parameters, linear then nonlinear, with the radius kept within 15 % of the specimen's."""
         r0 = inputs.specimen.initial_radius_mm
         near = {"lower": 0.85 * r0, "upper": 1.15 * r0, "start": r0}
         return tuple(replace(p, **near) if p.name == "r0" else p for p in self.params)
@@ -232,7 +232,7 @@ class Model:
     def design(self, inputs: Inputs, values: Values, force: Array) -> tuple[Array, Array]:
         """Columns (n, len(linear)) and fixed part (n,) in N, so that F = fixed + columns · linear.
 
-        `values` needs the curved parameters; `force` (n,) in N is what force-dependent effects are given.
+        `values` needs the nonlinear parameters; `force` (n,) in N is what force-dependent effects are given.
         """
         inputs = self._geometry(inputs, values)
         xp = inputs.xp
@@ -265,11 +265,11 @@ class Model:
 
         They are from `near` (n,), a force in N not far from it, sooner than from none.
         """
-        sizes = _vector(inputs, [values[p.name] for p in self.linear])
+        linear = _vector(inputs, [values[p.name] for p in self.linear])
 
         def step(force: Array) -> Array:
             columns, fixed = self.design(inputs, values, force)
-            return fixed + columns @ sizes
+            return fixed + columns @ linear
 
         if self.separable or near is None:
             near = step(inputs.xp.zeros(len(inputs)))
@@ -282,7 +282,7 @@ class Model:
         steps from the same instant may share it, for nothing is changed in place. All of it can be traced by JAX.
         Effects that depend on the force begin at the last one and are solved by a fixed number of rounds.
         """
-        sizes = _vector(inputs, [values[p.name] for p in self.linear])
+        linear = _vector(inputs, [values[p.name] for p in self.linear])
         if memory is None:
             last, slots = inputs.xp.zeros(len(inputs)), None
         else:
@@ -291,7 +291,7 @@ class Model:
         def at(force: Array) -> tuple[Array, Memory]:
             live = Live(slots)
             columns, fixed = self.design(replace(inputs, live=live), values, force)
-            return fixed + columns @ sizes, live.slots
+            return fixed + columns @ linear, live.slots
 
         if not self.separable:
             last = _solve(lambda force: at(force)[0], last, START_ROUNDS if memory is None else LIVE_ROUNDS)

@@ -79,7 +79,7 @@ def law_page(law: Law) -> str:
     if law.params:
         parts += ["## Parameters", parameter_table(law.params)]
         parts.append(f"The force is linear in {_names(law.linear)}." if law.linear else "")
-        parts.append(f"It is curved in {_names(law.shape)}, which is searched." if law.shape else "")
+        parts.append(f"It is curved in {_names(law.nonlinear)}, which is searched." if law.nonlinear else "")
         parts.append(f"A record needs at least {isobars} to tell the parameters apart.")
     else:
         parts.append("Nothing is free but, with `--free-geometry`, the radius and the braid angle of the specimen.")

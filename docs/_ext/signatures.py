@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pam_ident.core import Inputs
 from pam_ident.diagnosis.dictionary import Slopes, grid, signature, slopes
-from pam_ident.diagnosis.trial import TOO_FLAT
+from pam_ident.diagnosis.selection import TOO_FLAT
 from pam_ident.effects import Effect
 from pam_ident.fitting import fit
 from pam_ident.fitting.solve import jacobian
@@ -31,7 +31,7 @@ POINTS = 1500
 
 
 @dataclass(frozen=True)
-class Ground:
+class Around:
     """A law fitted to the standard record: its slopes, and an orthonormal basis (n, k) of what it can follow."""
 
     around: Slopes
@@ -52,18 +52,18 @@ def standard_record() -> Record:
 
 
 @cache
-def ground(law: str) -> Ground:
+def around_law(law: str) -> Around:
     """The standard record under a law."""
     record, model = standard_record(), Model(laws()[law])
     found = fit(model, record)
     steep = jacobian(model, record.inputs, found.values, record.force)
     steep = steep / np.maximum(np.linalg.norm(steep, axis=0), 1e-300)
-    left, sizes, _ = np.linalg.svd(steep, full_matrices=False)
-    return Ground(slopes(model, record.inputs, found.values), left[:, sizes > 1e-10])
+    left, sigma, _ = np.linalg.svd(steep, full_matrices=False)
+    return Around(slopes(model, record.inputs, found.values), left[:, sigma > 1e-10])
 
 
 def _columns(effect: Effect, inputs: Inputs, around: Slopes) -> list[Array]:
-    """Signatures (n, sizes) of the simplest form over the grid of its shapes, in N per unit."""
+    """Signatures (n, k) of the simplest form over its grid, in N per unit."""
     form = effect.forms[0]
     found = [signature(form, inputs, point, around) for point in grid(form)]
     return [columns for columns in found if np.all(np.isfinite(columns)) and np.any(columns)]
@@ -71,7 +71,7 @@ def _columns(effect: Effect, inputs: Inputs, around: Slopes) -> list[Array]:
 
 def share_left(effect: Effect, law: str) -> float | None:
     """Share of the signature's rms that a law cannot follow, 0 to 1; None where the standard record cannot show it."""
-    here, inputs = ground(law), standard_record().inputs
+    here, inputs = around_law(law), standard_record().inputs
     if effect.missing(inputs):
         return None
     shares = [np.linalg.norm(here.left(c)) / np.linalg.norm(c) for c in _columns(effect, inputs, here.around)]
@@ -80,13 +80,13 @@ def share_left(effect: Effect, law: str) -> float | None:
 
 @cache
 def _bases(effect: Effect) -> tuple[Array, ...]:
-    """Orthonormal bases (n, sizes) of what the plain law leaves of the signature, one for each point of its grid.
+    """Orthonormal bases (n, k) of what the plain law leaves of the signature, one for each point of its grid.
 
     None of an effect that the law takes up: the direction of the little that is left means nothing.
     """
     if (share_left(effect, PLAIN_LAW) or 0.0) < TOO_FLAT:
         return ()
-    here = ground(PLAIN_LAW)
+    here = around_law(PLAIN_LAW)
     columns = _columns(effect, standard_record().inputs, here.around)
     return tuple(np.linalg.qr(here.left(one))[0] for one in columns)
 
@@ -107,12 +107,12 @@ def draw(effect: Effect) -> Figure | None:
 
     Grey is the whole of it, the colours of the branches what the plain law leaves when it is fitted anew.
     """
-    here, record = ground(PLAIN_LAW), standard_record()
+    here, record = around_law(PLAIN_LAW), standard_record()
     inputs, form = record.inputs, effect.forms[0]
     if effect.missing(inputs):
         return None
-    sizes = np.array([p.neutral + p.scale for p in form.sizes]) - [p.neutral for p in form.sizes]
-    force = signature(form, inputs, {p.name: p.start for p in form.shapes}, here.around) @ sizes
+    off = np.array([p.neutral + p.scale for p in form.linear]) - [p.neutral for p in form.linear]
+    force = signature(form, inputs, {p.name: p.start for p in form.nonlinear}, here.around) @ off
     left = here.left(force[:, None])[:, 0]
     figure = canvas(3.4)
     by_contraction, by_time = figure.subplots(1, 2, sharey=True)

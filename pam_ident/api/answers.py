@@ -258,9 +258,9 @@ class DiagnosisResult(RecordAnswer):
 
     def plot(self) -> "Axes":
         """The error that each candidate would leave."""
-        from ..plot import suspects
+        from ..plot import candidates
 
-        return axes_of(suspects.draw, self.details)
+        return axes_of(candidates.draw, self.details)
 
 
 class LadderResult(RecordAnswer):
@@ -311,7 +311,9 @@ class LadderResult(RecordAnswer):
     def summary(self) -> str:
         """The sentence and the rungs, as text."""
         shown = self.rungs.loc[:, ["effects", "parameters", "rmse_N", "heldout_rmse_N"]]
-        return "\n\n".join([repr(self), shown.to_string(float_format="{:.3g}".format)])
+        nested = self.details.nested
+        parts = [repr(self), shown.to_string(float_format="{:.3g}".format), *([nested.text] if nested else [])]
+        return "\n\n".join(parts)
 
     def plot(self) -> "Axes":
         """The error over the rungs, down to the noise."""

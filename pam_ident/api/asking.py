@@ -12,7 +12,7 @@ from ..model import Model, Term, as_term
 from ..records import Record
 from ..tasks.gate import check_codes
 from ..tasks.law_choice import LawChoice, settle
-from ..tasks.setup import AUTO, Setup
+from ..tasks.setup import AUTO, Setup, check_heldout
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,13 @@ def setup_of(
     only: Any = (),
     extra: Iterable[Effect] = (),
     assume: "str | Iterable[str]" = (),
+    prior: str | None = None,
+    heldout: str = "",
 ) -> ObjectSetup:
     """What is asked, checked at once; `extra` are effects that may be named, `assume` codes of grave doubts
-    that are meant so.
+    that are meant so, `heldout` what is held out whole while everything is chosen anew.
 
-    Raises UsageError for a name or a code that nobody knows, or something else than a name.
+    Raises UsageError for a name, a code or a word that nobody knows, or something else than a name.
     """
     given = [effects] if isinstance(effects, str | Effect | Term) else list(effects or ())
     own = None
@@ -80,10 +82,14 @@ def setup_of(
         free_geometry=free_geometry,
         without=_names(without),
         only=_names(only),
+        prior=prior,
         assume=codes(assume),
+        heldout=heldout,
         objects=objects,
         own_law=own,
     )
+    if heldout:
+        check_heldout(heldout)
     found.check()
     return found
 

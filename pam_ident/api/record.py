@@ -57,10 +57,14 @@ class ShownRecord(Record):
         return samples(self)
 
     def to_xarray(self) -> Any:
-        """The samples as a Dataset over `sample`, units as attributes. Raises UsageError where xarray is missing."""
+        """The samples as a Dataset over `sample`, units and the muscle as attributes; `pam.read` reads it back.
+
+        Raises UsageError where xarray is missing.
+        """
         from .labelled import dataset
 
-        return dataset(self.to_frame(), {"specimen": self.specimen.name, "source": self.source})
+        muscle = {key: getattr(self.specimen, key) for key in GEOMETRY}
+        return dataset(self.to_frame(), muscle | {"source": self.source})
 
     def plot(self) -> "Axes":
         """Force over contraction, isobar by isobar."""
@@ -78,13 +82,14 @@ def read(
     name: str = "",
     kind: str = "",
 ) -> ShownRecord:
-    """A record from a file, a folder, a pattern, a data set's name, a table of pandas or a dictionary of arrays.
+    """A record from a file, a folder, a pattern, a data set's name, a table of pandas, a Dataset of xarray or a
+    dictionary of arrays.
 
     Args:
         source: a path, or the name of a data set that comes along, or a table or dictionary whose columns are found by
             name and unit, as those of a file are (`pressure_MPa`, `Force (kN)`).
         specimen: the muscle: a `specimen.toml`, a dictionary of its keys, or a Specimen. A file without it takes the
-            `specimen.toml` beside it.
+            `specimen.toml` beside it, a Dataset without it the muscle among its attributes.
         columns: a `columns.toml` that says which column of a file is what.
         name: of a record that is no file.
         kind: of the test (isobaric, isometric, isotonic, dynamic); by default as the specimen's file or the data say.
@@ -114,14 +119,20 @@ def _read(source: Any, specimen: Any, columns: Any, name: str) -> Record:
         return read_record(path, muscle, None if columns is None else Path(columns))
     import pandas as pd
 
-    if isinstance(source, Mapping):
+    if type(source).__name__ == "Dataset" and hasattr(source, "to_dataframe"):
+        from .labelled import table
+
+        source, muscle = table(source), {key: source.attrs[key] for key in GEOMETRY if key in source.attrs}
+        specimen = specimen or muscle or None
+    elif isinstance(source, Mapping):
         try:
             source = pd.DataFrame(dict(source))
         except ValueError as error:
             raise UsageError(f"the arrays do not make a table: {error}") from None
     if not isinstance(source, pd.DataFrame):
         raise UsageError(
-            f"{type(source).__name__}: expected a path, a data set's name, a table of pandas or a dictionary of arrays"
+            f"{type(source).__name__}: expected a path, a data set's name, a table of pandas, a Dataset of xarray or a "
+            "dictionary of arrays"
         )
     if specimen is None:
         raise UsageError(

@@ -146,7 +146,8 @@ def track(plant: Any = None, controller: Any = None, **options: Any) -> TrackRes
     Args:
         plant: file of the muscle in the leg, or a fit or ladder; without both, those that come along.
         controller: the same of what the feed-forward knows.
-        options: gait, cadence_Hz, paper, prototype, gains, supply_MPa, load_kg.
+        options: gait, cadence_Hz, paper, prototype, gains, supply_MPa, load_kg; leg, off, ageing, unknown, ground,
+            learn.
 
     Raises:
         UsageError, DataError: for what cannot be run.

@@ -1,10 +1,10 @@
 """The verbs: each takes a record, or what one is read from, and a law and effects, by name or as objects."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from warnings import warn
 
+from ..core.lmfit_names import from_lmfit_names
 from ..fitting import Fit
 from ..fitting import fit as old_fit
 from ..model import Model
@@ -26,7 +26,7 @@ def fit(
     specimen: Any = None,
     branch: str = "together",
     method: str = "global",
-    held: Mapping[str, float] | None = None,
+    held: Any = None,
     weights: str = "equal",
     loss: str = "linear",
     intervals: str = "linear",
@@ -42,7 +42,7 @@ def fit(
         specimen: the muscle, as `pam.read` takes it.
         branch: together, separate, contraction or extension.
         method: global; or two-stage, each isobar alone and then over pressure.
-        held: parameters that keep a value, by name.
+        held: parameters that keep a value, a dictionary by name; or lmfit's Parameters, whose values are all kept.
         weights: equal, or sensors, from the specimen's sensors.
         loss: linear, or huber.
         intervals: linear, profile or bootstrap.
@@ -66,7 +66,8 @@ def fit(
         _say_old("fit", "pam.fit(record, law, effects)", "pam_ident.fitting")
         return old_fit(record, law, *([effects] if effects != () else []), held=held, **old)  # type: ignore[return-value]
     setup = setup_of(law, effects, free_geometry=free_geometry)
-    wishes = FitOptions(branch, method, dict(held or {}), weights, loss, intervals)
+    values = from_lmfit_names(held.valuesdict()) if hasattr(held, "valuesdict") else dict(held or {})
+    wishes = FitOptions(branch, method, values, weights, loss, intervals)
     measured = read(record, specimen)
     setup, choice = settled(measured, setup)
     return FitResult(fit_record(measured, setup, wishes), setup, choice)
@@ -110,8 +111,10 @@ def diagnose(
     specimen: Any = None,
     without: Any = (),
     only: Any = (),
+    prior: str | None = None,
     extra: Any = (),
     assume: Any = (),
+    heldout: str = "",
     free_geometry: bool = False,
     **old: Any,
 ) -> DiagnosisResult:
@@ -121,9 +124,11 @@ def diagnose(
         record: a Record, what `pam.read` takes, or a result, whose model is asked about.
         law, effects, specimen, free_geometry: as `pam.fit` takes them.
         without, only: effects that are not tried, or the only ones that are.
+        prior: TOML file of prior odds of effects, lines such as `creep = 10`.
         extra: Effects of your own that are tried beside the known ones.
         assume: codes of grave warnings that are meant so, or `all`; they do not stop naming then.
         old: what the function of this name took before.
+        heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
 
     Raises:
         UsageError, DataError, FitError: as `pam.fit`, and where a record looks wrong, cannot show causes, or holds too
@@ -140,7 +145,15 @@ def diagnose(
     if isinstance(record, Model) or old:
         _say_old("diagnose", "pam.diagnose(record, law)", "pam_ident.diagnosis")
         return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
-    more = {"without": without, "only": only, "extra": extra, "assume": assume, "free_geometry": free_geometry}
+    more = {
+        "without": without,
+        "only": only,
+        "extra": extra,
+        "assume": assume,
+        "free_geometry": free_geometry,
+        "heldout": heldout,
+        "prior": prior,
+    }
     measured, setup, choice = _asked(record, law, effects, specimen, **more)
     return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
 
@@ -156,12 +169,14 @@ def ladder(
     only: Any = (),
     extra: Any = (),
     assume: Any = (),
+    heldout: str = "",
     free_geometry: bool = False,
 ) -> LadderResult:
     """Diagnose and add, down to the noise.
 
     Args:
         record, law, effects, specimen, without, only, extra, assume, free_geometry: as `pam.diagnose` takes them.
+        heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
 
     Raises:
         UsageError, DataError, FitError: as `pam.diagnose`.
@@ -173,7 +188,14 @@ def ladder(
     """
     from ..tasks.ladder import climb_ladder
 
-    more = {"without": without, "only": only, "extra": extra, "assume": assume, "free_geometry": free_geometry}
+    more = {
+        "without": without,
+        "only": only,
+        "extra": extra,
+        "assume": assume,
+        "free_geometry": free_geometry,
+        "heldout": heldout,
+    }
     measured, setup, choice = _asked(record, law, effects, specimen, **more)
     return LadderResult(climb_ladder(measured, setup), setup, choice)
 
@@ -187,6 +209,7 @@ def report(
     out: str | Path = "report.html",
     specimen: Any = None,
     assume: Any = (),
+    heldout: str = "",
     free_geometry: bool = False,
 ) -> Path:
     """Write the whole answer about a record into one file: HTML, Markdown or PDF, by its ending.
@@ -194,6 +217,7 @@ def report(
     Args:
         record, law, effects, specimen, assume, free_geometry: as `pam.diagnose` takes them.
         out: the file.
+        heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
 
     Raises:
         UsageError, DataError, FitError: as `pam.diagnose`, and where the file cannot be written.
@@ -206,7 +230,9 @@ def report(
     from ..tasks.report import check_report, report_record
 
     check_report(str(out))
-    measured, setup, _ = _asked(record, law, effects, specimen, free_geometry=free_geometry, assume=assume)
+    measured, setup, _ = _asked(
+        record, law, effects, specimen, free_geometry=free_geometry, assume=assume, heldout=heldout
+    )
     report_record(measured, setup, str(out))
     return Path(out)
 

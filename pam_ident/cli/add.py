@@ -1,5 +1,6 @@
 """pam-ident add."""
 
+from dataclasses import replace
 from typing import Annotated
 
 from . import options, text
@@ -19,12 +20,14 @@ def add(
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
     where: options.Where = None,
+    heldout: options.Heldout = None,
 ) -> None:
     """Add effects: the error before and after.
 
     Both are shown on held-out data, too.
     """
     setup = options.Asked(effect, effect_file, free_geometry, specimen, where=where).setup(law)
+    setup = replace(setup, heldout=options.held_out(heldout))
     from ..schema.diagnosis import addition_json
     from ..schema.prediction import law_choice_json
     from ..tasks.add import add_effects

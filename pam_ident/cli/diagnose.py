@@ -27,12 +27,16 @@ def diagnose(
     only: Annotated[
         list[str] | None, options.option("--only", "NAME", "The only effect that is tried; repeatable.")
     ] = None,
+    prior: Annotated[
+        str | None, options.option("--prior", "FILE.toml", "Prior odds of effects, lines such as `creep = 10`.")
+    ] = None,
     protocol: Annotated[
         str | None,
         options.option(
             "--protocol", "FILE.toml", "Write the next experiment's protocol, for `rig --protocol`; one record only."
         ),
     ] = None,
+    heldout: options.Heldout = None,
 ) -> None:
     """Say which effect is missing, or that none is.
 
@@ -40,7 +44,8 @@ def diagnose(
     """
     if protocol is not None:
         check_protocol(protocol, record)
-    setup = replace(asked.setup(law), without=tuple(without or ()), only=tuple(only or ()))
+    names = {"without": tuple(without or ()), "only": tuple(only or ())}
+    setup = replace(asked.setup(law), prior=prior, heldout=options.held_out(heldout), **names)
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json, stopped_json
     from ..schema.prediction import law_choice_json

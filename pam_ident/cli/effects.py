@@ -66,6 +66,9 @@ def show(
         text.say("", f"form {form.name}: {form.formula}")
         rows = [(p.symbol or p.name, p.unit, f"{p.lower:g} to {p.upper:g}", p.doc) for p in form.params]
         text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
+        for p in form.params:
+            if p.range is not None:
+                text.say(f"  {p.name}: possible {p.range.low:g} to {p.range.high:g}, by {p.range.source}")
 
 
 @app.command()

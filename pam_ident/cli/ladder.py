@@ -1,5 +1,6 @@
 """pam-ident ladder."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from . import options, text
@@ -7,15 +8,20 @@ from . import options, text
 if TYPE_CHECKING:
     from ..diagnosis.nouns import Ladder
 
+BESIDE = 5
+"""Laws alone that are shown, the best on held-out data."""
+
 
 def ladder(
     record: options.Record,
     law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
+    heldout: options.Heldout = None,
 ) -> None:
     """Diagnose and add down to the noise floor."""
-    setup = asked.setup(law)
+    setup = replace(asked.setup(law), heldout=options.held_out(heldout))
     from ..core import PamError
+    from ..parallel.executor import Executor
     from ..schema.diagnosis import ladder_json
     from ..schema.prediction import law_choice_json
     from ..tasks.gate import warnings_of
@@ -26,15 +32,17 @@ def ladder(
     try:
         measured = setup.read(record)
         setup, choice = settle(measured, setup)
-        found = climb_ladder(measured, setup)
+        found = climb_ladder(measured, setup, Executor.of_cores())
     except PamError as stop:
         options.give_stopped(asked.json, record, setup.law, stop, choice)
         raise
-    doubts = warnings_of(found.rungs[0].fit)
+    doubts = warnings_of(found.rungs[-1].fit)
     options.give_json(asked.json, lambda: ladder_json(record, found, doubts) | law_choice_json(choice))
     text.say(text.title(record, measured), *text.chosen(choice), *text.equation(setup.model), "", *text.banner(doubts))
     text.say(found.last.sentence, "", *rungs(found))
-    text.say("", "the last rung's parameters:", *text.parameters(found.rungs[-1].fit))
+    last = found.rungs[-1].fit
+    text.say("", "the last rung's parameters:", *text.parameters(last))
+    options.stop_if_invalid(record, last.problems)
 
 
 def rungs(found: "Ladder") -> list[str]:
@@ -45,9 +53,21 @@ def rungs(found: "Ladder") -> list[str]:
             " + ".join([rung.fit.model.law.name, *rung.effects]),
             str(len(rung.fit.model.params)),
             text.number(rung.fit.rmse, 3),
+            *((text.number(rung.refit_rmse, 3),) if found.nested else ()),
             text.number(rung.heldout_rmse, 3),
         )
         for k, rung in enumerate(found.rungs)
     ]
-    lines = text.table(("rung", "model", "free parameters", "rmse [N]", "held out [N]"), rows, left=(0, 1))
-    return [*lines, f"  noise floor {text.newtons(found.noise_floor)}; {found.verdict}"]
+    head = ("rung", "model", "free parameters", "rmse [N]")
+    if found.nested is None:
+        return [*text.table((*head, "held out [N]"), rows, left=(0, 1)), *_floor(found)]
+    rows += [
+        ("", f"beside: {name}", str(count), "", "", text.number(error, 3))
+        for name, (count, error) in list(found.nested.beside.items())[:BESIDE]
+    ]
+    lines = text.table((*head, "refitted [N]", "nested [N]"), rows, left=(0, 1))
+    return [*lines, *_floor(found), f"  {found.nested.text}"]
+
+
+def _floor(found: "Ladder") -> list[str]:
+    return [f"  noise floor {text.newtons(found.noise_floor)}; {found.verdict}"]

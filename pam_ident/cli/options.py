@@ -73,6 +73,14 @@ Assume = Annotated[
     list[str] | None,
     option("--assume", "CODE", "Name effects although a grave warning of that code, or all, stands; repeatable."),
 ]
+Heldout = Annotated[
+    str | None,
+    option(
+        "--heldout",
+        "length|pressure|run|cycle|muscle",
+        "Hold each of these out whole and choose everything anew without it; tables always do.",
+    ),
+]
 JsonFile = Annotated[str | None, option("--json", "FILE", "Write the answer as JSON; - for stdout, alone there.")]
 Workers = Annotated[
     int | None, option("--workers", "N", "So many processes at a time; same answer. Default: the cores; for fit: 1.")
@@ -110,6 +118,15 @@ class Asked:
 NOTHING = Asked()
 answered: ContextVar[bool] = ContextVar("answered", default=False)
 """Whether the command has written its JSON."""
+
+
+def held_out(word: str | None) -> str:
+    """What to hold out, empty where nobody says. Raises UsageError for an unknown word."""
+    if word is not None:
+        from ..tasks.setup import check_heldout
+
+        check_heldout(word)
+    return word or ""
 
 
 def check_json(path: str | None) -> None:

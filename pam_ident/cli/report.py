@@ -1,5 +1,6 @@
 """pam-ident report."""
 
+from dataclasses import replace
 from typing import Annotated
 
 from . import options, text
@@ -11,22 +12,24 @@ def report(
     law: options.Law = "auto",
     format: Annotated[str | None, options.option("--format", "html|md|pdf", "Default: what FILE ends in.")] = None,
     asked: options.Asked = options.NOTHING,
+    heldout: options.Heldout = None,
 ) -> None:
     """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
     from ..core import PamError
+    from ..parallel.executor import Executor
     from ..schema.diagnosis import diagnosis_json
     from ..schema.prediction import law_choice_json
     from ..tasks.gate import warnings_of
     from ..tasks.law_choice import settle
     from ..tasks.report import check_report, report_record
 
-    setup = asked.setup(law)
+    setup = replace(asked.setup(law), heldout=options.held_out(heldout))
     check_report(out, format)
     choice = None
     try:
         measured = setup.read(record)
         setup, choice = settle(measured, setup)
-        story = report_record(measured, setup, out, format)
+        story = report_record(measured, setup, out, format, Executor.of_cores())
     except PamError as stop:
         options.give_stopped(asked.json, record, setup.law, stop, choice)
         raise

@@ -177,6 +177,7 @@ def parameters(fit: "Fit") -> list[str]:
     rows = [(e.name, value_of(e), error_of(e), interval_of(e), "" if e.unit == "1" else e.unit, e.doc) for e in ordered]
     head = ("parameter", "value", "std. error", "95 % interval", "unit", "meaning")
     notes = [f"{INDENT}{e.name}: {e.verdict.text}" for e in ordered if e.verdict.kind not in ("pinned", "held")]
+    notes += [f"{INDENT}{label} makes {newtons(share)} rms" for label, share in fit.shares.items()]
     return table(head, rows, left=(0, 4, 5)) + notes
 
 

@@ -30,8 +30,38 @@ def track(
     kp: Annotated[float | None, typer.Option("--kp", metavar="K", help="Proportional gain, MPa/rad.")] = None,
     ki: Annotated[float | None, typer.Option("--ki", metavar="K", help="Integral gain, MPa/(rad s).")] = None,
     kd: Annotated[float | None, typer.Option("--kd", metavar="K", help="Derivative gain, MPa s/rad.")] = None,
-    supply: Annotated[float, typer.Option("--supply", metavar="MPa", help="Gauge pressure of the supply.")] = 0.7,
-    load: Annotated[float, typer.Option("--load", metavar="kg", help="Mass added at the foot.")] = 0.0,
+    supply: Annotated[
+        float | None, options.option("--supply", "MPa", "Gauge pressure of the supply, by default 0.7.")
+    ] = None,
+    load: Annotated[float | None, options.option("--load", "kg", "Mass added at the foot.")] = None,
+    leg: Annotated[
+        str | None, options.option("--leg", "TOML", "Geometry, sprocket, muscles, supply, load and more.")
+    ] = None,
+    write_leg: Annotated[
+        str | None, options.option("--write-leg", "TOML", "Write the leg's own file, to begin from, and end.")
+    ] = None,
+    off: Annotated[
+        tuple[float, float] | None,
+        options.option("--off", "F E", "Force of the plant's flexor and extensor off the fit, per cent: --off -10 10."),
+    ] = None,
+    ageing: Annotated[
+        float | None, options.option("--ageing", "%", "Force that the plant's muscles lose with each stride.")
+    ] = None,
+    unknown: Annotated[
+        str | None,
+        options.option(
+            "--unknown",
+            "EFFECT",
+            "An effect of the plant that no controller knows.",
+            autocompletion=options.effect_names,
+        ),
+    ] = None,
+    ground: Annotated[
+        bool, typer.Option("--ground", help="The prototype's foot treads a padded belt, heel first.")
+    ] = False,
+    learn: Annotated[
+        int, typer.Option("--learn", metavar="STRIDES", help="Strides that the rungs learn from, before one is judged.")
+    ] = 0,
     effect_file: options.EffectFiles = None,
     specimen: options.SpecimenFile = None,
     out: Annotated[
@@ -44,19 +74,39 @@ def track(
     Without --plant and --controller the muscle and the ladder that come along are taken.
     """
     from ..schema.track import track_json
-    from ..tasks.track import TrackOptions, track_leg
+    from ..tasks import track as task
 
+    if write_leg is not None:
+        task.write_leg(write_leg)
+        text.say(f"wrote {write_leg}")
+        return
     if out is not None:
         from ..tasks.figures import make_folder
 
         make_folder(out)
     gains = (kp, ki, kd)
-    wishes = TrackOptions(
-        plant, controller, gait, cadence, paper, prototype, gains, supply, load, tuple(effect_file or ()), specimen
+    wishes = task.TrackOptions(
+        plant,
+        controller,
+        gait,
+        cadence,
+        paper,
+        prototype,
+        gains,
+        supply,
+        load,
+        tuple(effect_file or ()),
+        specimen,
+        leg,
+        off,
+        ageing,
+        unknown,
+        ground,
+        learn,
     )
-    found = track_leg(wishes)
+    found = task.track_leg(wishes)
     options.give_json(json, lambda: track_json(found))
-    text.say(*_head(found), "", *_table(found), *_troubles(found), "", *_budget(found))
+    text.say(*map(str, found.doubts), *_head(found), "", *_table(found), *_troubles(found), "", *_budget(found))
     if out is not None:
         from ..tasks.track_figures import write_track
 
@@ -67,6 +117,7 @@ def _head(found: "Track") -> list[str]:
     course, gains = found.course, found.automatic.gains
     stretch = "a whole stride" if course.window is None else f"{course.window.duration_s:g} s of a stride"
     where = "in the multibody prototype" if found.prototype else "in the reduced leg"
+    where += "" if found.ground is None else " on the ground"
     lines = [
         f"knee of gait {course.gait.name} at {course.gait.cadence_Hz:g} Hz, {stretch}, {where}",
         f"PID tuned by hand ({found.by_hand.runs} runs): {_gains(found.by_hand.gains)}; "
@@ -75,6 +126,10 @@ def _head(found: "Track") -> list[str]:
         f"{found.automatic.rms_deg:.2f}° rms, "
         f"{_worst(found.automatic.worst_deg)}",
     ]
+    if str(found.off):
+        lines.append(f"the plant is off what the controller knows: {found.off}")
+    if found.course.lessons:
+        lines.append(f"the rungs learn from {found.course.lessons} strides; the PID alone does not")
     if found.agreement_deg is not None:
         lines.append(f"reduced leg and prototype differ by {found.agreement_deg:.3f}° rms in the last rung")
     return lines

@@ -2,7 +2,18 @@
 
 from .errors import DataError, FitError, PamError, UsageError
 from .inputs import Inputs, Sensors, Specimen
-from .param import Param
+from .param import Param, Range
 from .tables import blank_nan
 
-__all__ = ["DataError", "FitError", "Inputs", "PamError", "Param", "Sensors", "Specimen", "UsageError", "blank_nan"]
+__all__ = [
+    "DataError",
+    "FitError",
+    "Inputs",
+    "PamError",
+    "Param",
+    "Range",
+    "Sensors",
+    "Specimen",
+    "UsageError",
+    "blank_nan",
+]

@@ -7,12 +7,25 @@ from .errors import UsageError
 
 
 @dataclass(frozen=True)
+class Range:
+    """Where nature ends, `low` to `high` in a parameter's unit, and the `source` that says so.
+
+    A search may go further (bounds), so that what it finds there is known to be impossible.
+    """
+
+    low: float
+    high: float
+    source: str
+
+
+@dataclass(frozen=True)
 class Param:
     """A named physical quantity with unit and bounds.
 
     `start` is where a fit begins and, for the size of an effect, `neutral` is the value at which
     the effect vanishes. `grid` lists values of a shape parameter from which fits are started,
-    because the error has several minima in it. `scale` is a typical magnitude in `unit`.
+    because the error has several minima in it. `scale` is a typical magnitude in `unit`, `range` where nature
+    ends, None where no source says.
 
     Raises UsageError when the bounds are empty or do not hold `start`.
     """
@@ -27,6 +40,7 @@ class Param:
     scale: float = 1.0
     symbol: str = ""
     grid: tuple[float, ...] = ()
+    range: Range | None = None
 
     def __post_init__(self) -> None:
         if not self.lower <= self.start <= self.upper or self.lower >= self.upper:

@@ -4,10 +4,11 @@ from .compare import compare
 from .diagnose import diagnose
 from .heldout import heldout_rmse
 from .ladder import climb
-from .nouns import Bin, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region, Rung, Suspect
+from .nouns import Bin, Candidate, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region, Rung
 
 __all__ = [
     "Bin",
+    "Candidate",
     "Comparison",
     "Diagnosis",
     "Experiment",
@@ -16,7 +17,6 @@ __all__ = [
     "Pattern",
     "Region",
     "Rung",
-    "Suspect",
     "climb",
     "compare",
     "diagnose",

@@ -8,12 +8,12 @@ from scipy.stats import t as student_t
 
 from ..core import FitError, Inputs
 from ..fitting import Fit, fit
+from ..fitting.covariance import student
 from ..fitting.solve import jacobian
 from ..model import as_term
 from .nouns import Diagnosis
 
 Array = np.ndarray
-LEVEL = 0.95
 SURE = 0.01
 """Probability by chance, of all parameters together, below which a difference counts."""
 SHARE = 0.05
@@ -132,7 +132,7 @@ def _parameters(a: Fit, b: Fit) -> tuple[ParameterDifference, ...]:
         spread = math.hypot(one.stderr, other.stderr) if both else math.nan
         apart = other.value - one.value
         freedom = _freedom(one.stderr, one.dof, other.stderr, other.dof) if spread > 0.0 else math.nan
-        half = spread * float(student_t.ppf(0.5 + LEVEL / 2, freedom)) if spread > 0.0 else math.nan
+        half = spread * float(student(np.array(freedom))) if spread > 0.0 else math.nan
         chances.append(2.0 * float(student_t.sf(abs(apart) / spread, freedom)) if spread > 0.0 else math.nan)
         found.append(
             ParameterDifference(one.name, one.unit, one.value, one.stderr, other.value, other.stderr, apart,
@@ -192,7 +192,7 @@ def _half(one: Fit, inputs: Inputs, inside: Array) -> float:
     slopes = jacobian(one.model, inputs, one.values, force)[inside].mean(axis=0)
     index = [k for k, e in enumerate(one.estimates) if e.name in one.free]
     stderr, dof = one.covariance.error(slopes[None, index])
-    return float(student_t.ppf(0.5 + LEVEL / 2, dof[0]) * stderr[0])
+    return float(student(dof)[0] * stderr[0])
 
 
 def _sentence(

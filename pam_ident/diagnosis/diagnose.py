@@ -6,21 +6,24 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core import UsageError
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit
+from ..fitting.estimate import impossible
+from ..fitting.problem import all_rows
+from ..fitting.solve import solve
 from ..model import Model, Term
-from ..records import Record
+from ..records import Record, thinned
 from .adequacy import Adequacy
 from .confounding import groups
-from .deliberate import EXACT, investigate
-from .dictionary import Atom
 from .experiment import after_pattern, next_experiment
-from .follows import Following, steadied
-from .heldout import folds, heldout_rmse, in_best_forms, linear_heldout
-from .nouns import Diagnosis, Pattern, Suspect
+from .follows import ROWS, Following, steadied
+from .heldout import heldout_nearby, heldout_rmse, in_best_forms
+from .nouns import Candidate, Diagnosis, Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .probability import probabilities
-from .trial import Trial, Verdict
+from .select import EXACT, investigate
+from .selection import FittedSet, Selection
 
 Array = np.ndarray
 REMAINDER = 0.25
@@ -42,10 +45,12 @@ def diagnose(
     extra: tuple[Effect, ...] = (),
     without: tuple[str, ...] = (),
     only: tuple[str, ...] = (),
+    odds: Mapping[str, float] | None = None,
+    detail: bool = True,
 ) -> Diagnosis:
     """Which effects of the catalogue a model lacks on a record, or that it lacks none, or one that is not known.
 
-    Suspects are judged on the record's steady inputs, against noise whose size and colour are estimated with them;
+    Candidates are judged on the record's steady inputs, against noise whose size and colour are estimated with them;
     the fits in the answer are to the record as measured.
 
     Args:
@@ -54,11 +59,14 @@ def diagnose(
         extra: effects of the user's own, tried beside the catalogue's.
         without: names of effects, or of forms (`name:form`), that are not tried, because the rig cannot have them.
         only: names of the only effects, or forms, that are tried; all where none is named.
+        odds: prior odds of effects by name, above 0, over those that any other has: 10 for one that the rig is known
+            to have, 0.1 for one that would surprise.
+        detail: whether errors of every candidate and the next experiment are wanted, which choose nothing.
 
     Raises:
         FitError: when the record cannot identify the law at all.
         DataError: when an effect of the model needs what the record does not hold.
-        UsageError: for an unknown name.
+        UsageError: for an unknown name, or odds that are none.
 
     Example:
         >>> from pam_ident.diagnosis import diagnose
@@ -71,41 +79,54 @@ def diagnose(
         >>> print(f"{found.verdict}: {found.selected}, {found.base.rmse:.1f} → {found.best.rmse:.1f} N")
         missing_effect: ('pressure_friction',), 5.8 → 2.1 N
     """
+    for name, chance in (odds or {}).items():
+        get_effect(name, extra)
+        if not 0.0 < chance < math.inf:
+            raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
     base = fit(model, record)
-    suspects = [e for e in _allowed(extra, without, only) if e.candidate and e.name not in model.effect_names]
+    candidates = [e for e in _allowed(extra, without, only) if e.candidate and e.name not in model.effect_names]
     steady, unsure = steadied(record)
     alone = fit(model, steady, start=base.values, detail=False)
     following = Following(steady, model, alone.values, unsure)
-    seen = [e for e in suspects if not e.missing(record.inputs)]
+    seen = [e for e in candidates if not e.missing(record.inputs)]
     uncovered = following.uncovered([*seen, *(term.effect for term in model.terms)])
     tried = () if uncovered else [e.name for e in seen if following.supports(e.follows)]
-    trial, verdict = investigate(alone, suspects, following, tried)
-    verdict = _likely(trial, verdict)
-    lacking = Adequacy.lacking(trial, verdict)
-    verdict = lacking.verdict if lacking else verdict
-    named = [t for t in verdict.terms if t.effect.candidate]
-    weights = {t.effect.name: trial.weight(verdict, t) for t in verdict.terms}
+    selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
+    fitted = _likely(selection, fitted)
+    whole = all(t.effect.candidate for t in fitted.terms)
+    remains = whole and bool(fitted.terms) and _remainder(selection, fitted) is not None
+    lacking = Adequacy.lacking(selection, fitted, remains)
+    fitted = lacking.fitted if lacking else fitted
+    named = [t for t in fitted.terms if t.effect.candidate]
+    weights = {t.effect.name: selection.weight(fitted, t) for t in fitted.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
     heldout = heldout_rmse(model, record, base)
-    best, after, named = _confirmed(base, heldout, named, verdict)
-    shapes = [t for t in verdict.terms if not t.effect.candidate]
-    if lacking and not shapes:
+    best, after, named, ruled_out = _possible(base, heldout, named, fitted)
+    patterns = [t for t in fitted.terms if not t.effect.candidate]
+    if lacking and not patterns:
         pattern = lacking.pattern()
     else:
-        pattern = _pattern(trial, verdict if shapes else trial.refit(named, verdict.values))
+        pattern = _pattern(selection, fitted if patterns else selection.refit(named, fitted.values))
+    said = _impossible(base, best, ruled_out)
+    pattern = said if said and (pattern is None or pattern.kind == said.kind) else pattern
     follows = following.shares()
     selected = tuple(t.effect.name for t in named)
-    classes = tuple(group for group in groups(trial, verdict) if group[0] in selected)
-    chance = probabilities(trial, classes)
+    classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
+    chance = probabilities(selection, classes, selected)
     if lacking:
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
-    ranking = _ranking(trial, suspects, selected, chance)
+    chance = {name: chance[name] for name in chance if name not in ruled_out}
+    ranking = _ranking(base, selection, candidates, named, chance) if detail else ()
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
-    experiment = after_pattern(pattern, trial, verdict) if pattern else next_experiment(trial, verdict, classes)
+    experiment = None
+    if detail:
+        experiment = (
+            after_pattern(pattern, selection, fitted) if pattern else next_experiment(selection, fitted, classes)
+        )
     labels = tuple(t.label for t in named)
-    noise = trial.noise_left_by(verdict) if shapes else trial.noise
-    left = trial.view(verdict).residual[~noise.outlier]
+    noise = selection.noise_left_by(fitted) if patterns else selection.noise
+    left = selection.view(fitted).residual[~noise.outlier]
     floor = min(noise.whole, float(np.sqrt(np.mean(left**2))))
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     return Diagnosis(
@@ -142,20 +163,20 @@ def _allowed(extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[st
     return fewer
 
 
-def _likely(trial: Trial, verdict: Verdict) -> Verdict:
-    """The verdict without what is likelier out than in, all fits weighed; the likeliest name stays."""
-    named = [t for t in verdict.terms if t.effect.candidate]
+def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:
+    """The set without what is likelier out than in, all fits weighed; the likeliest name stays."""
+    named = [t for t in fitted.terms if t.effect.candidate]
     if len(named) < 2:
-        return verdict
-    chance = probabilities(trial, groups(trial, verdict))
+        return fitted
+    chance = probabilities(selection, groups(selection, fitted))
     doubtful = sorted((t for t in named if chance[t.effect.name] < 0.5), key=lambda t: chance[t.effect.name])
     if len(doubtful) == len(named):
         doubtful = doubtful[:-1]
-    kept = [t for t in verdict.terms if t not in doubtful]
-    return trial.refit(kept, verdict.values) if doubtful else verdict
+    kept = [t for t in fitted.terms if t not in doubtful]
+    return selection.refit(kept, fitted.values) if doubtful else fitted
 
 
-def _confirmed(base: Fit, heldout: float, named: list[Term], verdict: Verdict) -> tuple[Fit, float, list[Term]]:
+def _confirmed(base: Fit, heldout: float, named: list[Term], fitted: FittedSet) -> tuple[Fit, float, list[Term]]:
     """Fit, held-out error and names once every name has gone without which held-out data are predicted better.
 
     In a short table held-out data choose the forms, too.
@@ -167,14 +188,38 @@ def _confirmed(base: Fit, heldout: float, named: list[Term], verdict: Verdict) -
             return heldout, base, terms
         terms = in_best_forms(base, terms) if table else terms
         model = base.model.adding(*terms)
-        found = fit_onto(base, model, _start(verdict, terms))
+        found = fit_onto(base, model, _start(fitted, terms))
         return heldout_rmse(model, base.record, found), found, terms
 
     after, best, named = attempt(named)
     while named and not (math.isnan(after) or after < heldout):
-        trials = [attempt([t for t in named if t is not gone]) for gone in named]
-        after, best, named = min(trials, key=lambda item: item[0])
+        attempts = [attempt([t for t in named if t is not gone]) for gone in named]
+        after, best, named = min(attempts, key=lambda item: item[0])
     return best, after, named
+
+
+def _possible(
+    base: Fit, heldout: float, named: list[Term], fitted: FittedSet
+) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
+    """What `_confirmed` finds once every name has gone whose value nature does not allow, and the fits with those."""
+    ruled_out: dict[str, Fit] = {}
+    while True:
+        best, after, named = _confirmed(base, heldout, named, fitted)
+        wrong = {e.name.partition(".")[0] for e in best.impossible} & {t.effect.name for t in named}
+        if not wrong:
+            return best, after, named, ruled_out
+        ruled_out |= dict.fromkeys(sorted(wrong), best)
+        named = [t for t in named if t.effect.name not in wrong]
+
+
+def _impossible(base: Fit, best: Fit, ruled_out: Mapping[str, Fit]) -> Pattern | None:
+    """What only values that nature does not allow would explain, and those of the model itself."""
+    said = {e.name: impossible(e) for e in best.impossible}
+    share = 0.0
+    for name, one in ruled_out.items():
+        said |= {e.name: impossible(e) for e in one.impossible if e.name.startswith(f"{name}.")}
+        share = max(share, (best.rmse**2 - one.rmse**2) / max(base.rmse**2, 1e-18))
+    return Pattern("other", "contraction", None, "", share, "; ".join(said.values())) if said else None
 
 
 def fit_onto(base: Fit, model: Model, start: Mapping[str, float]) -> Fit:
@@ -186,53 +231,53 @@ def fit_onto(base: Fit, model: Model, start: Mapping[str, float]) -> Fit:
     return found if found.rmse <= base.rmse else fit(model, base.record, start=base.values)
 
 
-def _start(verdict: Verdict, named: list[Term]) -> dict[str, float]:
+def _start(fitted: FittedSet, named: list[Term]) -> dict[str, float]:
     names = {f"{t.effect.name}." for t in named}
-    return {k: v for k, v in verdict.values.items() if "." not in k or any(k.startswith(n) for n in names)}
+    return {k: v for k, v in fitted.values.items() if "." not in k or any(k.startswith(n) for n in names)}
 
 
-def _pattern(trial: Trial, verdict: Verdict) -> Pattern | None:
-    """The pattern in a verdict, in the words of the contract; a large remainder without a shape is one too."""
-    term = next((t for t in verdict.terms if not t.effect.candidate), None)
+def _pattern(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """The pattern in a set, in the words of the contract; a large remainder without a shape is one too."""
+    term = next((t for t in fitted.terms if not t.effect.candidate), None)
     if term is None:
-        return _remainder(trial, verdict)
+        return _remainder(selection, fitted)
     name = term.effect.name
-    explained = trial.empty.squares - verdict.squares
-    rest = trial.refit(verdict.without(term), verdict.values)
-    share = min(max((rest.squares - verdict.squares) / max(explained, 1e-9), 0.0), 1.0)
-    at = {p.name: verdict.values[f"{name}.{p.name}"] for p in term.form.shapes}
-    value, unit = next(((at[p.name], p.unit) for p in term.form.shapes), (None, ""))
+    explained = selection.empty.squares - fitted.squares
+    rest = selection.refit(fitted.without(term), fitted.values)
+    share = min(max((rest.squares - fitted.squares) / max(explained, 1e-9), 0.0), 1.0)
+    at = {p.name: fitted.values[f"{name}.{p.name}"] for p in term.form.nonlinear}
+    value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
     shape = catalogue_of_patterns()[name]
     along = shape.elsewhere.get(term.form.name, shape.coordinate)
     text = f"{shape.words(at, along)} ({term.form.name}), {share:.0%} of what is left unexplained"
     return Pattern(shape.kind, along, value, unit, float(share), text)
 
 
-def _remainder(trial: Trial, verdict: Verdict) -> Pattern | None:
-    n = len(trial.record)
-    left, all_of_it = verdict.squares - n, max(trial.empty.squares - n, 1e-9)
-    most_of_it = bool(verdict.terms) and left > MOSTLY * all_of_it
+def _remainder(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    n = len(selection.record)
+    left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
+    most_of_it = bool(fitted.terms) and left > MOSTLY * all_of_it
     if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < OF_ALL * all_of_it:
-        return None if verdict.terms else _bursts(trial, verdict)
-    size = trial.noise.sigma * math.sqrt(left / n)
+        return None if fitted.terms else _bursts(selection, fitted)
+    size = selection.noise.sigma * math.sqrt(left / n)
     text = f"about {size:.3g} N rms without a shape of its own, {left / all_of_it:.0%} of what is left unexplained"
     return Pattern("other", "contraction", None, "", min(left / all_of_it, 1.0), text)
 
 
-def _bursts(trial: Trial, verdict: Verdict) -> Pattern | None:
+def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What strikes now and then and dies away is in no normal noise, however coloured: its tails are too heavy.
 
     At the corners of the motion it is the position's, wherever the force is steep.
     """
-    inputs = trial.record.inputs
+    inputs = selection.record.inputs
     if inputs.time is None:
         return None
     moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
     if corner.all():
         return None
-    residual = trial.view(verdict).residual
-    time, left, residual = inputs.time[~corner], trial.noise.whiten(residual)[~corner], residual[~corner]
+    residual = selection.view(fitted).residual
+    time, left, residual = inputs.time[~corner], selection.noise.whiten(residual)[~corner], residual[~corner]
     square = float(np.mean(left**2))
     if not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
         return None
@@ -248,41 +293,41 @@ def _bursts(trial: Trial, verdict: Verdict) -> Pattern | None:
 
 
 def _ranking(
-    trial: Trial, suspects: list[Effect], selected: tuple[str, ...], chance: dict[str, float]
-) -> tuple[Suspect, ...]:
-    """Every suspect with the error that adding it alone leaves, on all rows and held out.
+    base: Fit, selection: Selection, candidates: list[Effect], named: list[Term], chance: dict[str, float]
+) -> tuple[Candidate, ...]:
+    """Every candidate with the error that adding it alone leaves, on all rows and held out, by a fit of its own.
 
-    Long records are judged linearised around the base model, short ones (up to EXACT rows) by refits.
+    It has the form that was selected, else the one that the search prefers. Of a long record ROWS rows are fitted.
     """
-    best = trial.seen.cheapest(trial.price)
-    alone = _alone_exactly if len(trial.record) <= EXACT else _alone_linearised
+    best = selection.seen.best_of_each(selection.penalty)
+    terms = {term.effect.name: term for term in named}
+    record = thinned(base.record, ROWS)
     found = []
-    for effect in suspects:
-        if effect.name in trial.excluded:
-            status, why = trial.excluded[effect.name]
-            found.append(Suspect(effect.name, effect.name, status, 0.0, why=why))
+    for effect in candidates:
+        if effect.name in selection.excluded:
+            status, why = selection.excluded[effect.name]
+            found.append(Candidate(effect.name, effect.name, status, 0.0, why=why))
             continue
-        atom = trial.seen.atoms[best[effect.name][1]]
-        inside, outside = alone(trial, atom)
+        regressor = selection.seen.regressors[best[effect.name][1]]
+        term = terms.get(effect.name, regressor.term)
+        near = {f"{effect.name}.{k}": v for k, v in regressor.point.items()} if term == regressor.term else {}
+        inside, outside = _alone(base.model.adding(term), record, base.values | near)
         heldout = None if math.isnan(outside) else outside
-        found.append(Suspect(effect.name, atom.term.label, "candidate", chance.get(effect.name, 0.0), inside, heldout))
-    found.sort(
-        key=lambda s: (s.status != "candidate", -s.probability, s.effect not in selected, s.rmse_after or math.inf)
-    )
+        found.append(Candidate(effect.name, term.label, "candidate", chance.get(effect.name, 0.0), inside, heldout))
+    found.sort(key=lambda s: (s.status != "candidate", -s.probability, s.effect not in terms, s.rmse_after or math.inf))
     return tuple(found)
 
 
-def _alone_linearised(trial: Trial, atom: Atom) -> tuple[float, float]:
-    view = trial.view(trial.empty)
-    return linear_heldout(view.law, atom.columns, view.residual, folds(trial.record))
-
-
-def _alone_exactly(trial: Trial, atom: Atom) -> tuple[float, float]:
-    model = trial.base.model.adding(atom.term)
-    if len(trial.record) - len(model.params) <= 2:
+def _alone(model: Model, record: Record, start: Mapping[str, float]) -> tuple[float, float]:
+    """Error in N that a model leaves of all rows, and of those held out; a short record pays for every refit."""
+    if len(record) - len(model.params) <= 2:
         return math.nan, math.nan
-    whole = fit(model, trial.record, detail=False)
-    return whole.rmse, heldout_rmse(model, trial.record, whole)
+    if len(record) <= EXACT:
+        whole = fit(model, record, detail=False)
+        return whole.rmse, heldout_rmse(model, record, whole)
+    values = solve(model, record.inputs, record.force, all_rows, start, quick=True).values
+    left = record.force - model.force(record.inputs, values)
+    return float(np.sqrt(np.mean(left**2))), heldout_nearby(model, record, values)
 
 
 def _sentence(

@@ -1,4 +1,4 @@
-"""Every suspect's signature: how the force would change if a little of the effect were there."""
+"""Every candidate's signature: how the force would change if a little of the effect were there."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -14,19 +14,22 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Atom:
-    """One effect in one form at fixed shapes: `columns` (n, sizes) in N per unit of size, around a fitted model."""
+class Regressor:
+    """One effect in one form at a `point` of its nonlinear parameters, around a fitted model.
+
+    `columns` (n, k) are in N per unit of the k `linear` parameters.
+    """
 
     effect: str
     term: Term
-    shapes: dict[str, float]
+    point: dict[str, float]
     columns: Array
-    sizes: tuple[Param, ...]
+    linear: tuple[Param, ...]
 
     @property
     def free(self) -> int:
         """Parameters it adds to a model."""
-        return len(self.sizes) + len(self.shapes)
+        return len(self.linear) + len(self.point)
 
 
 @dataclass(frozen=True)
@@ -55,33 +58,33 @@ def slopes(model: Model, inputs: Inputs, values: Mapping[str, float]) -> Slopes:
     return Slopes(force, over_c / (2 * dc), over_p / (2 * dp))
 
 
-def atoms_at(
+def regressors_at(
     effect: Effect, form: Form, points: Iterable[Mapping[str, float]], inputs: Inputs, around: Slopes
-) -> list[Atom]:
-    """One form at some values of its shapes; points where it is not finite are left out."""
+) -> list[Regressor]:
+    """One form at some values of its nonlinear parameters; points where it is not finite are left out."""
     found = []
-    for shapes in points:
-        columns = signature(form, inputs, shapes, around)
+    for point in points:
+        columns = signature(form, inputs, point, around)
         if np.all(np.isfinite(columns)):
-            found.append(Atom(effect.name, Term(effect, form), dict(shapes), columns, form.sizes))
+            found.append(Regressor(effect.name, Term(effect, form), dict(point), columns, form.linear))
     return found
 
 
-def closer(atom: Atom, points: int = 41) -> list[dict[str, float]]:
-    """Shapes around an atom's own, one shape at a time, as far as the neighbours on its grid."""
+def closer(regressor: Regressor, points: int = 41) -> list[dict[str, float]]:
+    """Points around a regressor's own, one parameter at a time, as far as the neighbours on its grid."""
     found = []
-    for p in atom.term.form.shapes:
+    for p in regressor.term.form.nonlinear:
         grid = np.unique(np.r_[p.grid, p.lower, p.upper])
-        here = atom.shapes[p.name]
+        here = regressor.point[p.name]
         below, above = grid[grid < here - 1e-12], grid[grid > here + 1e-12]
         low, high = below[-1] if len(below) else here, above[0] if len(above) else here
-        found += [{**atom.shapes, p.name: float(v)} for v in np.linspace(low, high, points)]
+        found += [{**regressor.point, p.name: float(v)} for v in np.linspace(low, high, points)]
     return found
 
 
-def signature(form: Form, inputs: Inputs, shapes: Mapping[str, float], around: Slopes) -> Array:
-    """dF/dsize at the neutral size, shape (n, sizes), in N per unit."""
-    columns = form.columns(inputs, shapes, around.force)
+def signature(form: Form, inputs: Inputs, point: Mapping[str, float], around: Slopes) -> Array:
+    """dF/d(linear parameter) where they are neutral, shape (n, k), in N per unit."""
+    columns = form.columns(inputs, point, around.force)
     if isinstance(form, AddsForce):
         return columns
     if isinstance(form, ScalesForce):
@@ -97,6 +100,6 @@ def same_around_any(form: Form) -> bool:
 
 
 def grid(form: Form) -> list[dict[str, float]]:
-    """All combinations of the values from which a form's shapes are searched."""
-    names = [p.name for p in form.shapes]
-    return [dict(zip(names, point, strict=True)) for point in product(*(p.grid or (p.start,) for p in form.shapes))]
+    """All combinations of the values from which a form's nonlinear parameters are searched."""
+    names = [p.name for p in form.nonlinear]
+    return [dict(zip(names, point, strict=True)) for point in product(*(p.grid or (p.start,) for p in form.nonlinear))]

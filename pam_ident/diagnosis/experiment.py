@@ -17,11 +17,11 @@ from ..core.progress import tell
 from ..effects import Effect
 from ..model import Term
 from ..records import Record
-from .candidates import Candidate, candidates
-from .dictionary import Atom, atoms_at, closer
+from .dictionary import Regressor, closer, regressors_at
 from .noise import Noise, filter_gains
 from .nouns import Experiment, Pattern, Separation
-from .trial import Trial, Verdict, View
+from .possible_runs import PossibleRun, possible_runs
+from .selection import FittedSet, Selection, View
 
 Array = np.ndarray
 STEADIEST = 0.9999
@@ -36,25 +36,25 @@ BARELY = 3.0
 """Standard errors below which a run separates nothing."""
 
 
-def next_experiment(trial: Trial, verdict: Verdict, classes: Sequence[Sequence[str]]) -> Experiment | None:
+def next_experiment(selection: Selection, fitted: FittedSet, classes: Sequence[Sequence[str]]) -> Experiment | None:
     """The shortest run that separates the groups `classes` as well as any, or makes surer what is loosely determined.
 
-    The first name of a group is an effect of the verdict, the others are its rivals. None where nothing is open.
+    The first name of a group is an effect of the set, the others are its rivals. None where nothing is open.
     """
-    record, known = trial.record, {e.name: e for e in (*trial.suspects, *trial.absorbed)}
-    terms = {t.effect.name: t for t in verdict.terms}
-    questions = [Question(trial, verdict, terms[group[0]], [known[n] for n in group[1:]]) for group in classes]
+    record, known = selection.record, {e.name: e for e in (*selection.candidates, *selection.absorbed)}
+    terms = {t.effect.name: t for t in fitted.terms}
+    questions = [Question(selection, fitted, terms[group[0]], [known[n] for n in group[1:]]) for group in classes]
     if not questions:
-        alone = [Question(trial, verdict, t, []) for t in verdict.terms if t.effect.candidate]
+        alone = [Question(selection, fitted, t, []) for t in fitted.terms if t.effect.candidate]
         questions = [q for q in alone if q.separations(record.inputs)[0].standard_errors < ENOUGH]
     if not questions:
         return None
-    law = replace(trial.base.model, terms=())
-    runs: list[tuple[Candidate, tuple[Separation, ...]]] = []
-    for candidate in sorted(candidates(record, law, verdict.values), key=lambda c: c.minutes):
+    law = replace(selection.base.model, terms=())
+    runs: list[tuple[PossibleRun, tuple[Separation, ...]]] = []
+    for possible in sorted(possible_runs(record, law, fitted.values), key=lambda c: c.minutes):
         tell("trying the next experiment", len(runs))
-        inputs = candidate.strokes.inputs(record.specimen)
-        runs.append((candidate, tuple(s for q in questions for s in q.separations(inputs))))
+        inputs = possible.strokes.inputs(record.specimen)
+        runs.append((possible, tuple(s for q in questions for s in q.separations(inputs))))
         if min(s.standard_errors for s in runs[-1][1]) >= ENOUGH:
             break
     least = ALL * max(_worth(found) for _, found in runs)
@@ -67,13 +67,13 @@ def next_experiment(trial: Trial, verdict: Verdict, classes: Sequence[Sequence[s
 
 
 class Question:
-    """Whether a run would separate one effect of a verdict from its rivals, or from nothing where there are none."""
+    """Whether a run would separate one effect of a set from its rivals, or from nothing where there are none."""
 
-    def __init__(self, trial: Trial, verdict: Verdict, term: Term, rivals: Sequence[Effect]) -> None:
-        self.effect, self.rivals, self.noise = term.effect, rivals, trial.noise
-        self.whole = trial.base.model.adding(*verdict.terms)
-        self.rest = trial.base.model.adding(*verdict.without(term))
-        self.values = verdict.values
+    def __init__(self, selection: Selection, fitted: FittedSet, term: Term, rivals: Sequence[Effect]) -> None:
+        self.effect, self.rivals, self.noise = term.effect, rivals, selection.noise
+        self.whole = selection.base.model.adding(*fitted.terms)
+        self.rest = selection.base.model.adding(*fitted.without(term))
+        self.values = fitted.values
 
     def separations(self, inputs: Inputs) -> tuple[Separation, ...]:
         """Predicted separation from each rival by a run that gives a force law `inputs`."""
@@ -81,11 +81,11 @@ class Question:
         force = self.whole.force(inputs, self.values)
         view = View(Record("run", inputs, force, inputs.pressure, none, none, inputs), self.rest, self.values)
         noise = _expected(self.noise, inputs)
-        total, left = _left(view, noise, [a for rival in self.rivals for a in view.atoms(rival)])
+        total, left = _left(view, noise, [a for rival in self.rivals for a in view.regressors(rival)])
         near = [
-            atom
+            regressor
             for rival in self.rivals
-            for atom in atoms_at(
+            for regressor in regressors_at(
                 rival, left[rival.name][1].term.form, closer(left[rival.name][1], NEAR), inputs, view.around
             )
         ]
@@ -97,11 +97,13 @@ class Question:
         return tuple(Separation(self.effect.name, name, math.sqrt(square)) for name, square in squares.items())
 
 
-def _left(view: View, noise: Noise, atoms: Sequence[Atom]) -> tuple[float, dict[str, tuple[float, Atom]]]:
-    """Whitened squares of a residual that the law leaves, and that each effect's best atom leaves, with that atom."""
-    data = view.singly(atoms, noise)
-    best = data.cheapest().items()
-    return data.total, {name: (max(data.total + cost, 0.0), data.atoms[k]) for name, (cost, k) in best}
+def _left(
+    view: View, noise: Noise, regressors: Sequence[Regressor]
+) -> tuple[float, dict[str, tuple[float, Regressor]]]:
+    """Whitened squares that the law leaves of a residual, and that each effect's best regressor does, with that one."""
+    data = view.singly(regressors, noise)
+    best = data.best_of_each().items()
+    return data.total, {name: (max(data.total + criterion, 0.0), data.regressors[k]) for name, (criterion, k) in best}
 
 
 def _worth(found: Sequence[Separation]) -> float:
@@ -150,17 +152,17 @@ def _out_of_reach(questions: Sequence[Question], found: Sequence[Separation]) ->
     return Experiment(levers, text, tuple(found))
 
 
-def after_pattern(pattern: Pattern, trial: Trial, verdict: Verdict) -> Experiment:
+def after_pattern(pattern: Pattern, selection: Selection, fitted: FittedSet) -> Experiment:
     """What to do about a pattern that no known effect explains, and the run to do it with."""
-    middle = f"{trial.record.levels[len(trial.record.levels) // 2]:g} MPa"
+    middle = f"{selection.record.levels[len(selection.record.levels) // 2]:g} MPa"
     lever, text = {
         "periodic": ("speed", "a ripple of the screw keeps its period in mm at another speed, one of the supply in s"),
         "local": ("reversal", f"turn the muscle about its axis at {middle}: a rub moves or goes"),
         "step": ("cycles", "mark the clamps: a slipped mount shows as a shifted length"),
         "trend": ("cycles", "tare before and after: a trend that goes on is the rig's"),
     }.get(pattern.kind, ("pressure", "take a second specimen: what stays is the rig's"))
-    law = replace(trial.base.model, terms=())
-    runs = [c for c in candidates(trial.record, law, verdict.values) if lever in c.vary]
+    law = replace(selection.base.model, terms=())
+    runs = [c for c in possible_runs(selection.record, law, fitted.values) if lever in c.vary]
     if not runs:
         return Experiment((lever,), f"{text[0].upper()}{text[1:]}.")
     best = min(runs, key=lambda c: c.minutes)

@@ -1,7 +1,7 @@
 """Error on data that a fit has not seen: blocks are held out whole."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from ..core import FitError
 from ..core.progress import steps
 from ..fitting import Fit, fit
-from ..fitting.solve import solve
+from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
 
@@ -21,18 +21,22 @@ ALIKE = 1.01
 
 def folds(record: Record) -> list[Array]:
     """Masks (n,) of the rows to hold out in turn: each length or isobar of a table, every fifth cycle in time."""
-    blocks = np.unique(record.block)
-    if record.inputs.time is None:
-        return [record.block == b for b in blocks]
-    return [np.isin(record.block, blocks[k::FOLDS]) for k in range(min(FOLDS, len(blocks)))]
+    return in_parts(record.block, FOLDS if record.inputs.time is not None else len(np.unique(record.block)))
 
 
-def heldout_rmse(model: Model, record: Record, whole: Fit | None = None) -> float:
+def in_parts(block: Array, most: int = FOLDS) -> list[Array]:
+    """Masks (n,) of at most so many parts, each of every so many-th of the blocks that rows (n,) belong to."""
+    blocks = np.unique(block)
+    return [np.isin(block, blocks[k::most]) for k in range(min(most, len(blocks)))]
+
+
+def heldout_rmse(model: Model, record: Record, whole: Fit | None = None, masks: Sequence[Array] | None = None) -> float:
     """Root mean square error in N of each block predicted by the model fitted to the others; NaN with one block only.
 
-    `whole` is the fit to all rows, from which the refits start. Raises FitError as `fit` does.
+    `whole` is the fit to all rows, from which the refits start, `masks` (n,) the rows to hold out in turn in place of
+    the `folds`. Raises FitError as `fit` does.
     """
-    masks = folds(record)
+    masks = folds(record) if masks is None else masks
     if len(masks) < 2:
         return math.nan
     whole = whole or fit(model, record, detail=False)
@@ -70,17 +74,24 @@ def in_best_forms(base: Fit, terms: Sequence[Term]) -> list[Term]:
     return list(min(alike, key=lambda choice: sum(len(t.form.params) for t in choice)))
 
 
-def linear_heldout(law: Array, columns: Array, residual: Array, masks: list[Array]) -> tuple[float, float]:
-    """Root mean square error in N, on all rows and held out, of a linearised law (n, m) with columns (n, k) added."""
-    matrix = np.hstack([law, columns])
-    scale = np.linalg.norm(matrix, axis=0)
-    matrix = matrix / np.where(scale > 0, scale, 1.0)
-    gram, product = matrix.T @ matrix, matrix.T @ residual
+def heldout_nearby(model: Model, record: Record, values: Mapping[str, float]) -> float:
+    """As `heldout_rmse`, but each refit is one Gauss–Newton step from `values`, where the fit to all rows ended.
+
+    A parameter at a bound stays there.
+    """
+    masks = folds(record)
+    if len(masks) < 2:
+        return math.nan
+    free = [p.lower < values[p.name] < p.upper for p in model.bounded(record.inputs)]
+    slopes = jacobian(model, record.inputs, values, record.force)[:, free]
+    left = record.force - model.force(record.inputs, values)
+    scale = np.linalg.norm(slopes, axis=0)
+    slopes = slopes / np.where(scale > 0, scale, 1.0)
+    gram, product = slopes.T @ slopes, slopes.T @ left
     ridge = 1e-10 * np.eye(len(gram))
-    inside = float(np.mean((residual - matrix @ np.linalg.solve(gram + ridge, product)) ** 2))
-    outside = 0.0
+    square = 0.0
     for mask in masks:
-        part, left = matrix[mask], residual[mask]
-        x = np.linalg.solve(gram - part.T @ part + ridge, product - part.T @ left)
-        outside += float(np.sum((left - part @ x) ** 2))
-    return math.sqrt(inside), math.sqrt(outside / len(residual)) if len(masks) > 1 else math.nan
+        part, there = slopes[mask], left[mask]
+        step = np.linalg.solve(gram - part.T @ part + ridge, product - part.T @ there)
+        square += float(np.sum((there - part @ step) ** 2))
+    return math.sqrt(square / len(record))

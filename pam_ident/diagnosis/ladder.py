@@ -1,6 +1,8 @@
 """From a law up to the noise floor, one effect a rung."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +16,8 @@ from .heldout import heldout_rmse
 from .nouns import Diagnosis, Ladder, Rung
 
 MOST_RUNGS = 8
+DEAD = 1e-3
+"""Force of an effect beside what is left, both rms, below which it is none."""
 LEAST_FALL = 0.01
 """Relative fall of the held-out error below which a rung is not worth an effect."""
 
@@ -24,6 +28,8 @@ def climb(
     extra: tuple[Effect, ...] = (),
     without: tuple[str, ...] = (),
     only: tuple[str, ...] = (),
+    odds: Mapping[str, float] | None = None,
+    detail: bool = True,
 ) -> Ladder:
     """Diagnose, add, and diagnose again, until nothing is missing or the error on held-out data stops falling.
 
@@ -34,7 +40,7 @@ def climb(
         model: the lowest rung.
         record: what it is held against.
         extra: effects of the user's own, tried beside the catalogue's.
-        without, only: names, as in `diagnose`.
+        without, only, odds, detail: as in `diagnose`.
 
     Raises:
         FitError, DataError: as `diagnose`.
@@ -55,28 +61,40 @@ def climb(
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]
     while True:
         with part(f"rung {len(rungs)}"):
-            found = diagnose(rungs[-1].fit.model, record, extra, without, only)
+            found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, detail)
         terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
-        new = _rungs(rungs[-1], terms, record, found) if terms and len(rungs) <= MOST_RUNGS else []
+        new = _rungs(rungs[-1], terms, model, found) if terms and len(rungs) <= MOST_RUNGS else []
         if not new:
             return Ladder(tuple(rungs), found.noise_floor, found)
         rungs += new
 
 
-def _rungs(below: Rung, terms: list[Term], record: Record, found: Diagnosis) -> list[Rung]:
-    """Rungs for the terms, the one of most merit first; none once held-out data gain nothing."""
+def _rungs(below: Rung, terms: list[Term], lowest: Model, found: Diagnosis) -> list[Rung]:
+    """Rungs for the terms, the one of most merit first; none once held-out data gain nothing, or with which the record
+    no longer determines the model."""
     rungs: list[Rung] = []
+    record = below.fit.record
     left = list(terms)
     while left:
         base = rungs[-1] if rungs else below
-        trials = [(_added(base.fit, t, found.best), t) for t in left]
-        best, term = min(trials, key=lambda pair: _merit(pair[0]))
+        attempts = [(_added(base.fit, t, found.best), t) for t in left]
+        best, term = min(attempts, key=lambda pair: _merit(pair[0]))
+        left.remove(term)
+        best = _alive(best, lowest)
+        if best.model == base.fit.model:
+            continue
         heldout = heldout_rmse(best.model, record, best)
         rungs.append(Rung(best, heldout, _why(base, best, heldout, found), found))
-        left.remove(term)
-    while rungs and not _helps((below, *rungs)[-2], rungs[-1]):
+    while rungs and not (_helps((below, *rungs)[-2], rungs[-1]) and rungs[-1].fit.valid >= below.fit.valid):
         rungs.pop()
     return rungs
+
+
+def _alive(one: Fit, lowest: Model) -> Fit:
+    """The fit without those effects beyond the lowest rung's whose force has become nothing."""
+    kept = [t for t in one.model.terms if t in lowest.terms or one.shares[t.label] > DEAD * one.rmse]
+    model = replace(one.model, terms=tuple(kept))
+    return one if model == one.model else fit(model, one.record, start=one.values)
 
 
 def _added(base: Fit, term: Term, found: Fit) -> Fit:
@@ -102,6 +120,6 @@ def _why(base: Rung, best: Fit, heldout: float, found: Diagnosis) -> str:
     term = best.model.terms[-1]
     chance = next((s.probability for s in found.ranking if s.effect == term.effect.name), math.nan)
     return (
-        f"{term.effect.title} ({term.form.name}): error {base.fit.rmse:.3g} → {best.rmse:.3g} N, held out "
+        f"{term.effect.title} ({term.form.name}): error {base.fit.rmse:.3g} → {best.rmse:.3g} N, held out and refitted "
         f"{base.heldout_rmse:.3g} → {heldout:.3g} N, probability {chance:.2f}"
     )

@@ -12,18 +12,17 @@ from ..core import Inputs
 from ..records import Record
 from ..records.motion import noise_around
 from .noises import likelier_colour
+from .noises.first_order import MEMORY_SAMPLES, SHARES
+from .position import PositionError, SharedNoise
 from .repeats import without_repeats
 from .whitening import BlockFilter, filter_gains, innovations
 
 Array = np.ndarray
-SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
 SMALL, SMALL_COLOURED = 0.04, 0.1
 """Share of the noise's variance that is too small to matter, because for less a wrong name is worse; and what is added
 where all noise is coloured: no noise has the colour it is given exactly."""
 ALIKE = 0.1
-"""Difference in size up to which noises of one colour lead to the same answer."""
-MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, *40.0 * 2.0 ** np.arange(6)])
-"""Up to a wander over minutes: noise that is slower than any here passes for a drift."""
+"""Difference in size up to which noises of one colour scanned to the same answer."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +47,7 @@ class Noise:
     spread: Array
     outlier: Array
     deviance: float
+    shared: SharedNoise | None = None
 
     @property
     def coloured(self) -> bool:
@@ -67,12 +67,14 @@ class Noise:
     def take(self, rows: Array) -> "Noise":
         """The noise of some samples, by index (m,), as if they followed each other."""
         parts = {name: getattr(self, name)[rows] for name in ("decay", "gain", "spread", "outlier")}
-        return replace(self, **parts)
+        return replace(self, shared=self.shared.take(rows) if self.shared else None, **parts)
 
     def whiten(self, columns: Array) -> Array:
         """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same, as precise."""
         flat = columns.ndim == 1
         table = columns[:, None] if flat else columns
+        if self.shared:
+            table = self.shared.even(np.where(self.outlier[:, None], table.dtype.type(0.0), table))
         filtered = self.coloured and table.size > 0  # a law without parameters has no columns
         single = table.dtype == np.float32
         if filtered:
@@ -84,7 +86,8 @@ class Noise:
     @cached_property
     def volume(self) -> float:
         """What is added to the squares of its innovations for minus twice the log likelihood, up to a constant."""
-        return 2.0 * float(np.sum(np.log(self.sigma * self.spread)))
+        shared = self.shared.volume if self.shared else 0.0
+        return 2.0 * float(np.sum(np.log(self.sigma * self.spread))) + shared
 
     @cached_property
     def _weight(self) -> Array:
@@ -102,7 +105,13 @@ class Noise:
 
 
 def estimate_noise(
-    record: Record, residual: Array, slope: Array, parameters: float, outlier: Array | None = None, white: bool = False
+    record: Record,
+    residual: Array,
+    slope: Array,
+    parameters: float,
+    outlier: Array | None = None,
+    white: bool = False,
+    position: PositionError | None = None,
 ) -> Noise:
     """Noise from what a model leaves: white, or partly a first-order process.
 
@@ -111,7 +120,12 @@ def estimate_noise(
     comes back with every cycle is left out.
     """
     n = len(residual)
-    middle = max(float(np.median(np.abs(residual))) / 0.6745, 1e-9)
+    middle, shared = _middle(residual), None
+    if position:
+        for _ in range(2):  # the noise's own size is known better once the shared part is down to it
+            shared = position.in_force(slope, middle)
+            middle = _middle(shared.even(residual) if shared else residual)
+    residual = shared.even(residual) if shared else residual
     if outlier is None:
         outlier = _isolated(np.abs(residual) > 5.0 * middle) | _turning(record.inputs)
     extra = np.zeros(n)
@@ -128,10 +142,18 @@ def estimate_noise(
     if own is not residual:
         whole = innovations(np.where(outlier, 0.0, residual / middle)[:, None], decay, gain)[:, 0] / spread
         deviance += float(whole @ whole - left @ left) * (middle / sigma) ** 2
+    if shared:
+        deviance += shared.volume
     if share > 0.0:
-        deviance -= likelier_colour(z / np.sqrt(1.0 + extra), share, float(np.median(decay[1:])))
-    whole = sigma * math.sqrt(1.0 + float(np.mean(extra[~outlier]))) if not outlier.all() else sigma
-    return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance)
+        deviance -= likelier_colour(z / np.sqrt(1.0 + extra))
+    more = (float(np.mean(extra[~outlier])) if not outlier.all() else 0.0) + (shared.mean if shared else 0.0)
+    whole = sigma * math.sqrt(1.0 + more)
+    return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance, shared)
+
+
+def _middle(residual: Array) -> float:
+    """Standard deviation of most of a residual, in N."""
+    return max(float(np.median(np.abs(residual))) / 0.6745, 1e-9)
 
 
 def _isolated(far: Array) -> Array:
@@ -165,30 +187,30 @@ def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, 
     unit = float(np.median(step[1:]))
     best, least = white, n * float(np.log(square)) + float(np.sum(np.log(1.0 + extra))) - 12.0
     for clock, advance, seconds in (("samples", np.ones(n), 1.0), ("seconds", step / unit, unit)):
-        (k, j), cost = _most_likely(advance, z, extra)
-        if cost < least:
+        (k, j), criterion = _most_likely(advance, z, extra)
+        if criterion < least:
             decay = np.exp(-advance / MEMORY_SAMPLES[k])
             decay[0] = 0.0
-            best, least = (float(SHARES[j]), float(MEMORY_SAMPLES[k]) * seconds, clock, decay), cost
+            best, least = (float(SHARES[j]), float(MEMORY_SAMPLES[k]) * seconds, clock, decay), criterion
     return best
 
 
 def _most_likely(advance: Array, z: Array, extra: Array) -> tuple[tuple[int, int], float]:
     """Place in (MEMORY_SAMPLES, SHARES) of the likeliest process, and its deviance: at wide steps first, then near."""
-    costs: dict[tuple[int, int], float] = {}
+    deviances: dict[tuple[int, int], float] = {}
 
     def weigh(places: Iterable[tuple[int, int]]) -> tuple[int, int]:
-        new = [(k, j) for k, j in places if (k, j) not in costs and k < len(MEMORY_SAMPLES) and j < len(SHARES)]
+        new = [(k, j) for k, j in places if (k, j) not in deviances and k < len(MEMORY_SAMPLES) and j < len(SHARES)]
         if new:
-            costs.update(zip(new, _deviances(new, advance, z, extra), strict=True))
-        return min(costs, key=costs.__getitem__)
+            deviances.update(zip(new, _deviances(new, advance, z, extra), strict=True))
+        return min(deviances, key=deviances.__getitem__)
 
     here = weigh(product(range(0, len(MEMORY_SAMPLES), 2), (0, 2, 4, 6, 7)))
     while True:
         k, j = here
         near = weigh(product(range(max(k - 1, 0), k + 2), range(max(j - 1, 0), j + 2)))
         if near == here:
-            return here, costs[here]
+            return here, deviances[here]
         here = near
 
 

@@ -1,5 +1,6 @@
 """What the diagnosis answers with. All frozen; none draws or prints itself."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -74,9 +75,9 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class Suspect:
-    """An effect on trial: `label` names the form that fits best, `probability` that it belongs to the answer, or that
-    one does which the record cannot tell from it.
+class Candidate:
+    """An effect that may be missing: `label` names the form that fits best, `probability` that it belongs to the
+    answer, or that one does which the record cannot tell from it.
 
     `status` is candidate, absorbed_by_law or not_excited. Errors in N, None where they were not computed.
     """
@@ -133,7 +134,7 @@ class Diagnosis:
     `base` is the model as given, `best` with the `selected` effects (names, largest first) added. `labels` are
     the same with their forms. `follows` says what the error of `base` follows, whatever it is called, and
     `details["followed"]` how much of it in N, shape (n,), unless the record was too long to look at whole. Floors and
-    errors in N.
+    errors in N, those on held-out data `nested` where everything was chosen anew without it, else `refit`.
     """
 
     base: Fit
@@ -142,7 +143,7 @@ class Diagnosis:
     selected: tuple[str, ...]
     labels: tuple[str, ...]
     groups: tuple[tuple[str, ...], ...]
-    ranking: tuple[Suspect, ...]
+    ranking: tuple[Candidate, ...]
     noise_floor: float
     heldout_rmse: float
     heldout_rmse_after: float
@@ -151,19 +152,22 @@ class Diagnosis:
     sentence: str
     follows: tuple[Follows, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)
+    heldout: str = "refit"
 
 
 @dataclass(frozen=True)
 class Rung:
     """One step of a ladder: the fit with the effects so far, its error on held-out data in N, and why it was taken.
 
-    `found` is the diagnosis that led to it, None for the law alone.
+    `found` is the diagnosis that led to it, None for the law alone. Where a ladder is nested, `heldout_rmse` is that of
+    as many effects, chosen anew without the held-out rows, and `refit_rmse` the error with these ones fitted anew.
     """
 
     fit: Fit
     heldout_rmse: float
     why: str
     found: Diagnosis | None = None
+    refit_rmse: float | None = None
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -172,12 +176,30 @@ class Rung:
 
 
 @dataclass(frozen=True)
+class Nested:
+    """What was held out while everything was chosen anew, in how many `parts`, and how laws alone do there.
+
+    `beside` maps names of laws, and `mean over pressure`, to their number of parameters and error in N, best first.
+    `text` says it in words, and which effects foretold nothing better and were left out.
+    """
+
+    by: str
+    parts: int
+    beside: Mapping[str, tuple[int, float]]
+    text: str
+
+
+@dataclass(frozen=True)
 class Ladder:
-    """From the law alone up to the noise floor, one effect a rung; `last` says why it ended there."""
+    """From the law alone up to the noise floor, one effect a rung; `last` says why it ended there.
+
+    `nested` is there where everything was chosen anew without the held-out rows.
+    """
 
     rungs: tuple[Rung, ...]
     noise_floor: float
     last: Diagnosis
+    nested: Nested | None = None
 
     @property
     def first(self) -> Diagnosis:

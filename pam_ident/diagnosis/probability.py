@@ -1,30 +1,38 @@
 """How sure it is that an effect belongs to the answer."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
-from .trial import Trial
+from .search import TEMPER
+from .selection import Selection
 
-TEMPER = 4.0
-"""Costs are divided by this before they become odds: forms are never exactly right, so evidence counts for less."""
 LAPSE = 0.005
 """Chance that the search was misled as a whole: Jeffreys' (0 + ½)/(93 + 1) after 93 near-certain, true statements."""
 
 
-def probabilities(trial: Trial, groups: Sequence[Sequence[str]]) -> dict[str, float]:
-    """Chance, by suspect, that it belongs to the answer, or that one does which the record cannot tell from it.
+def probabilities(
+    selection: Selection, groups: Sequence[Sequence[str]], answer: Collection[str] | None = None
+) -> dict[str, float]:
+    """Chance, by candidate, that it belongs to the answer, or that one does which the record cannot tell from it.
 
-    Sets that were fitted are weighed by exp(−cost / 2·TEMPER), and the weights of those that hold the suspect, or a
-    member of its `groups`, are summed. With chance LAPSE nothing was learned, and each suspect is as likely as another.
+    Sets that were fitted are weighed by exp(−criterion / 2·TEMPER), and the weights of those that hold the candidate,
+    or a member of its `groups`, are summed. Where the likeliest of them holds a name that the `answer` has not, because
+    it is too small to matter or held-out data are foretold better without, no set with that name counts. With chance
+    LAPSE nothing was learned, and all candidates are as likely.
     TEMPER and LAPSE were fitted to simulated records: docs/diagnosis.md.
     """
-    fitted = trial.weighed()
-    least = min(v.cost for v in fitted)
-    sets = [(v.names, math.exp(-(v.cost - least) / (2.0 * TEMPER))) for v in fitted]
+    fitted = selection.weighed()
+    while answer is not None:
+        more = min(fitted, key=lambda v: v.criterion).candidates.difference(answer, *groups)
+        if not more:
+            break
+        fitted = [v for v in fitted if v.names.isdisjoint(more)]
+    least = min(v.criterion for v in fitted)
+    sets = [(v.names, math.exp(-(v.criterion - least) / (2.0 * TEMPER))) for v in fitted]
     total = sum(weight for _, weight in sets)
     chance = {}
-    for suspect in trial.suspects:
-        alike = {suspect.name}.union(*(group for group in groups if suspect.name in group))
+    for candidate in selection.candidates:
+        alike = {candidate.name}.union(*(group for group in groups if candidate.name in group))
         share = sum(weight for names, weight in sets if names & alike) / total
-        chance[suspect.name] = (1.0 - LAPSE) * share + LAPSE / len(trial.suspects)
+        chance[candidate.name] = (1.0 - LAPSE) * share + LAPSE / len(selection.candidates)
     return chance

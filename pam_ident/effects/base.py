@@ -9,52 +9,52 @@ import numpy as np
 from ..core import Inputs, Param, UsageError
 
 Array = np.ndarray
-Shape = Mapping[str, float]
-Columns = Callable[[Inputs, Shape, Array], Array]
-"""(inputs, shape values, force of the model in N, shape (n,)) → shape (n, number of sizes)."""
+Values = Mapping[str, float]
+Columns = Callable[[Inputs, Values, Array], Array]
+"""(inputs, values of the nonlinear parameters, force of the model in N, shape (n,)) → shape (n, linear parameters)."""
 
 
 @dataclass(frozen=True)
 class Form(ABC):
-    """One way to write an effect down: linear in its sizes, curved in its shapes.
+    """One way to write an effect down: its linear and its nonlinear parameters, and the columns.
 
-    What `columns` · (sizes − their neutral values) does is the form's role, told by its type.
+    What `columns` · (linear parameters − their neutral values) does is the form's role, told by its type.
     `uses_force` marks columns that depend on the force itself, so that the model is solved implicitly; `remembers`
     those that depend on what lies between the record's first sample and their own, which cannot be read in pieces.
     """
 
     name: str
     formula: str
-    sizes: tuple[Param, ...]
+    linear: tuple[Param, ...]
     columns: Columns
-    shapes: tuple[Param, ...] = ()
+    nonlinear: tuple[Param, ...] = ()
     uses_force: bool = False
     remembers: bool = False
 
     @property
     def params(self) -> tuple[Param, ...]:
-        """Sizes, then shapes."""
-        return self.sizes + self.shapes
+        """Linear, then nonlinear."""
+        return self.linear + self.nonlinear
 
 
 @dataclass(frozen=True)
 class AddsForce(Form):
-    """columns · sizes is a force in N, added to the law's."""
+    """columns · linear is a force in N, added to the law's."""
 
 
 @dataclass(frozen=True)
 class ScalesForce(Form):
-    """The law's force is multiplied by 1 + columns · sizes."""
+    """The law's force is multiplied by 1 + columns · linear."""
 
 
 @dataclass(frozen=True)
 class TransformsPressure(Form):
-    """The law is given p + columns · sizes, in MPa, never below zero."""
+    """The law is given p + columns · linear, in MPa, never below zero."""
 
 
 @dataclass(frozen=True)
 class TransformsContraction(Form):
-    """The law is given ε + columns · (sizes − neutral)."""
+    """The law is given ε + columns · (linear − neutral)."""
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ class Effect:
         object.__setattr__(self, "simplest", self.simplest or self.forms[0].name)
 
     @property
-    def kin(self) -> str:
-        """The effect that this is a special case of, or itself: of one kin a model needs one."""
+    def exclusion_group(self) -> str:
+        """The effect that this is a special case of, or itself: of one such group a model needs one."""
         return self.special_case_of or self.name
 
     def missing(self, inputs: Inputs) -> list[str]:
@@ -110,7 +110,7 @@ def free_form(
     count: int = 1,
     pressure: int = 1,
     contraction: int = 2,
-    shapes: tuple[Param, ...] = (),
+    nonlinear: tuple[Param, ...] = (),
     role: type[Form] = AddsForce,
     unit: tuple[str, float] = ("N", 10.0),
     remembers: bool = False,
@@ -125,19 +125,19 @@ def free_form(
     coefficients with their usual size.
     """
     orders = [(i, j) for i in range(pressure + 1) for j in range(contraction + 1)]
-    sizes = tuple(
+    linear = tuple(
         Param(f"f_{k}{i}{j}", unit[0], f"coefficient of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", scale=unit[1])
         for k in range(count)
         for i, j in orders
     )
 
-    def columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
+    def columns(inputs: Inputs, values: Values, force: Array) -> Array:
         p, e = inputs.pressure / 0.3, inputs.contraction / 0.1
         surface = inputs.xp.stack([p**i * e**j for i, j in orders]).T
-        return (states(inputs, shape, force)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
+        return (states(inputs, values, force)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
 
     formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j"
-    return role(name, formula, sizes, columns, shapes, remembers=remembers)
+    return role(name, formula, linear, columns, nonlinear, remembers=remembers)
 
 
 def one(values: Array) -> Array:

@@ -2,16 +2,18 @@
 
 import math
 
-from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, one
+from ..core import Inputs, Param, Range
+from .base import AddsForce, Array, Effect, Values, one
 
-E_MOD = Param("E", "MPa", "Young's modulus of the bladder", 0.0, 200.0, scale=1.0)
+RUBBER = "rubbers, 0.05 to 50 MPa in tension (Ashby, Materials Selection in Mechanical Design)"
+SHEAR = Range(0.0, 17.0, RUBBER)
+E_MOD = Param("E", "MPa", "Young's modulus of the bladder", 0.0, 200.0, scale=1.0, range=Range(0.0, 50.0, RUBBER))
 K = Param("K", "N", "stiffness of the bladder over contraction", 0.0, 1e5, scale=50.0)
 C1 = Param("C1", "MPa", "first Mooney–Rivlin constant", 0.0, 200.0, scale=0.2)
 C2 = Param("C2", "MPa", "second Mooney–Rivlin constant", -200.0, 200.0, scale=0.2)
-G = Param("G", "MPa", "shear modulus of the bladder", 0.0, 200.0, scale=0.3)
+G = Param("G", "MPa", "shear modulus of the bladder", 0.0, 200.0, scale=0.3, range=SHEAR)
 # Measured rubber softens before it stiffens, which the two constants of Mooney and Rivlin cannot follow.
-C10 = Param("C10", "MPa", "first Yeoh constant, half the shear modulus", 0.0, 200.0, scale=0.3)
+C10 = Param("C10", "MPa", "first Yeoh constant, half the shear modulus", 0.0, 200.0, scale=0.3, range=SHEAR)
 C20 = Param("C20", "MPa", "second Yeoh constant: softening where negative", -200.0, 200.0, scale=0.1)
 C30 = Param("C30", "MPa", "third Yeoh constant: stiffening at large stretch", 0.0, 200.0, scale=0.05)
 J_M = Param("J_m", "1", "limit of I1 − 3 at which the rubber locks", 0.3, 100.0, start=3.0, grid=(1.0, 3.0, 12.0))
@@ -29,14 +31,14 @@ def hoop_force(inputs: Inputs) -> Array:
     return -2.0 * s.a / 3.0 * math.pi * s.initial_radius_mm * wall(inputs) * shortened * stretch
 
 
-def _hoop(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _hoop(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(hoop_force(inputs))
 
 
 def invariant_slopes(inputs: Inputs) -> tuple[Array, Array, Array]:
     """I1 − 3, dI1/dε and dI2/dε of an incompressible thin tube on the braid, λ_z = 1 − ε, λ_θ = r/r0.
 
-    Shape (n,) each, without unit.
+    Values (n,) each, without unit.
     """
     z, g = 1.0 - inputs.contraction, inputs.specimen.radius_ratio(inputs.contraction) ** 2
     dg = 2.0 * inputs.specimen.a * z / 3.0
@@ -47,23 +49,23 @@ def invariant_slopes(inputs: Inputs) -> tuple[Array, Array, Array]:
     return i1, d1, d2
 
 
-def _spring(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _spring(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-inputs.contraction)
 
 
-def _mooney_rivlin(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _mooney_rivlin(inputs: Inputs, values: Values, force: Array) -> Array:
     _, d1, d2 = invariant_slopes(inputs)
     section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
     return -section * inputs.xp.stack([d1, d2]).T
 
 
-def _gent(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _gent(inputs: Inputs, values: Values, force: Array) -> Array:
     i1, d1, _ = invariant_slopes(inputs)
     section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
-    return one(-section * 0.5 * d1 / inputs.xp.maximum(1.0 - i1 / shape["J_m"], 0.02))
+    return one(-section * 0.5 * d1 / inputs.xp.maximum(1.0 - i1 / values["J_m"], 0.02))
 
 
-def _yeoh(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _yeoh(inputs: Inputs, values: Values, force: Array) -> Array:
     xp = inputs.xp
     i1, d1, _ = invariant_slopes(inputs)
     section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)

@@ -3,13 +3,13 @@
 import math
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, one
+from .base import AddsForce, Array, Effect, Values, one
 from .bladder_elasticity import wall
 
 E_MOD = Param("E_printed", "MPa·mm⁻¹", "modulus by the printed form: not a Young's modulus", 0.0, 5000.0, scale=0.01)
 
 
-def _printed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _printed(inputs: Inputs, values: Values, force: Array) -> Array:
     s, shortened = inputs.specimen, 1.0 - inputs.contraction
     stretch = 1.0 - 1.0 / s.radius_ratio(inputs.contraction)
     factor = 2.0 * math.sqrt(3.0 * s.a) / 3.0 * math.pi * s.initial_radius_mm * s.initial_length_mm * wall(inputs)

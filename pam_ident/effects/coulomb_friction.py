@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from ..core import Inputs, Param
 from ._history import stop_operator, time_held
-from .base import AddsForce, Array, Effect, Shape, bladder_area, free_form, one, slip, speed
+from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
 F_IN = Param("F_in", "N", "friction force while the muscle contracts", 0.0, 2000.0, scale=10.0)
@@ -21,45 +21,45 @@ CONTACT_MM = 0.05
 """Travel before the contact slides, which a sample's step hides; a longer one shows, and is presliding."""
 
 
-def _sliding(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _sliding(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-slip(inputs)[0])
 
 
-def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _held(inputs: Inputs, values: Values, force: Array) -> Array:
     return -inputs.xp.stack(slip(inputs)).T
 
 
-def _asymmetric(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _asymmetric(inputs: Inputs, values: Values, force: Array) -> Array:
     moving, held = slip(inputs)
     xp = inputs.xp
     return -xp.stack([xp.maximum(moving, 0.0), xp.minimum(moving, 0.0), held]).T
 
 
-def _stuck(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _stuck(inputs: Inputs, values: Values, force: Array) -> Array:
     """Friction holds all of its force at rest, and lets go over a short way after a reversal."""
     if inputs.time is None:
-        return _sliding(inputs, shape, force)
+        return _sliding(inputs, values, force)
     return one(-stop_operator(inputs, CONTACT_MM))
 
 
-def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _area(inputs: Inputs, values: Values, force: Array) -> Array:
     """The bladder's area over its area at rest, to a power."""
-    return _held(inputs, shape, force) * bladder_area(inputs)[:, None] ** shape["growth"]
+    return _held(inputs, values, force) * bladder_area(inputs)[:, None] ** values["growth"]
 
 
-def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _smooth(inputs: Inputs, values: Values, force: Array) -> Array:
     xp = inputs.xp
     moving, held = slip(inputs)
-    ramp = xp.tanh(speed(inputs) / shape["v_0"]) if inputs.velocity is not None else 1.0
+    ramp = xp.tanh(speed(inputs) / values["v_0"]) if inputs.velocity is not None else 1.0
     return -xp.stack([moving * ramp, held]).T
 
 
-def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
     """What friction holds at rest fades, because the rubber under the threads creeps."""
     if inputs.time is None:
-        return _held(inputs, shape, force)
+        return _held(inputs, values, force)
     moving, held = slip(inputs)
-    fading = inputs.xp.exp(-time_held(inputs, held != 0.0) / shape["tau_h"])
+    fading = inputs.xp.exp(-time_held(inputs, held != 0.0) / values["tau_h"])
     return -inputs.xp.stack([moving, held * fading]).T
 
 
@@ -74,14 +74,14 @@ def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
     return -inputs.xp.stack([moving, moving * dip(speed(inputs)), held, held * dip(inputs.stroke_speed)]).T
 
 
-def gaussian_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def gaussian_dip(inputs: Inputs, values: Values, force: Array) -> Array:
     """Columns of the Stribeck form exp(−(v/v_s)²), shape (n, 4)."""
-    return stribeck_columns(inputs, lambda v: inputs.xp.exp(-((v / shape["v_s"]) ** 2)))
+    return stribeck_columns(inputs, lambda v: inputs.xp.exp(-((v / values["v_s"]) ** 2)))
 
 
-def exponential_dip(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def exponential_dip(inputs: Inputs, values: Values, force: Array) -> Array:
     """Columns of the Stribeck form exp(−v/v_s), shape (n, 4)."""
-    return stribeck_columns(inputs, lambda v: inputs.xp.exp(-v / shape["v_s"]))
+    return stribeck_columns(inputs, lambda v: inputs.xp.exp(-v / values["v_s"]))
 
 
 EFFECT = Effect(
@@ -117,7 +117,7 @@ EFFECT = Effect(
             exponential_dip,
             (V_S,),
         ),
-        free_form("−sgn(ε̇), in holds times exp(−t/τ_h)", _relaxing, 2, pressure=0, shapes=(TAU_H,), remembers=True),
+        free_form("−sgn(ε̇), in holds times exp(−t/τ_h)", _relaxing, 2, pressure=0, nonlinear=(TAU_H,), remembers=True),
     ),
     follows=("direction",),
     test="slow reversals at several pressures: the gap between the branches keeps its width",

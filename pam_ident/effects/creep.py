@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import Inputs, Param
 from ._history import relax
-from .base import AddsForce, Array, Effect, Shape, free_form, one, with_pressure
+from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
 from .bladder_elasticity import hoop_force
 
 G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
@@ -30,35 +30,35 @@ def _drive(inputs: Inputs, drive: Array, tau: float) -> Array:
     return -relax(inputs, drive, tau)
 
 
-def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(_drive(inputs, inputs.contraction, shape["tau"]))
+def _single(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(_drive(inputs, inputs.contraction, values["tau"]))
 
 
-def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
     """The gas presses more of the rubber between the threads."""
-    return with_pressure(_single(inputs, shape, force), inputs)
+    return with_pressure(_single(inputs, values, force), inputs)
 
 
-def _prony(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    times = [shape["tau"] * ratio for ratio in (0.1, 1.0, 10.0)]
+def _prony(inputs: Inputs, values: Values, force: Array) -> Array:
+    times = [values["tau"] * ratio for ratio in (0.1, 1.0, 10.0)]
     return inputs.xp.stack([_drive(inputs, inputs.contraction, tau) for tau in times]).T
 
 
-def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(inputs.xp.stack([_drive(inputs, inputs.contraction, tau) for tau in DECADES]).sum(axis=0) / len(DECADES))
 
 
-def _force(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-_drive(inputs, force, shape["tau"]))
+def _force(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(-_drive(inputs, force, values["tau"]))
 
 
-def _following(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _following(inputs: Inputs, values: Values, force: Array) -> Array:
     """The muscle creeps on the way it was pulled or pressed."""
-    return -_force(inputs, shape, force)
+    return -_force(inputs, values, force)
 
 
-def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-_drive(inputs, hoop_force(inputs), shape["tau"]))
+def _elastic(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(-_drive(inputs, hoop_force(inputs), values["tau"]))
 
 
 EFFECT = Effect(
@@ -76,7 +76,13 @@ EFFECT = Effect(
             "following", "−late · q, q̇ = Ḟ − q/τ", (LATE,), _following, (MIDDLE,), uses_force=True, remembers=True
         ),
         free_form(
-            "−q_i, τ_i = τ/10, τ, 10 τ", _prony, 3, contraction=1, shapes=(MIDDLE,), unit=("N", 100.0), remembers=True
+            "−q_i, τ_i = τ/10, τ, 10 τ",
+            _prony,
+            3,
+            contraction=1,
+            nonlinear=(MIDDLE,),
+            unit=("N", 100.0),
+            remembers=True,
         ),
     ),
     follows=("rest",),

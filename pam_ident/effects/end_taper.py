@@ -1,18 +1,22 @@
 """The ends stay narrow, so that the cylinder contracts more than the muscle."""
 
-from ..core import Inputs, Param
-from .base import Array, Effect, Shape, TransformsContraction, one
+from dataclasses import replace
 
-K1 = Param("k1", "1", "effective contraction per contraction", 0.2, 20.0, start=1.0, neutral=1.0)
+from ..core import Inputs, Param, Range
+from .base import Array, Effect, TransformsContraction, Values, one
+
+CYLINDER = Range(0.8, 3.0, "ends of one or two diameters at rest on muscles of six (Tondu & Lopez 2000)")
+K1 = Param("k1", "1", "effective contraction per contraction", 0.2, 20.0, start=1.0, neutral=1.0, range=CYLINDER)
+FORMED = replace(K1, range=None)
 SPAN = Param("e_s", "1", "contraction at which the taper is fully formed", 0.02, 1.0, start=0.1, grid=(0.03, 0.1))
 
 
-def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _linear(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(inputs.contraction)
 
 
-def _saturating(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(shape["e_s"] * -inputs.xp.expm1(-inputs.contraction / shape["e_s"]))
+def _saturating(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(values["e_s"] * -inputs.xp.expm1(-inputs.contraction / values["e_s"]))
 
 
 EFFECT = Effect(
@@ -22,7 +26,7 @@ EFFECT = Effect(
     # None that begins late or is cubic: on few lengths they take the bladder's place, and rubs and ripples elsewhere.
     forms=(
         TransformsContraction("textbook", "ε → k1 ε", (K1,), _linear),
-        TransformsContraction("saturating", "ε → ε + (k1−1) e_s (1 − exp(−ε/e_s))", (K1,), _saturating, (SPAN,)),
+        TransformsContraction("saturating", "ε → ε + (k1−1) e_s (1 − exp(−ε/e_s))", (FORMED,), _saturating, (SPAN,)),
     ),
     follows=("map",),
     test="measure the shape or the length of the cylindrical part apart",

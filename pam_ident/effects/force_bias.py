@@ -1,12 +1,13 @@
 """The load cell reads a force where there is none."""
 
-from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, one
+from ..core import Inputs, Param, Range
+from .base import AddsForce, Array, Effect, Values, one
 
-BIAS = Param("F_b", "N", "force read at no load", -2000.0, 2000.0, scale=10.0)
+ZERO = Range(-100.0, 100.0, "zero balance of a 2 kN load cell with its fixtures, 5 %")
+BIAS = Param("F_b", "N", "force read at no load", -2000.0, 2000.0, scale=10.0, range=ZERO)
 
 
-def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _columns(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(inputs.xp.ones(len(inputs)))
 
 

@@ -1,11 +1,12 @@
 """The load cell's zero wanders with time."""
 
-from ..core import Inputs, Param
+from ..core import Inputs, Param, Range
 from ._history import since_first
-from .base import AddsForce, Array, Effect, Shape, one
+from .base import AddsForce, Array, Effect, Values, one
 
-RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0)
-LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0)
+CELL = "strain-gauge load cells, a tenth of 2 kN"
+RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0, range=Range(-60.0, 60.0, CELL))
+LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0, range=Range(-200.0, 200.0, CELL))
 TAU = Param("tau", "s", "settling time of the drift", 5.0, 1e5, start=200.0, grid=(15.0, 60.0, 200.0, 600.0, 2000.0))
 SWING = (
     Param("F_sin", "N", "sine part of a swing", -5000.0, 5000.0, scale=10.0),
@@ -21,32 +22,32 @@ def elapsed(inputs: Inputs) -> Array:
     return since_first(inputs, inputs.time)
 
 
-def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _linear(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(elapsed(inputs) / 60.0)
 
 
-def _settling(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-inputs.xp.expm1(-elapsed(inputs) / shape["tau"]))
+def _settling(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(-inputs.xp.expm1(-elapsed(inputs) / values["tau"]))
 
 
-def _settling_on(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return inputs.xp.hstack([_settling(inputs, shape, force), _linear(inputs, shape, force)])
+def _settling_on(inputs: Inputs, values: Values, force: Array) -> Array:
+    return inputs.xp.hstack([_settling(inputs, values, force), _linear(inputs, values, force)])
 
 
-def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(inputs.xp.log1p(elapsed(inputs) / shape["tau"]))
+def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(inputs.xp.log1p(elapsed(inputs) / values["tau"]))
 
 
-def _swinging(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _swinging(inputs: Inputs, values: Values, force: Array) -> Array:
     xp = inputs.xp
-    angle = elapsed(inputs) * (2.0 * xp.pi / shape["T"])
+    angle = elapsed(inputs) * (2.0 * xp.pi / values["T"])
     return xp.stack([xp.sin(angle), 1.0 - xp.cos(angle)]).T
 
 
-def _smooth(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _smooth(inputs: Inputs, values: Values, force: Array) -> Array:
     late = elapsed(inputs) / 600.0
     powers = inputs.xp.stack([late, late**2, late**3]).T
-    return inputs.xp.hstack([_settling(inputs, shape, force), powers])
+    return inputs.xp.hstack([_settling(inputs, values, force), powers])
 
 
 EFFECT = Effect(

@@ -1,12 +1,13 @@
 """The length called initial is not the length of no contraction."""
 
-from ..core import Inputs, Param
-from .base import Array, Effect, Shape, TransformsContraction, one
+from ..core import Inputs, Param, Range
+from .base import Array, Effect, TransformsContraction, Values, one
 
-OFFSET = Param("e_off", "1", "contraction read where there is none", -0.2, 0.2, scale=0.01)
+ENDS = Range(-0.06, 0.06, "definitions of the initial length, which differ by 5 % (Martens & Boblan 2017)")
+OFFSET = Param("e_off", "1", "contraction read where there is none", -0.2, 0.2, scale=0.01, range=ENDS)
 
 
-def _constant(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _constant(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-inputs.xp.ones(len(inputs)))
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from ..core import Inputs, Param
 from ._history import cycles_of_test, greatest_so_far, way_travelled
-from .base import AddsForce, Array, Effect, ScalesForce, Shape, free_form, one
+from .base import AddsForce, Array, Effect, ScalesForce, Values, free_form, one
 from .bladder_elasticity import hoop_force
 
 EXTRA = Param("s", "1", "extra force in the first cycle, as a share", 0.0, 1.0, scale=0.02)
@@ -24,9 +24,9 @@ WAY = Param("s_0", "mm", "way over which the softening fades", 5.0, 1e4, start=1
 N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 20.0, start=1.5, grid=(0.7, 1.5, 4.0))
 
 
-def _fading(inputs: Inputs, shape: Shape) -> Array:
+def _fading(inputs: Inputs, values: Values) -> Array:
     assert inputs.cycle is not None
-    return inputs.xp.exp(-(inputs.cycle - 1.0) / shape["n_0"])
+    return inputs.xp.exp(-(inputs.cycle - 1.0) / values["n_0"])
 
 
 def _straight(inputs: Inputs, fading: Array) -> Array:
@@ -34,74 +34,74 @@ def _straight(inputs: Inputs, fading: Array) -> Array:
     return inputs.xp.stack([fading, -fading * inputs.contraction]).T
 
 
-def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(_fading(inputs, shape))
+def _whole(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(_fading(inputs, values))
 
 
-def _shaped(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    fading = _fading(inputs, shape)
+def _shaped(inputs: Inputs, values: Values, force: Array) -> Array:
+    fading = _fading(inputs, values)
     return inputs.xp.stack([fading, fading * inputs.contraction]).T
 
 
-def _recovering(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _recovering(inputs: Inputs, values: Values, force: Array) -> Array:
     """Between isobars the rubber rests, and recovers in part."""
     assert inputs.segment is not None
-    fading, first = _fading(inputs, shape), inputs.segment == inputs.segment[0]
+    fading, first = _fading(inputs, values), inputs.segment == inputs.segment[0]
     return inputs.xp.stack([fading * first, fading * ~first]).T
 
 
-def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(_fading(inputs, shape) * hoop_force(inputs))
+def _elastic(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(_fading(inputs, values) * hoop_force(inputs))
 
 
-def _whole_test(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _whole_test(inputs: Inputs, values: Values, force: Array) -> Array:
     """Cycles counted from the start of the test, not of the isobar."""
-    return _straight(inputs, _of_test(inputs, shape, force)[:, 0])
+    return _straight(inputs, _of_test(inputs, values, force)[:, 0])
 
 
-def _of_test(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / shape["n_0"]))
+def _of_test(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / values["n_0"]))
 
 
-def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _straight(inputs, _fading(inputs, shape))
+def _linear(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _straight(inputs, _fading(inputs, values))
 
 
-def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    fading = _fading(inputs, shape)
+def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
+    fading = _fading(inputs, values)
     return inputs.xp.stack([fading, fading * inputs.pressure]).T
 
 
-def _rested(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _rested(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.segment is not None
-    fading, first = _fading(inputs, shape), inputs.segment == inputs.segment[0]
+    fading, first = _fading(inputs, values), inputs.segment == inputs.segment[0]
     return inputs.xp.hstack([_straight(inputs, fading * first), _straight(inputs, fading * ~first)])
 
 
-def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _power(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.cycle is not None
-    return _straight(inputs, inputs.cycle ** -shape["q"])
+    return _straight(inputs, inputs.cycle ** -values["q"])
 
 
-def _logarithmic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.cycle is not None
     return _straight(inputs, -inputs.xp.log(inputs.cycle))
 
 
-def _travelled(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _travelled(inputs: Inputs, values: Values, force: Array) -> Array:
     """What is gone, not what is counted, softens; between isobars the rubber rests."""
-    return _straight(inputs, _by_way(inputs, shape, force)[:, 0])
+    return _straight(inputs, _by_way(inputs, values, force)[:, 0])
 
 
-def _by_way(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(inputs.xp.exp(-way_travelled(inputs) / shape["s_0"]))
+def _by_way(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(inputs.xp.exp(-way_travelled(inputs) / values["s_0"]))
 
 
-def _pseudo_elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _pseudo_elastic(inputs: Inputs, values: Values, force: Array) -> Array:
     """The energy W = (r/r0 − 1)² is that of the hoop, over E/2."""
     energy = (inputs.specimen.radius_ratio(inputs.contraction) - 1.0) ** 2
     below = greatest_so_far(inputs, energy) - energy
-    return one(-hoop_force(inputs) * inputs.xp.tanh(below / shape["m"]))
+    return one(-hoop_force(inputs) * inputs.xp.tanh(below / values["m"]))
 
 
 EFFECT = Effect(
@@ -157,11 +157,11 @@ EFFECT = Effect(
             (M,),
             remembers=True,
         ),
-        free_form("exp(−(n−1)/n_0)", _whole, shapes=(N0,)),
+        free_form("exp(−(n−1)/n_0)", _whole, nonlinear=(N0,)),
         free_form(
-            "exp(−(n−1)/n_0), n of the whole test", _of_test, shapes=(N0,), remembers=True, name="free_whole_test"
+            "exp(−(n−1)/n_0), n of the whole test", _of_test, nonlinear=(N0,), remembers=True, name="free_whole_test"
         ),
-        free_form("exp(−s/s_0)", _by_way, shapes=(WAY,), remembers=True, name="free_travelled"),
+        free_form("exp(−s/s_0)", _by_way, nonlinear=(WAY,), remembers=True, name="free_travelled"),
     ),
     follows=("cycle",),
     test="at least three cycles, and a re-run of the first after rest",

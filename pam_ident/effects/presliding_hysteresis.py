@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core import Inputs, Param
 from ._history import dahl_operator, stop_operator
-from .base import AddsForce, Array, Effect, Shape, free_form, one, with_pressure
+from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
 from .coulomb_friction import V_S
 from .stribeck_friction import PEAK, bending
 
@@ -39,30 +39,30 @@ def _slipping(inputs: Inputs, width: float) -> float:
     return min(width, 0.4 * float(np.ptp(inputs.displacement_mm)) or width)
 
 
-def _single(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-stop_operator(inputs, _slipping(inputs, shape["x_s"])))
+def _single(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(-stop_operator(inputs, _slipping(inputs, values["x_s"])))
 
 
-def _dahl(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-dahl_operator(inputs, _slipping(inputs, shape["x_s"])))
+def _dahl(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(-dahl_operator(inputs, _slipping(inputs, values["x_s"])))
 
 
-def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return with_pressure(_dahl(inputs, shape, force), inputs)
+def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
+    return with_pressure(_dahl(inputs, values, force), inputs)
 
 
-def _lugre(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return bending(inputs, {**shape, "x_s": _slipping(inputs, shape["x_s"])}, force)
+def _lugre(inputs: Inputs, values: Values, force: Array) -> Array:
+    return bending(inputs, {**values, "x_s": _slipping(inputs, values["x_s"])}, force)
 
 
-def _three(inputs: Inputs, shape: Shape, force: Array, rested: bool = False) -> Array:
-    widths = [_slipping(inputs, shape["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
+def _three(inputs: Inputs, values: Values, force: Array, rested: bool = False) -> Array:
+    widths = [_slipping(inputs, values["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
     return -inputs.xp.stack([stop_operator(inputs, width, rested) for width in widths]).T
 
 
-def _rested(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _rested(inputs: Inputs, values: Values, force: Array) -> Array:
     """The braid lets go of the bladder while the pressure is changed."""
-    return _three(inputs, shape, force, rested=True)
+    return _three(inputs, values, force, rested=True)
 
 
 EFFECT = Effect(
@@ -84,7 +84,7 @@ EFFECT = Effect(
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
-        free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, shapes=(WIDTH,), remembers=True),
+        free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(WIDTH,), remembers=True),
     ),
     follows=("way", "direction"),
     test="reversals and minor loops at one slow speed",

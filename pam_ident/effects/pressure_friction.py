@@ -1,7 +1,7 @@
 """Dry friction in proportion to the contact pressure of the braid."""
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, bladder_area, free_form, slip
+from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, slip
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
 MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
@@ -18,26 +18,26 @@ GROWTH = Param(
 POWER = Param("n", "1", "exponent of the pressure over 0.3 MPa", 0.3, 2.5, start=1.0, grid=(0.7, 1.4))
 
 
-def _constant(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _constant(inputs: Inputs, values: Values, force: Array) -> Array:
     return -slip(inputs)[0][:, None] * inputs.pressure[:, None]
 
 
-def _held(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _held(inputs: Inputs, values: Values, force: Array) -> Array:
     return -inputs.xp.stack(slip(inputs)).T * inputs.pressure[:, None]
 
 
-def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _held(inputs, shape, force) / 0.3
+def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _held(inputs, values, force) / 0.3
 
 
-def _area(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _area(inputs: Inputs, values: Values, force: Array) -> Array:
     """The bladder's area over its area at rest, to a power."""
-    return _held(inputs, shape, force) * bladder_area(inputs)[:, None] ** shape["growth"]
+    return _held(inputs, values, force) * bladder_area(inputs)[:, None] ** values["growth"]
 
 
-def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _power(inputs: Inputs, values: Values, force: Array) -> Array:
     share = inputs.xp.maximum(inputs.pressure, 1e-6) / 0.3
-    return -inputs.xp.stack(slip(inputs)).T * (0.3 * share ** shape["n"])[:, None]
+    return -inputs.xp.stack(slip(inputs)).T * (0.3 * share ** values["n"])[:, None]
 
 
 EFFECT = Effect(

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from ..core import Inputs, Param
+from ..core import Inputs, Param, Range
 from ._history import relax
-from .base import Array, Effect, Shape, TransformsPressure, free_form, one
+from .base import Array, Effect, TransformsPressure, Values, free_form, one
 
 ATMOSPHERE_MPA, BARE_MPA = 0.101325, 0.1
 
@@ -22,7 +22,8 @@ FILLS, VENTS = (
     tuple(replace(part, name=f"{part.name}_{way}", doc=f"{part.doc}, {words}") for part in PARTS)
     for way, words in (("fill", "while the muscle fills"), ("vent", "while it is vented"))
 )
-KAPPA = Param("kappa", "1", "polytropic index of the gas in the muscle", 0.0, 50.0, scale=0.1)
+AIR = Range(0.3, 1.7, "air, 1.0 to 1.4, less what a hose of up to three times the muscle's volume holds")
+KAPPA = Param("kappa", "1", "polytropic index of the gas in the muscle", 0.0, 50.0, scale=0.1, range=AIR)
 KAPPA_P = Param("kappa_p", "1", "polytropic index, per gauge pressure", 0.0, 50.0, scale=0.1)
 KAPPA_0 = Param("kappa_0", "1", "polytropic index, per 0.1 MPa at any pressure", 0.0, 50.0, scale=0.1)
 TAU = Param("tau", "s", "time in which the pressure recovers", 0.002, 30.0, start=0.1, grid=(0.01, 0.04, 0.15, 0.6))
@@ -47,16 +48,16 @@ def _volume(inputs: Inputs) -> Array:
     return inputs.specimen.radius_ratio(inputs.contraction) ** 2 * (1.0 - inputs.contraction)
 
 
-def _quasi_steady(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _quasi_steady(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-_rate(inputs))
 
 
-def _mass_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _mass_flow(inputs: Inputs, values: Values, force: Array) -> Array:
     """A line of fixed conductance loses pressure in proportion to the mass that flows, whatever the volume is."""
     return one(-_rate(inputs) * _volume(inputs))
 
 
-def _volume_flow(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _volume_flow(inputs: Inputs, values: Values, force: Array) -> Array:
     """A line in which the gas is taken as incompressible loses pressure in proportion to the volume that flows."""
     # 0.3 MPa, a usual pressure, keeps T_p a time of the size that it has in the other forms.
     return one(-_widening(inputs) * _volume(inputs) * 0.3)
@@ -67,25 +68,25 @@ def _parts(inputs: Inputs, drive: Array) -> Array:
     return inputs.xp.stack([inputs.pressure * drive, BARE_MPA * drive]).T
 
 
-def _affine(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _affine(inputs: Inputs, values: Values, force: Array) -> Array:
     return -_parts(inputs, _widening(inputs))
 
 
-def _two_ways(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _two_ways(inputs: Inputs, values: Values, force: Array) -> Array:
     """A valve has one conductance from the supply and another to the exhaust."""
     rate, xp = _widening(inputs), inputs.xp
     return -xp.hstack([_parts(inputs, xp.maximum(rate, 0.0)), _parts(inputs, xp.minimum(rate, 0.0))])
 
 
-def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _lagging(inputs: Inputs, values: Values, force: Array) -> Array:
     """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
-    return -_parts(inputs, relax(inputs, inputs.xp.log(_volume(inputs)), shape["tau"]))
+    return -_parts(inputs, relax(inputs, inputs.xp.log(_volume(inputs)), values["tau"]))
 
 
-def _filling(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _filling(inputs: Inputs, values: Values, force: Array) -> Array:
     """The same by the rate, where it changes smoothly and samples are far between."""
     rate = _widening(inputs)
-    return -_parts(inputs, rate - relax(inputs, rate, shape["tau"]))
+    return -_parts(inputs, rate - relax(inputs, rate, values["tau"]))
 
 
 def _through_valve(inputs: Inputs, tau: Array | float, ways: Array | float = 1.0) -> Array:
@@ -94,13 +95,13 @@ def _through_valve(inputs: Inputs, tau: Array | float, ways: Array | float = 1.0
     return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), tau * volume * ways))
 
 
-def _conductance(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _through_valve(inputs, shape["tau"])
+def _conductance(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _through_valve(inputs, values["tau"])
 
 
-def _valve(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _valve(inputs: Inputs, values: Values, force: Array) -> Array:
     """The same with one conductance from the supply and another to the exhaust."""
-    return _through_valve(inputs, shape["tau"], inputs.xp.where(inputs.direction > 0.0, 1.0, shape["w"]))
+    return _through_valve(inputs, values["tau"], inputs.xp.where(inputs.direction > 0.0, 1.0, values["w"]))
 
 
 def _to_the_power(inputs: Inputs, rate: Array, n: float, unit: float) -> Array:
@@ -109,13 +110,13 @@ def _to_the_power(inputs: Inputs, rate: Array, n: float, unit: float) -> Array:
     return xp.sign(rate) * unit * (xp.abs(rate) / unit) ** n
 
 
-def _orifice(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(-_to_the_power(inputs, _rate(inputs), shape["n"], 0.1))
+def _orifice(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(-_to_the_power(inputs, _rate(inputs), values["n"], 0.1))
 
 
-def _throttled(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _throttled(inputs: Inputs, values: Values, force: Array) -> Array:
     """A loss in proportion to the gas's density, and to a power of its speed."""
-    return -_parts(inputs, _to_the_power(inputs, _widening(inputs), shape["n"], 0.3))
+    return -_parts(inputs, _to_the_power(inputs, _widening(inputs), values["n"], 0.3))
 
 
 EFFECT = Effect(
@@ -162,7 +163,7 @@ EFFECT = Effect(
         ),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),
         TransformsPressure("throttled", "p → p − (T_p p + T_0 · 0.1 MPa) |V̇/V|^n sgn(V̇)", PARTS, _throttled, (N,)),
-        free_form("p → p − |p_abs V̇/V|^n sgn(V̇)", _orifice, shapes=(N,), role=TransformsPressure, unit=("s", 0.1)),
+        free_form("p → p − |p_abs V̇/V|^n sgn(V̇)", _orifice, nonlinear=(N,), role=TransformsPressure, unit=("s", 0.1)),
     ),
     follows=("speed",),
     test="a pressure sensor at the muscle, at several speeds",

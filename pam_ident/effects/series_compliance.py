@@ -1,25 +1,29 @@
 """Fixture and load cell give way under load, so that the muscle is shorter than the sensor says."""
 
-from ..core import Inputs, Param
-from .base import Array, Effect, Shape, TransformsContraction, one
+from dataclasses import replace
+
+from ..core import Inputs, Param, Range
+from .base import Array, Effect, TransformsContraction, Values, one
 
 COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0)
+STIFF = Range(0.0, 60.0, "fixtures, as soft as a cord that gives way by 3 mm at 50 N")
+CONSTANT = replace(COMPLIANCE, range=STIFF)
 N = Param("n", "1", "exponent of the stretch over force", 0.3, 1.0, start=0.67, grid=(0.5, 0.67))
 F_1 = Param("F_1", "N", "force at which the compliance has halved", 20.0, 1e5, start=400.0, grid=(80.0, 400.0))
 
 
-def _columns(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _columns(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(force * 1e-3 / inputs.specimen.initial_length_mm)
 
 
-def _stiffening(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _columns(inputs, shape, force) / (1.0 + inputs.xp.maximum(force, 0.0)[:, None] / shape["F_1"])
+def _stiffening(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _columns(inputs, values, force) / (1.0 + inputs.xp.maximum(force, 0.0)[:, None] / values["F_1"])
 
 
-def _contact(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _contact(inputs: Inputs, values: Values, force: Array) -> Array:
     """As of bodies that touch in a point or a line: half to two thirds as the exponent (Hertz 1882)."""
     share = inputs.xp.maximum(force, 1e-3) / 1000.0
-    return one(share ** shape["n"] / inputs.specimen.initial_length_mm)
+    return one(share ** values["n"] / inputs.specimen.initial_length_mm)
 
 
 EFFECT = Effect(
@@ -27,7 +31,7 @@ EFFECT = Effect(
     title="Compliance in series",
     source="machine compliance in force–length tests, ε_muscle = ε_measured + F/(K L0)",
     forms=(
-        TransformsContraction("textbook", "ε → ε + F/(K L0)", (COMPLIANCE,), _columns, uses_force=True),
+        TransformsContraction("textbook", "ε → ε + F/(K L0)", (CONSTANT,), _columns, uses_force=True),
         TransformsContraction(
             "stiffening", "ε → ε + F/(K L0 (1 + F/F_1))", (COMPLIANCE,), _stiffening, (F_1,), uses_force=True
         ),

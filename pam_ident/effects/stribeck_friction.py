@@ -2,7 +2,7 @@
 
 from ..core import Inputs, Param
 from ._history import lugre_operator, time_held
-from .base import AddsForce, Array, Effect, Shape, one, slip, speed
+from .base import AddsForce, Array, Effect, Values, one, slip, speed
 from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, exponential_dip, gaussian_dip
 
 SIZES = (F_C, F_BREAK, F_HOLD, HOLD_GAIN)
@@ -11,19 +11,19 @@ WIDTH = Param("x_s", "mm", "travel in which the contact bends before it slides",
 """A longer one is presliding, which has the same form under a name of its own."""
 
 
-def _relaxing(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
     """What a hold keeps fades."""
-    columns = gaussian_dip(inputs, shape, force)
+    columns = gaussian_dip(inputs, values, force)
     if inputs.time is None:
         return columns
-    fading = inputs.xp.exp(-time_held(inputs, slip(inputs)[1] != 0.0) / shape["tau_h"])
+    fading = inputs.xp.exp(-time_held(inputs, slip(inputs)[1] != 0.0) / values["tau_h"])
     return inputs.xp.hstack([columns[:, :2], columns[:, 2:] * fading[:, None]])
 
 
-def bending(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def bending(inputs: Inputs, values: Values, force: Array) -> Array:
     """Friction per N at speed of a contact that bends before it slides, shape (n, 1)."""
-    level = 1.0 + (shape["peak"] - 1.0) * inputs.xp.exp(-((speed(inputs) / shape["v_s"]) ** 2))
-    return one(-lugre_operator(inputs, shape["x_s"], level))
+    level = 1.0 + (values["peak"] - 1.0) * inputs.xp.exp(-((speed(inputs) / values["v_s"]) ** 2))
+    return one(-lugre_operator(inputs, values["x_s"], level))
 
 
 EFFECT = Effect(

@@ -2,7 +2,7 @@
 
 from ..core import Inputs, Param
 from ._history import relax, since_first
-from .base import AddsForce, Array, Effect, ScalesForce, Shape, TransformsPressure, free_form, one
+from .base import AddsForce, Array, Effect, ScalesForce, TransformsPressure, Values, free_form, one
 from .bladder_elasticity import hoop_force
 
 # Never below zero: a load cell whose gain wanders passed for rubber that stiffens as it warms.
@@ -21,31 +21,31 @@ def warming(inputs: Inputs) -> Array:
     return since_first(inputs, inputs.temperature)
 
 
-def _whole(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _whole(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-warming(inputs))
 
 
-def _lagging(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _lagging(inputs: Inputs, values: Values, force: Array) -> Array:
     warmer = warming(inputs)
     if inputs.time is None:  # a table is taken at rest
         return one(-warmer)
-    return one(relax(inputs, warmer, shape["tau"]) - warmer)
+    return one(relax(inputs, warmer, values["tau"]) - warmer)
 
 
-def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _pressure(inputs: Inputs, values: Values, force: Array) -> Array:
     loss = -inputs.pressure * warming(inputs)
     return inputs.xp.stack([loss, loss * inputs.contraction]).T
 
 
-def _quadratic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _quadratic(inputs: Inputs, values: Values, force: Array) -> Array:
     return -inputs.xp.stack([warming(inputs), warming(inputs) ** 2]).T
 
 
-def _elastic(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _elastic(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-hoop_force(inputs) * warming(inputs))
 
 
-def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _linear(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(inputs.contraction * warming(inputs))
 
 
@@ -60,7 +60,7 @@ EFFECT = Effect(
         TransformsPressure("pressure", "p → p (1 − (α + α_e ε) ΔT)", (ALPHA, ALPHA_E), _pressure),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
-        free_form("−ΔT/10 K", lambda inputs, shape, force: one(-0.1 * warming(inputs))),
+        free_form("−ΔT/10 K", lambda inputs, values, force: one(-0.1 * warming(inputs))),
     ),
     follows=("temperature",),
     test="temperature logged and varied while the protocol is repeated",

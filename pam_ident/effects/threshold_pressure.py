@@ -1,9 +1,10 @@
 """Pressure that is spent before the bladder touches the braid."""
 
-from ..core import Inputs, Param
-from .base import Array, Effect, Shape, TransformsPressure, one
+from ..core import Inputs, Param, Range
+from .base import Array, Effect, TransformsPressure, Values, one
 
-P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01)
+SPENT = Range(-0.02, 0.15, "bladders in McKibben muscles, 0 to 0.1 MPa (Chou & Hannaford 1996), gauges to 2 % of 1 MPa")
+P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01, range=SPENT)
 GROWTH = Param(
     "g", "1", "growth of the threshold with contraction, per contraction", 0.0, 5.0, start=2.0, grid=(1.0, 3.0)
 )
@@ -11,17 +12,17 @@ GROWTH = Param(
 WIDTH = Param("w", "MPa", "pressure over which the threshold is reached", 0.005, 0.15, start=0.08, grid=(0.03, 0.08))
 
 
-def _hard(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _hard(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-inputs.xp.ones(len(inputs)))
 
 
-def _soft(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return one(inputs.xp.expm1(-inputs.xp.maximum(inputs.pressure, 0.0) / shape["w"]))
+def _soft(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(inputs.xp.expm1(-inputs.xp.maximum(inputs.pressure, 0.0) / values["w"]))
 
 
-def _stretching(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _stretching(inputs: Inputs, values: Values, force: Array) -> Array:
     """The wider the braid, the more the bladder must be stretched to touch it."""
-    return one(-(1.0 + shape["g"] * inputs.contraction))
+    return one(-(1.0 + values["g"] * inputs.contraction))
 
 
 EFFECT = Effect(

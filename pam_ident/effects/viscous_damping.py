@@ -1,7 +1,7 @@
 """Force against the speed of motion."""
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, free_form, one, speed
+from .base import AddsForce, Array, Effect, Values, free_form, one, speed
 
 B = Param("B", "N·s/m", "damping (for n ≠ 1 at 10 mm/s)", 0.0, 1e5, scale=100.0)
 B_C = Param("B_c", "N·s/m", "damping in contraction", 0.0, 1e5, scale=100.0)
@@ -13,33 +13,33 @@ N = Param("n", "1", "exponent of the speed", 0.4, 2.5, start=0.7, grid=(0.5, 0.7
 V_1 = Param("v_1", "mm/s", "speed at which thinning has halved the damping", 4.0, 1000.0, start=20.0, grid=(8.0, 30.0))
 
 
-def _linear(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _linear(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.velocity is not None
     return one(-inputs.velocity * 1e-3)
 
 
-def _power(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _power(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.velocity is not None
-    return one(-inputs.xp.sign(inputs.velocity) * 0.01 * (speed(inputs) / 10.0) ** shape["n"])
+    return one(-inputs.xp.sign(inputs.velocity) * 0.01 * (speed(inputs) / 10.0) ** values["n"])
 
 
-def _powers(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return 100.0 * _power(inputs, shape, force)
+def _powers(inputs: Inputs, values: Values, force: Array) -> Array:
+    return 100.0 * _power(inputs, values, force)
 
 
-def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _thinning(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.velocity is not None
-    return one(-inputs.velocity * 1e-3 / (1.0 + speed(inputs) / shape["v_1"]))
+    return one(-inputs.velocity * 1e-3 / (1.0 + speed(inputs) / values["v_1"]))
 
 
-def _asymmetric(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _asymmetric(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.velocity is not None
     xp, v = inputs.xp, inputs.velocity * 1e-3
     return -xp.stack([xp.maximum(v, 0.0), xp.minimum(v, 0.0)]).T
 
 
-def _pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    column = _power(inputs, shape, force)
+def _pressure(inputs: Inputs, values: Values, force: Array) -> Array:
+    column = _power(inputs, values, force)
     return inputs.xp.hstack([column, column * inputs.pressure[:, None]])
 
 
@@ -53,7 +53,7 @@ EFFECT = Effect(
         AddsForce("thinning", "−B ẋ/(1 + |ẋ|/v_1)", (B,), _thinning, (V_1,)),
         AddsForce("asymmetric", "−B_c ẋ in contraction, −B_e ẋ in extension", (B_C, B_E), _asymmetric),
         AddsForce("pressure", "−(B + B_p p) |ẋ|^n sgn(ẋ)", (B, B_P), _pressure, (N,)),
-        free_form("−|ẋ/10 mm/s|^n sgn(ẋ)", _powers, contraction=1, shapes=(N,)),
+        free_form("−|ẋ/10 mm/s|^n sgn(ẋ)", _powers, contraction=1, nonlinear=(N,)),
     ),
     follows=("speed",),
     test="at least two speeds: the gap between the branches grows with speed",

@@ -2,23 +2,24 @@
 
 import math
 
-from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Shape, bladder_area, one
+from ..core import Inputs, Param, Range
+from .base import AddsForce, Array, Effect, Values, bladder_area, one
 
-SHARE = Param("wall_share", "1", "share of the wall's thickness that acts", 0.0, 5.0, scale=0.3)
+WHOLE = Range(0.0, 2.0, "the wall as it was measured, or twice that (Chou & Hannaford 1996)")
+SHARE = Param("wall_share", "1", "share of the wall's thickness that acts", 0.0, 5.0, scale=0.3, range=WHOLE)
 ENDS = Param("end_share", "1", "the same for the wall's section at the ends", 0.0, 50.0, scale=1.0)
 
 
-def _thick(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _thick(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(_wall(inputs, inputs.specimen.wall_thickness_mm or 1.0))
 
 
-def _thinning(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _thinning(inputs: Inputs, values: Values, force: Array) -> Array:
     """Rubber keeps its volume: the wall thins as the muscle grows, and thickens as it shortens."""
     return one(_wall(inputs, (inputs.specimen.wall_thickness_mm or 1.0) / bladder_area(inputs)))
 
 
-def _parts(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _parts(inputs: Inputs, values: Values, force: Array) -> Array:
     """The two terms of the textbook's sum by themselves."""
     t = inputs.specimen.wall_thickness_mm or 1.0
     ends = -math.pi * inputs.pressure * t**2

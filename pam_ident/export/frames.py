@@ -98,7 +98,7 @@ def cells(comparison: "Comparison") -> pd.DataFrame:
 
 
 def ranking(diagnosis: "Diagnosis") -> pd.DataFrame:
-    """A row a suspect, in the order of the ranking; NaN where an error was not computed."""
+    """A row a candidate, in the order of the ranking; NaN where an error was not computed."""
     rows = [
         {
             "effect": s.effect,
@@ -124,6 +124,7 @@ def rungs(ladder: "Ladder") -> pd.DataFrame:
             "parameters": len(rung.fit.model.params),
             "rmse_N": rung.fit.rmse,
             "heldout_rmse_N": rung.heldout_rmse,
+            "refit_rmse_N": np.nan if rung.refit_rmse is None else rung.refit_rmse,
             "max_error_N": rung.fit.max_error,
             "why": rung.why,
         }

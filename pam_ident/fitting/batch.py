@@ -1,7 +1,7 @@
 """Thousands of refits of one model at the price of a few: other forces, or other weights of the blocks.
 
 With the linear parameters eliminated (Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413–432) the cost is a
-smooth function of the one curved parameter that is left. It is taken at Chebyshev nodes around the fit, for all
+smooth function of the one nonlinear parameter that is left. It is taken at Chebyshev nodes around the fit, for all
 refits at once, and its minimum is found on the interpolating polynomials.
 """
 
@@ -15,23 +15,23 @@ from .problem import norms
 
 Array = np.ndarray
 Design = Callable[[float], tuple[Array, Array]]
-"""Columns (n, k) and fixed part (n,) of a model at a value of its curved parameter."""
+"""Columns (n, k) and fixed part (n,) of a model at a value of its nonlinear parameter."""
 COUNT = 16
 """Nodes that carry the cost over ten standard errors to both sides to rounding."""
 
 
 @dataclass(frozen=True)
 class Refits:
-    """B refits: linear parameters (B, k), curved parameter (B,), and which of them ended inside the interval."""
+    """B refits: linear parameters (B, k), nonlinear parameter (B,), and which of them ended inside the interval."""
 
     linear: Array
-    curved: Array
+    nonlinear: Array
     inside: Array
 
 
 @dataclass(frozen=True)
 class Nodes:
-    """Values of the curved parameter at COUNT Chebyshev nodes of low … high; where these are equal it is given."""
+    """Values of the nonlinear parameter at COUNT Chebyshev nodes of low … high; where these are equal it is given."""
 
     low: float
     high: float

@@ -38,8 +38,8 @@ def descend(start: P, ftol: float, xtol: float, evaluations: int, enough: float 
     """
     if len(start.q) == 1:
         return _descend_line(start, ftol, xtol, evaluations, enough)
-    unit = FIRST_STEP * np.array([p.typical(x) for p, x in zip(start.problem.curved, start.q, strict=True)])
-    lower, upper = bounds(start.problem.curved)
+    unit = FIRST_STEP * np.array([p.typical(x) for p, x in zip(start.problem.nonlinear, start.q, strict=True)])
+    lower, upper = bounds(start.problem.nonlinear)
     here, radius = start, 1.0
     for _ in range(evaluations):
         slopes = here.jacobian * unit
@@ -73,8 +73,8 @@ def settle(here: P) -> tuple[P, Array, bool]:
     Near it each step is shorter than the one before by a rate, which with the step's size tells what is left.
     """
     nothing = np.zeros(len(here.q))
-    lower, upper = bounds(here.problem.curved)
-    typical = np.array([p.typical(x) for p, x in zip(here.problem.curved, here.q, strict=True)])
+    lower, upper = bounds(here.problem.nonlinear)
+    typical = np.array([p.typical(x) for p, x in zip(here.problem.nonlinear, here.q, strict=True)])
     before = math.inf
     for _ in range(MOST):
         triangle: Array = np.linalg.qr(here.jacobian * typical, mode="r")  # pyright: ignore
@@ -142,11 +142,11 @@ def _step_within(triangle: Array, gradient: Array, radius: float) -> Array:
 
 
 def _descend_line(start: P, ftol: float, xtol: float, evaluations: int, enough: float) -> tuple[P, int, str]:
-    """As `descend` for one curved parameter: Newton's steps on the exact gradient, bend by secants, in a trust region.
+    """As `descend` for one nonlinear parameter: Newton's steps on the exact gradient, bend by secants, in a radius.
 
     Most laws have just one.
     """
-    p, here = start.problem.curved[0], start
+    p, here = start.problem.nonlinear[0], start
     slopes = here.jacobian[:, 0]
     gradient, bend = float(slopes @ here.residual), float(slopes @ slopes)
     radius = FIRST_STEP * p.typical(float(start.q[0]))

@@ -14,6 +14,7 @@ from ..model import Model
 from ..records import Record
 from . import readings
 from .covariance import Covariance, Sums, clusters, covariance_of, student, sums
+from .estimate import Estimate
 from .identifiability import AT_BOUND, HELD, ONE, PINNED, Identifiability, StandIn, flat_directions, stand_ins, verdicts
 from .readings import Errors, in_memory, least, on_disk, with_memory
 from .solve import Solution, jacobian, solve, table
@@ -29,24 +30,6 @@ MOST_TURNS = 40
 BY_READINGS = "by readings of all rows"
 SWEPT = 0.15
 """Range of the pressure beside its largest from which it counts as many levels, however they are grouped."""
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One fitted parameter. `stderr` and the 95 % interval `low` … `high` are NaN where the record does not
-    determine it; `verdict` says why. `dof` are the degrees of freedom of its Student distribution."""
-
-    name: str
-    unit: str
-    doc: str
-    value: float
-    stderr: float
-    at_bound: bool
-    identified: bool
-    low: float = math.nan
-    high: float = math.nan
-    dof: float = math.nan
-    verdict: Identifiability = PINNED
 
 
 @dataclass(frozen=True)
@@ -147,6 +130,21 @@ class Fit:
         loose = [e.name for e in self.estimates if not e.identified]
         if loose:
             found.append(f"the record does not determine {', '.join(loose)}; drop an effect, or vary more on the rig")
+        return found
+
+    @property
+    def impossible(self) -> tuple[Estimate, ...]:
+        """The fitted parameters whose values nature does not allow."""
+        return tuple(e for e in self.estimates if e.name not in self.held and e.possible is False)
+
+    @cached_property
+    def shares(self) -> dict[str, float]:
+        """Root mean square force in N that each effect makes over the fitted rows, by label."""
+        found = {}
+        for term in self.model.terms:
+            rest = replace(self.model, terms=tuple(other for other in self.model.terms if other is not term))
+            off = self.force - rest.force(self.record.inputs, self.values)
+            found[term.label] = float(np.sqrt(np.mean(off[self.rows] ** 2)))
         return found
 
     @cached_property
@@ -369,7 +367,8 @@ def _estimates(one: Fit) -> tuple[tuple[Estimate, ...], Covariance | None]:
     for p in params:
         verdict = given.get(p.name, PINNED)
         loose = verdict.kind in ("flat", "dead")
-        plain = Estimate(p.name, p.unit, p.doc, values[p.name], math.nan, p.name in stuck, not loose, verdict=verdict)
+        value, at_end = values[p.name], p.name in stuck
+        plain = Estimate(p.name, p.unit, p.doc, value, math.nan, at_end, not loose, verdict=verdict, range=p.range)
         estimates.append(found.get(p.name, plain))
     return tuple(_not_told_apart(estimates)), cov
 
@@ -392,7 +391,7 @@ def _determined(
         verdict = flat.get(p.name, verdict)
         value, known = values[p.name], verdict.determined
         s, d, h = (float(x) if known else math.nan for x in (s, d, h))
-        yield Estimate(p.name, p.unit, p.doc, value, s, False, known, value - h, value + h, d, verdict)
+        yield Estimate(p.name, p.unit, p.doc, value, s, False, known, value - h, value + h, d, verdict, p.range)
 
 
 def at_bound(p: Param, value: float) -> bool:

@@ -59,9 +59,9 @@ def fit_isobars(
     for branch in branches:
         mask = record.branch_rows(branch) if rows is None else record.branch_rows(branch) & rows
         given = dict(held or {})
-        if folded and any(p.name not in given for p in model.law.shape):
+        if folded and any(p.name not in given for p in model.law.nonlinear):
             shared = fit(model, record, mask, detail=False, held=given).values
-            given = {p.name: shared[p.name] for p in model.law.shape} | given
+            given = {p.name: shared[p.name] for p in model.law.nonlinear} | given
         mine = _rows(alone, record, mask, branch, {k: v for k, v in given.items() if k in alone.names})
         found += mine
         if folded and len(mine) >= 2:

@@ -40,16 +40,16 @@ def all_rows(rows: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Minimise |whiten(fixed + columns · linear − target)|² over `linear` and `curved`, within their bounds.
+    """Minimise |whiten(fixed + columns · linear − target)|² over `linear` and `nonlinear`, within their bounds.
 
-    `design(values)` gives columns (n, len(linear)) and fixed part (n,) at the curved parameters in `values`; `target`
-    has shape (n,), and `whiten`, which is linear, makes m rows of n. A curved parameter named in `start` begins
-    there, another at each value of its grid, or at its own start where it has none. `rough` asks projections for slopes
-    by one-sided differences, at half the price.
+    `design(values)` gives columns (n, len(linear)) and fixed part (n,) at the nonlinear parameters in `values`;
+    `target` has shape (n,), and `whiten`, which is linear, makes m rows of n. A nonlinear parameter named in `start`
+    begins there, another at each value of its grid, or at its own start where it has none. `rough` asks projections for
+    slopes by one-sided differences, at half the price.
     """
 
     linear: tuple[Param, ...]
-    curved: tuple[Param, ...]
+    nonlinear: tuple[Param, ...]
     design: Design
     target: Array
     start: Mapping[str, float] = field(default_factory=dict)
@@ -58,51 +58,53 @@ class Problem:
 
     @property
     def params(self) -> tuple[Param, ...]:
-        """All parameters: linear, then curved; the order of the Jacobian's columns."""
-        return self.linear + self.curved
+        """All parameters: linear, then nonlinear; the order of the Jacobian's columns."""
+        return self.linear + self.nonlinear
 
     def at(self, q: Array) -> "Projection":
-        """The projection at curved parameters (len(curved),); a residual of HUGE where the design is not finite."""
-        point = dict(zip([p.name for p in self.curved], map(float, q), strict=True))
+        """The projection at nonlinear parameters (k,); a residual of HUGE where the design is not finite."""
+        point = dict(zip([p.name for p in self.nonlinear], map(float, q), strict=True))
         columns, fixed = self.design(point)
         packed = np.empty((len(self.target), len(self.linear) + 1), order="F")  # as LAPACK reads it
         packed[:, :-1], packed[:, -1] = columns, self.target - fixed
         packed = self.whiten(packed)
         triangle: Array = np.linalg.qr(packed, mode="r")  # pyright: ignore
-        sizes = within_bounds(triangle, *bounds(self.linear)) if np.all(np.abs(triangle) < HUGE) else np.array([np.inf])
-        if not np.all(np.isfinite(sizes)):
-            sizes = np.array([p.start for p in self.linear])
-            return Projection(self, q, point, np.zeros_like(packed[:, :-1]), sizes, np.full(len(packed), HUGE))
+        coefficients = (
+            within_bounds(triangle, *bounds(self.linear)) if np.all(np.abs(triangle) < HUGE) else np.array([np.inf])
+        )
+        if not np.all(np.isfinite(coefficients)):
+            coefficients = np.array([p.start for p in self.linear])
+            return Projection(self, q, point, np.zeros_like(packed[:, :-1]), coefficients, np.full(len(packed), HUGE))
         columns, goal = packed[:, :-1], packed[:, -1]
-        return Projection(self, q, point, columns, sizes, np.clip(columns @ sizes - goal, -HUGE, HUGE))
+        return Projection(self, q, point, columns, coefficients, np.clip(columns @ coefficients - goal, -HUGE, HUGE))
 
     def residual(self, values: Mapping[str, float]) -> Array:
         """whiten(model − target), shape (m,); entries that are no number, or beyond it, are HUGE."""
         columns, fixed = self.design(values)
-        sizes = np.array([values[p.name] for p in self.linear])
+        coefficients = np.array([values[p.name] for p in self.linear])
         with np.errstate(over="ignore", invalid="ignore"):
-            found = self.whiten(fixed + columns @ sizes - self.target)
+            found = self.whiten(fixed + columns @ coefficients - self.target)
             return np.nan_to_num(np.clip(found, -HUGE, HUGE), nan=HUGE)
 
     def jacobian(self, values: Mapping[str, float]) -> Array:
-        """Derivative of the residual (m, len(params)): linear columns are exact, curved ones central differences."""
+        """Derivative of the residual (m, len(params)): linear columns are exact, nonlinear ones central differences."""
         return self.table(values)[:, :-1]
 
     def table(self, values: Mapping[str, float]) -> Array:
         """The Jacobian and the residual as they are, side by side, shape (m, len(params) + 1)."""
         columns, fixed = self.design(values)
-        sizes = np.array([values[p.name] for p in self.linear])
-        k = len(sizes)
+        coefficients = np.array([values[p.name] for p in self.linear])
+        k = len(coefficients)
         found = np.empty((len(self.target), len(self.params) + 1))
         with np.errstate(over="ignore", invalid="ignore"):
-            found[:, :k], found[:, k:-1] = columns, self._slopes(values, sizes)
-            found[:, -1] = fixed + columns @ sizes - self.target
+            found[:, :k], found[:, k:-1] = columns, self._slopes(values, coefficients)
+            found[:, -1] = fixed + columns @ coefficients - self.target
         return self.whiten(found)
 
-    def _slopes(self, values: Mapping[str, float], sizes: Array) -> Array:
-        """d(fixed + columns · sizes)/d(curved), shape (n, len(curved)), by second-order differences in the bounds."""
-        found = np.empty((len(self.target), len(self.curved)))
-        for k, p in enumerate(self.curved):
+    def _slopes(self, values: Mapping[str, float], coefficients: Array) -> Array:
+        """d(fixed + columns · coefficients)/d(nonlinear), shape (n, k), by second-order differences in the bounds."""
+        found = np.empty((len(self.target), len(self.nonlinear)))
+        for k, p in enumerate(self.nonlinear):
             at = values[p.name]
             step = _step(p, at)
             low, high = at - step, at + step
@@ -114,7 +116,7 @@ class Problem:
             with np.errstate(over="ignore", invalid="ignore"):
                 taken = zip(*(self.design({**values, p.name: point}) for point in points), strict=True)
                 columns, fixed = (b - a if not c else 4.0 * b - 3.0 * a - c[0] for a, b, *c in taken)
-                found[:, k] = (fixed + columns @ sizes) / span
+                found[:, k] = (fixed + columns @ coefficients) / span
         return found
 
     def holding(self, **values: float) -> "Problem":
@@ -130,24 +132,24 @@ class Problem:
             return self
         moved = [k for k, p in enumerate(self.linear) if p.name in values]
         kept = [k for k, p in enumerate(self.linear) if p.name not in values]
-        sizes = np.array([values[self.linear[k].name] for k in moved])
+        coefficients = np.array([values[self.linear[k].name] for k in moved])
 
         def design(free: Mapping[str, float]) -> tuple[Array, Array]:
             columns, fixed = self.design({**free, **values})
-            return columns[:, kept], fixed + columns[:, moved] @ sizes
+            return columns[:, kept], fixed + columns[:, moved] @ coefficients
 
         return replace(
             self,
             linear=tuple(self.linear[k] for k in kept),
-            curved=tuple(p for p in self.curved if p.name not in values),
+            nonlinear=tuple(p for p in self.nonlinear if p.name not in values),
             design=design,
             start={name: value for name, value in self.start.items() if name not in values},
         )
 
     def starts(self, most: int) -> "list[Projection]":
-        """Projections at no more than `most` starts of the curved parameters, that of the smallest error first."""
-        lower, upper = bounds(self.curved)
-        grids = [(self.start[p.name],) if p.name in self.start else p.grid or (p.start,) for p in self.curved]
+        """Projections at no more than `most` starts of the nonlinear parameters, that of the smallest error first."""
+        lower, upper = bounds(self.nonlinear)
+        grids = [(self.start[p.name],) if p.name in self.start else p.grid or (p.start,) for p in self.nonlinear]
         found = [self.at(np.clip(np.array(q), lower, upper)) for q in islice(product(*grids), most)]
         return sorted(found, key=lambda trial: trial.cost)
 
@@ -159,19 +161,19 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """A problem at curved parameters `q`, by name `point`: whitened columns (m, k), best sizes (k,), residual (m,)."""
+    """A problem at `q`, by name `point`: whitened columns (m, k), best coefficients (k,), residual (m,)."""
 
     problem: Problem
     q: Array
     point: dict[str, float]
     columns: Array
-    sizes: Array
+    coefficients: Array
     residual: Array
 
     @property
     def values(self) -> dict[str, float]:
-        """All parameters by name, curved and linear."""
-        return self.point | {p.name: float(x) for p, x in zip(self.problem.linear, self.sizes, strict=True)}
+        """All parameters by name, nonlinear and linear."""
+        return self.point | {p.name: float(x) for p, x in zip(self.problem.linear, self.coefficients, strict=True)}
 
     @property
     def cost(self) -> float:
@@ -180,33 +182,35 @@ class Projection:
 
     @cached_property
     def jacobian(self) -> Array:
-        """Derivative of the projected residual by the curved parameters, shape (m, len(curved)).
+        """Derivative of the projected residual by the nonlinear parameters, shape (m, len(nonlinear)).
 
-        The slopes at fixed sizes, less what the linear parameters that are not at a bound can follow: Kaufman 1975,
-        BIT 15, 49–57. The gradient Jᵀr is exact, because the residual is normal to those columns.
+        The slopes at fixed coefficients, less what the linear ones that are not at a bound follow: Kaufman 1975, BIT
+        15, 49–57. The gradient Jᵀr is exact, because the residual is normal to those columns.
         """
         slopes = self._rough() if self.problem.rough else self._slopes()
         slopes = np.nan_to_num(slopes, posinf=0.0, neginf=0.0)
         lower, upper = bounds(self.problem.linear)
-        free = (self.sizes > lower) & (self.sizes < upper)
+        free = (self.coefficients > lower) & (self.coefficients < upper)
         columns = self.columns if np.all(free) else self.columns[:, free]
         triangle: Array = np.linalg.qr(np.column_stack([columns, slopes]), mode="r")  # pyright: ignore
         left = slopes - columns @ _lstsq(triangle, columns.shape[1])
         return left * (norms(left) > FLAT * np.linalg.norm(slopes, axis=0))
 
     def _slopes(self) -> Array:
-        return self.problem.whiten(self.problem._slopes(self.point, self.sizes))
+        return self.problem.whiten(self.problem._slopes(self.point, self.coefficients))
 
     def _rough(self) -> Array:
         """The same by one difference each, inward at an upper bound."""
-        problem, found = self.problem, np.empty((len(self.residual), len(self.problem.curved)))
-        for k, p in enumerate(problem.curved):
+        problem, found = self.problem, np.empty((len(self.residual), len(self.problem.nonlinear)))
+        for k, p in enumerate(problem.nonlinear):
             at = self.point[p.name]
             step = _step(p, at)
             step = step if at + step <= p.upper else -step
             columns, fixed = problem.design({**self.point, p.name: at + step})
             with np.errstate(over="ignore", invalid="ignore"):
-                found[:, k] = (problem.whiten(fixed + columns @ self.sizes - problem.target) - self.residual) / step
+                found[:, k] = (
+                    problem.whiten(fixed + columns @ self.coefficients - problem.target) - self.residual
+                ) / step
         return found
 
 

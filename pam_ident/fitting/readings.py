@@ -152,7 +152,7 @@ class Reading:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """A model's least squares over rows that are read in chunks. `held` parameters stay, `curved` are all others.
+    """A model's least squares over rows that are read in chunks. `held` parameters stay, `nonlinear` are all others.
 
     `exact` keeps the triangle of each chunk, where Gram matrices would lose too many digits, and takes the slopes that
     a solver does: what is lost otherwise is lost in the scatter of very many rows.
@@ -161,7 +161,7 @@ class Readings:
     model: Model
     chunks: Chunks
     held: Mapping[str, float]
-    curved: tuple[Param, ...]
+    nonlinear: tuple[Param, ...]
     exact: bool = False
 
     @cached_property
@@ -170,8 +170,8 @@ class Readings:
         return [k for k, p in enumerate(self.model.params) if p.name not in self.held]
 
     def values(self, q: Array) -> dict[str, float]:
-        """All parameters by name at the curved ones q, shape (k,)."""
-        return {**self.held, **dict(zip([p.name for p in self.curved], q.tolist(), strict=True))}
+        """All parameters by name at the nonlinear ones q, shape (k,)."""
+        return {**self.held, **dict(zip([p.name for p in self.nonlinear], q.tolist(), strict=True))}
 
     def at(self, q: Array) -> Reading:
         """Read all rows at parameters q (k,)."""
@@ -198,7 +198,7 @@ class Readings:
     def lead(self, values: Mapping[str, float]) -> tuple[Array, Sums, bool]:
         """From values near the minimum to it: where it is, (k,), the sums there, and whether it was reached; by steps
         alone where they shorten, else by a descent between them."""
-        here = self.at(np.array([p.clip(values[p.name]) for p in self.curved]))
+        here = self.at(np.array([p.clip(values[p.name]) for p in self.nonlinear]))
         if not math.isfinite(here.cost):
             return here.q, here.sums, False
         here, step, done = settle(here)
@@ -209,25 +209,26 @@ class Readings:
         return here.q + step, here.sums.after(way), done
 
     def _table(self, chunk: Chunk, values: Mapping[str, float]) -> Array:
-        """As `solve.table`; if not `exact`, and where all curved parameters are off their bounds, at less than its
+        """As `solve.table`; if not `exact`, and where all nonlinear parameters are off their bounds, at less than its
         price: the mean of both ends of a difference spares what is between."""
         inputs, force = chunk.inputs, chunk.force
-        linear, curved = self.model.linear, self.model.bounded(inputs)[len(self.model.linear) :]
-        steps = [STEP * max(abs(values[p.name]), 0.01 * p.scale) for p in curved]
+        linear, nonlinear = self.model.linear, self.model.bounded(inputs)[len(self.model.linear) :]
+        steps = [STEP * max(abs(values[p.name]), 0.01 * p.scale) for p in nonlinear]
         inside = all(
-            p.lower <= values[p.name] - s <= values[p.name] + s <= p.upper for p, s in zip(curved, steps, strict=True)
+            p.lower <= values[p.name] - s <= values[p.name] + s <= p.upper
+            for p, s in zip(nonlinear, steps, strict=True)
         )
         if self.exact or not (inside and self.model.separable):
             return table(self.model, inputs, values, force, chunk.whiten)
-        sizes = np.array([values[p.name] for p in linear])
+        coefficients = np.array([values[p.name] for p in linear])
 
         def at(**moved: float) -> tuple[Array, Array]:
             columns, fixed = self.model.design(inputs, {**values, **moved}, force)
-            return columns, fixed + columns @ sizes
+            return columns, fixed + columns @ coefficients
 
         found = np.empty((len(self.model.params) + 1, len(force)))
-        (columns, low), (others, high) = [at()] * 2 if not curved else [(force, force)] * 2
-        for row, p, step in zip(found[len(linear) :], curved, steps, strict=False):
+        (columns, low), (others, high) = [at()] * 2 if not nonlinear else [(force, force)] * 2
+        for row, p, step in zip(found[len(linear) :], nonlinear, steps, strict=False):
             begin, end = values[p.name] - step, values[p.name] + step
             (columns, low), (others, high) = at(**{p.name: begin}), at(**{p.name: end})
             np.subtract(high, low, out=row)
@@ -253,8 +254,8 @@ def least(
     begin = np.r_[0, few]
     inputs, force = record.inputs.take(begin), record.force[begin]
     values = solve(model, inputs, force, lambda m: m[1:], start, quick=True, held=held).values
-    curved = tuple(p for p in model.bounded(record.inputs) if p.name not in held)
-    near = Readings(model, in_memory(record, more, bool(model.terms)), held, curved, exact)
+    nonlinear = tuple(p for p in model.bounded(record.inputs) if p.name not in held)
+    near = Readings(model, in_memory(record, more, bool(model.terms)), held, nonlinear, exact)
     whole = replace(near, chunks=every)
     return whole, *whole.lead(near.values(near.lead(values)[0]))
 
@@ -270,7 +271,7 @@ def with_memory(model: Model, inputs: Inputs, force: Array) -> list[Term]:
     def remembers(term: Term) -> bool:
         if term.form.remembers:
             return True
-        shape = {p.name: p.start for p in term.form.shapes}
+        shape = {p.name: p.start for p in term.form.nonlinear}
         whole = term.form.columns(inputs, shape, force)
         apart = (term.form.columns(inputs.take(rows), shape, force[rows]) for rows in stretches)
         return not all(np.allclose(a, whole[rows], 1e-9, 1e-12) for a, rows in zip(apart, stretches, strict=True))

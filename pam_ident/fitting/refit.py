@@ -9,11 +9,11 @@ from ..core.progress import steps
 from . import batch
 from .batch import Nodes, Refits
 from .fit import Fit, picker
-from .solve import curved_within_bounds, solve
+from .solve import nonlinear_within_bounds, solve
 
 Array = np.ndarray
 REACH = 10.0
-"""Half the interval in which the curved parameter is sought at first, in standard errors."""
+"""Half the interval in which the nonlinear parameter is sought at first, in standard errors."""
 
 
 def refit_forces(fit: Fit, forces: Array) -> tuple[Array, int]:
@@ -60,18 +60,18 @@ def _free(fit: Fit, params: Iterable[Param]) -> list[Param]:
     return [p for p in params if p.name not in fit.held]
 
 
-def _curved(fit: Fit) -> list[Param]:
-    return _free(fit, curved_within_bounds(fit.model, fit.record.inputs))
+def _nonlinear(fit: Fit) -> list[Param]:
+    return _free(fit, nonlinear_within_bounds(fit.model, fit.record.inputs))
 
 
 def _interval(fit: Fit) -> Nodes | None:
-    """Where the one curved parameter is sought; None where the model has more, or is not separable."""
-    curved = _curved(fit)
-    if not fit.model.separable or len(curved) > 1:
+    """Where the one nonlinear parameter is sought; None where the model has more, or is not separable."""
+    nonlinear = _nonlinear(fit)
+    if not fit.model.separable or len(nonlinear) > 1:
         return None
-    if not curved:
+    if not nonlinear:
         return Nodes(0.0, 0.0)
-    p = curved[0]
+    p = nonlinear[0]
     estimate = next(e for e in fit.estimates if e.name == p.name)
     if estimate.at_bound or not np.isfinite(estimate.stderr):
         return None
@@ -80,11 +80,11 @@ def _interval(fit: Fit) -> Nodes | None:
 
 
 def _design(fit: Fit) -> batch.Design:
-    """Weighed columns of the free linear parameters and weighed fixed part at a value of the curved parameter."""
+    """Weighed columns of the free linear parameters and weighed fixed part at a value of the nonlinear parameter."""
     model, inputs, pick = fit.model, fit.record.inputs, picker(fit.rows, fit.weights)
     free = np.array([p.name not in fit.held for p in model.linear], bool)
     given = np.array([fit.held.get(p.name, 0.0) for p in model.linear])
-    names = [p.name for p in _curved(fit)]
+    names = [p.name for p in _nonlinear(fit)]
 
     def design(q: float) -> tuple[Array, Array]:
         columns, fixed = model.design(inputs, {**fit.values, **dict.fromkeys(names, q)}, fit.record.force)
@@ -103,7 +103,7 @@ def _complete(fit: Fit, found: Refits | None, n: int, alone: Callable[[int], Map
     if found is None:
         values, bad = np.empty((n, len(params))), np.ones(n, bool)
     else:
-        values = np.column_stack([found.linear, found.curved])[:, : len(params)]
+        values = np.column_stack([found.linear, found.nonlinear])[:, : len(params)]
         lower, upper = (np.array([getattr(p, side) for p in params]) for side in ("lower", "upper"))
         bad = ~found.inside | np.any((values <= lower) | (values >= upper), axis=1) | ~np.isfinite(values).all(axis=1)
     for b in steps(np.flatnonzero(bad), "refitting one by one"):

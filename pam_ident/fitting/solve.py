@@ -14,7 +14,7 @@ from .descent import GIVEN_UP
 from .problem import Problem, Solution, Whiten, all_rows, bounded_lstsq
 from .solvers import QUICK, Solver, VariableProjection
 
-__all__ = ["Solution", "Whiten", "bounded_lstsq", "curved_within_bounds", "jacobian", "solve", "table"]
+__all__ = ["Solution", "Whiten", "bounded_lstsq", "jacobian", "nonlinear_within_bounds", "solve", "table"]
 
 Array = np.ndarray
 ACTING = 1.03
@@ -76,19 +76,19 @@ def separated(
     acting = force if acting is None else acting
     model = _remembering(model, inputs, acting)
     guess = model.neutral(inputs)
-    curved = [replace(p, start=p.clip(guess[p.name])) for p in curved_within_bounds(model, inputs)]
+    nonlinear = [replace(p, start=p.clip(guess[p.name])) for p in nonlinear_within_bounds(model, inputs)]
 
     def design(values: Mapping[str, float]) -> tuple[Array, Array]:
         return model.design(inputs, values, acting)
 
-    return Problem(model.linear, tuple(curved), design, force, start, whiten)
+    return Problem(model.linear, tuple(nonlinear), design, force, start, whiten)
 
 
 def _remembering(model: Model, inputs: Inputs, acting: Array) -> Model:
     """The same model, whose effects keep their columns at these inputs while only other parameters move."""
 
     def remembering(form: Form) -> Form:
-        names = [p.name for p in form.shapes]
+        names = [p.name for p in form.nonlinear]
 
         @lru_cache(maxsize=4)
         def at(*shape: float) -> Array:
@@ -105,7 +105,7 @@ def _remembering(model: Model, inputs: Inputs, acting: Array) -> Model:
 
 
 def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float], whiten: Whiten = all_rows) -> Problem:
-    """All parameters as curved ones, for models in which the force, (n,) in N, acts back on itself."""
+    """All parameters as nonlinear ones, for models in which the force, (n,) in N, acts back on itself."""
     near = force
 
     def design(values: Mapping[str, float]) -> tuple[Array, Array]:
@@ -118,13 +118,13 @@ def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float]
     return Problem((), model.bounded(inputs), design, force, start, whiten)
 
 
-def curved_within_bounds(model: Model, inputs: Inputs) -> list[Param]:
+def nonlinear_within_bounds(model: Model, inputs: Inputs) -> list[Param]:
     """Curved parameters; the radius is kept within 15 % of the specimen's."""
     return list(model.bounded(inputs)[len(model.linear) :])
 
 
 def table(model: Model, inputs: Inputs, values: Mapping[str, float], force: Array, whiten: Whiten = all_rows) -> Array:
-    """dF/dparameter in N per unit at `values`, curved ones by central differences, and as last column what the model
+    """dF/dparameter in N per unit at `values`, nonlinear ones by central differences, and as last column what the model
     says beyond `force` (n,) in N, all whitened: shape (m, len(params) + 1)."""
     make = separated if model.separable else whole
     return make(model, inputs, force, {}, whiten).table(values)

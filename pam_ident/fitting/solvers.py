@@ -29,7 +29,7 @@ class Solver(Protocol):
 
 @dataclass(frozen=True)
 class VariableProjection:
-    """Linear parameters are eliminated at each trial of the curved ones, which a trust region searches.
+    """Linear parameters are eliminated at each trial of the nonlinear ones, which a trust region searches.
 
     Of all starts, `max_starts` at most, the `keep` best are followed down, and from the lowest the search goes on until
     rounding stops it, unless not `polish`. Then what has no hope of a sum of squares below `enough` is given up.
@@ -41,8 +41,8 @@ class VariableProjection:
     enough: float = math.inf
 
     def solve(self, problem: Problem) -> Solution:
-        """The best of the descents; exact at once where nothing is curved."""
-        if not problem.curved:
+        """The best of the descents; exact at once where nothing is nonlinear."""
+        if not problem.nonlinear:
             return Solution(problem.at(np.empty(0)).values, True, "linear")
         if not self.polish:
             problem = replace(problem, rough=True)

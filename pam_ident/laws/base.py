@@ -8,15 +8,15 @@ import numpy as np
 from ..core import Param, Specimen
 
 Array = np.ndarray
-Shape = Mapping[str, float]
+Values = Mapping[str, float]
 
 
-def no_columns(pressure: Array, contraction: Array, specimen: Specimen, shape: Shape) -> Array:
+def no_columns(pressure: Array, contraction: Array, specimen: Specimen, values: Values) -> Array:
     """A law without linear parameters, shape (n, 0)."""
     return pressure[:, None][:, :0]
 
 
-def no_force(pressure: Array, contraction: Array, specimen: Specimen, shape: Shape) -> Array:
+def no_force(pressure: Array, contraction: Array, specimen: Specimen, values: Values) -> Array:
     """A law without a fixed part, shape (n,)."""
     return pressure.__array_namespace__().zeros(len(pressure))
 
@@ -32,11 +32,11 @@ def braid_radius_ratio(a: float, b: float, shortened: Array) -> Array:
 
 @dataclass(frozen=True)
 class Law:
-    """F(p, ε) = fixed + columns · linear: linear in `linear`, curved in `shape` alone.
+    """F(p, ε) = fixed + columns · linear: linear in `linear`, not in `nonlinear`.
 
-    `columns(pressure, contraction, specimen, shape)` has shape (n, len(linear)), `fixed` shape (n,), both
+    `columns(pressure, contraction, specimen, values)` has shape (n, len(linear)), `fixed` shape (n,), both
     in N per unit of the parameter, for p in MPa (gauge) and contraction ratio ε. Both take their functions from
-    the arrays they are given and change none in place, so that JAX can trace them, shape values included; the
+    the arrays they are given and change none in place, so that JAX can trace them, values included; the
     specimen stays plain numbers. Columns are stacked as rows and turned, because whole columns in memory make a
     fit faster. `min_levels` is the number of isobars without which the parameters cannot be
     told apart.
@@ -47,18 +47,18 @@ class Law:
     formula: str
     source: str
     linear: tuple[Param, ...] = ()
-    shape: tuple[Param, ...] = ()
-    columns: Callable[[Array, Array, Specimen, Shape], Array] = no_columns
-    fixed: Callable[[Array, Array, Specimen, Shape], Array] = no_force
+    nonlinear: tuple[Param, ...] = ()
+    columns: Callable[[Array, Array, Specimen, Values], Array] = no_columns
+    fixed: Callable[[Array, Array, Specimen, Values], Array] = no_force
     min_levels: int = 1
 
     @property
     def params(self) -> tuple[Param, ...]:
-        """Linear parameters, then shapes."""
-        return self.linear + self.shape
+        """Linear, then nonlinear."""
+        return self.linear + self.nonlinear
 
-    def force(self, pressure: Array, contraction: Array, specimen: Specimen, values: Shape) -> Array:
+    def force(self, pressure: Array, contraction: Array, specimen: Specimen, values: Values) -> Array:
         """Force in N, shape (n,), for parameter values by name."""
         columns = self.columns(pressure, contraction, specimen, values)
-        sizes = pressure.__array_namespace__().asarray([values[p.name] for p in self.linear], dtype=pressure.dtype)
-        return self.fixed(pressure, contraction, specimen, values) + columns @ sizes
+        linear = pressure.__array_namespace__().asarray([values[p.name] for p in self.linear], dtype=pressure.dtype)
+        return self.fixed(pressure, contraction, specimen, values) + columns @ linear

@@ -1,10 +1,10 @@
 """The ideal braid: a thin cylinder, no friction, no wall."""
 
 from ..core import Specimen
-from .base import Array, Law, Shape
+from .base import Array, Law, Values
 
 
-def ideal_force(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def ideal_force(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     """π r0² p [a(1−ε)² − b] in N, shape (n,)."""
     return specimen.ideal_force(p, e)
 

@@ -1,12 +1,12 @@
 """The empirical law of the paper: a line and a decaying exponential in contraction, each linear in pressure."""
 
 from ..core import Param, Specimen
-from .base import Array, Law, Shape
+from .base import Array, Law, Values
 
 
-def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     xp = p.__array_namespace__()
-    decay = xp.exp(-shape["mu"] * e)
+    decay = xp.exp(-values["mu"] * e)
     return xp.stack([xp.ones_like(p), p, -e, -e * p, decay, decay * p]).T
 
 
@@ -23,7 +23,7 @@ LAW = Law(
         Param("c0", "N", "initial peak", scale=100.0),
         Param("c1", "N/MPa", "initial peak per pressure", scale=100.0),
     ),
-    shape=(
+    nonlinear=(
         Param(
             "mu",
             "1",

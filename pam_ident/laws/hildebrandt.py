@@ -1,10 +1,10 @@
 """Pressure on an effective area, less the force of the membrane, which begins steeply."""
 
 from ..core import Param, Specimen
-from .base import Array, Law, Shape
+from .base import Array, Law, Values
 
 
-def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     xp = p.__array_namespace__()
     square, root = e * e, xp.cbrt(e)
     # odd in ε, so that a stretched membrane pulls

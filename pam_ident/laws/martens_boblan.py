@@ -7,12 +7,12 @@ specimen's, and the rubber's parameters may have either sign: together they desc
 """
 
 from ..core import Param, Specimen
-from .base import Array, Law, Shape, braid_radius_ratio
+from .base import Array, Law, Values, braid_radius_ratio
 
 
-def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     xp = p.__array_namespace__()
-    angle = xp.radians(shape["theta"])
+    angle = xp.radians(values["theta"])
     a, b = 3.0 / xp.tan(angle) ** 2, 1.0 / xp.sin(angle) ** 2
     shortened = 1.0 - e
     hoop = a * shortened * (1.0 / braid_radius_ratio(a, b, shortened) - 1.0)
@@ -35,7 +35,7 @@ LAW = Law(
         Param("X1", "N", "axial force of the rubber, linear in contraction", scale=1000.0),
         Param("X2", "N", "axial force of the rubber, quadratic in contraction", scale=1000.0),
     ),
-    shape=(
+    nonlinear=(
         Param(
             "theta",
             "deg",

@@ -1,13 +1,13 @@
 """The ideal braid with the three corrections of the paper, shared by all pressures."""
 
 from ..core import Param, Specimen
-from .base import Array, Law, Shape
+from .base import Array, Law, Values
 from .chou_hannaford import ideal_force
 
 
-def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     xp = p.__array_namespace__()
-    return xp.stack([ideal_force(p, shape["k1"] * e, specimen, shape), xp.ones_like(p)]).T
+    return xp.stack([ideal_force(p, values["k1"] * e, specimen, values), xp.ones_like(p)]).T
 
 
 LAW = Law(
@@ -19,7 +19,7 @@ LAW = Law(
         Param("k0", "1", "what geometry and pressure scale leave over", start=1.0, lower=0.0, upper=10.0),
         Param("k2", "N", "static friction or offset of the force", start=0.0, scale=100.0),
     ),
-    shape=(
+    nonlinear=(
         Param(
             "k1",
             "1",

@@ -1,10 +1,10 @@
 """Intercept and slope of the force over pressure, each a polynomial in contraction."""
 
 from ..core import Param, Specimen
-from .base import Array, Law, Shape
+from .base import Array, Law, Values
 
 
-def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     xp = p.__array_namespace__()
     square = e * e
     return xp.stack([p, p * e, p * square, xp.ones_like(p), e, square, square * e]).T

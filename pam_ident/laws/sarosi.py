@@ -1,12 +1,12 @@
 """Sárosi's six-parameter law."""
 
 from ..core import Param, Specimen
-from .base import Array, Law, Shape
+from .base import Array, Law, Values
 
 
-def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     xp = p.__array_namespace__()
-    decay = xp.exp(shape["s3"] * e)
+    decay = xp.exp(values["s3"] * e)
     return xp.stack([decay * p, decay, e * p, p, xp.ones_like(p)]).T
 
 
@@ -25,7 +25,7 @@ LAW = Law(
         Param("s5", "N/MPa", "blocked force per pressure", scale=1000.0),
         Param("s6", "N", "offset", scale=100.0),
     ),
-    shape=(
+    nonlinear=(
         Param(
             "s3",
             "1",

@@ -9,11 +9,11 @@ energy of a thin tube.
 import math
 
 from ..core import Param, Specimen
-from .base import Array, Law, Shape, braid_radius_ratio
+from .base import Array, Law, Values, braid_radius_ratio
 from .chou_hannaford import ideal_force
 
 
-def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     shortened = 1.0 - e
     ratio = braid_radius_ratio(specimen.a, specimen.b, shortened)
     radius, widening = specimen.initial_radius_mm, ratio - 1.0

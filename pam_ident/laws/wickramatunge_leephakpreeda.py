@@ -1,12 +1,12 @@
 """The muscle as a spring whose stiffness depends on pressure and on its own stretch."""
 
 from ..core import Param, Specimen
-from .base import Array, Law, Shape
+from .base import Array, Law, Values
 
 
-def _columns(p: Array, e: Array, specimen: Specimen, shape: Shape) -> Array:
+def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
     xp = p.__array_namespace__()
-    stretch = specimen.initial_length_mm * (shape["e_free"] - e)
+    stretch = specimen.initial_length_mm * (values["e_free"] - e)
     square = stretch * stretch
     return xp.stack([stretch, square * stretch, p * square, p * p * stretch]).T
 
@@ -25,7 +25,7 @@ LAW = Law(
         Param("c2", "N/(MPa·mm^2)", "stiffness per pressure and stretch", scale=0.1),
         Param("c3", "N/(MPa^2·mm)", "stiffness per square of the pressure", scale=10.0),
     ),
-    shape=(
+    nonlinear=(
         Param(
             "e_free",
             "1",

@@ -13,6 +13,7 @@ from .muscle import Memory
 from .pair import Air
 from .pneumatics import ATMOSPHERE
 from .prototype import Angles, Prototype
+from .treadmill import Treadmill
 
 
 @lru_cache(maxsize=2)
@@ -39,23 +40,26 @@ def _compiled(
     return step, jax.jit(loop.command)
 
 
-def co_simulate(loop: Loop, gait: Gait, task: Task, gains: Gains) -> tuple[Log, list[Angles]]:
-    """One run of `task` (its `ahead` (N, 2)) in the prototype, and its angles at the N samples.
+def co_simulate(
+    loop: Loop, gait: Gait, task: Task, gains: Gains, ground: Treadmill | None = None
+) -> tuple[Log, list[Angles]]:
+    """One run of `task` (its `ahead` (N, 2)) in the prototype, perhaps on a ground, and its angles at the N samples.
 
     In each step of the plant the muscles pull as they do at its begin, and their air sees the sprocket turn at the rate
     that it has there. Raises UsageError where MuJoCo is missing.
     """
     pair = loop.pair
-    prototype = Prototype(pair.leg, gait, STEP_S)
+    prototype = Prototype(pair.leg, gait, STEP_S, ground)
     state, memory, control = loop.begin(task)
     prototype.reset(float(state.flexion), float(state.rate))
     air = state.air
     step, command = _compiled(loop)
     rows, seen = [], []
-    for k, (target, ahead) in enumerate(zip(np.asarray(task.target), np.asarray(task.ahead), strict=True)):
+    for k in range(len(task.target)):
+        target, ahead, lesson = jax.tree.map(lambda a, k=k: np.asarray(a)[k], (task.target, task.ahead, task.lesson))
         now = prototype.angles()
         seen.append(now)
-        split, reference, control = command(gains, control, now.knee, target, ahead)
+        split, reference, control = command(gains, control, now.knee, target, ahead, lesson)
         before, pulls = air, []
         for i in range(STEPS):
             time = k * SAMPLE_S + i * STEP_S

@@ -1,6 +1,6 @@
 """PID on the knee angle, its output a split of the pair's pressures."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,11 +21,13 @@ class Gains(NamedTuple):
 
 
 class Control(NamedTuple):
-    """What the controller remembers: integral of the error (rad s), last error (rad), filtered slope (rad/s)."""
+    """What the controller remembers: integral of the error (rad s), last error (rad), filtered slope (rad/s), and where
+    it learns, what earlier strides taught."""
 
     integral: Array
     error: Array
     slope: Array
+    learned: Any = ()
 
 
 class Sensor(NamedTuple):
@@ -63,4 +65,4 @@ def pid(gains: Gains, control: Control, error: Array, ahead: Array, reach: float
     whole = ahead + wanted
     split = jnp.clip(whole, -reach, reach) - ahead
     stuck = (jnp.abs(whole) > reach) & (whole * error > 0.0)
-    return split, Control(jnp.where(stuck, control.integral, integral), error, slope)
+    return split, control._replace(integral=jnp.where(stuck, control.integral, integral), error=error, slope=slope)

@@ -42,6 +42,15 @@ class Answer:
         return tuple(self.get("effects", list))
 
     @property
+    def seen(self) -> dict[str, list[float]]:
+        """Ranges that the record covered; none in files of earlier versions. Raises DataError for what is no range."""
+        given = self.content.get("range") or {}
+        for key, ends in given.items() if isinstance(given, dict) else [("range", given)]:
+            if not (isinstance(ends, list) and len(ends) == 2 and all(isinstance(x, int | float) for x in ends)):
+                raise DataError(f"{self.path}: range of {key} is {ends!r}; write the file again with --json")
+        return given
+
+    @property
     def branches(self) -> dict[str, Fitted]:
         """What was fitted, by branch."""
         return {name: self.fitted(one) for name, one in self.get("branches", dict).items()}

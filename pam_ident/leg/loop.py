@@ -11,6 +11,7 @@ from .arrays import Array, jax, jnp
 from .control import SAMPLE_S, SIGN, Control, Gains, Sensor, pid, start
 from .gait import LegAngles
 from .joint import acceleration
+from .learning import advised, after, nothing
 from .muscle import ByBranch, Memory
 from .pair import Air, Pair
 from .pneumatics import ATMOSPHERE
@@ -34,12 +35,13 @@ class State(NamedTuple):
 
 class Task(NamedTuple):
     """What the controller is to do at N samples: flexion wanted (rad, (N,)), gauge pressures that are commanded before
-    any correction (MPa, (N, 2)), and the gait at begin, middle and end of all steps (N, STEPS, 3), of which hip and
-    ankle are imposed on the plant."""
+    any correction (MPa, (N, 2)), the gait at begin, middle and end of all steps (N, STEPS, 3), of which hip and ankle
+    are imposed on the plant, and how the controller learns from its errors, if it does."""
 
     target: Array
     ahead: Array
     motion: LegAngles
+    lesson: Any = ()
 
 
 class Scale(NamedTuple):
@@ -128,7 +130,7 @@ class Loop:
         def sample(carry: tuple[State, Memory, Control], given: tuple[Array, Task]) -> tuple[Any, Log]:
             state, memory, control = carry
             time, now = given
-            split, reference, control = self.command(gains, control, state.flexion, now.target, now.ahead)
+            split, reference, control = self.command(gains, control, state.flexion, now.target, now.ahead, now.lesson)
 
             def step(carry: tuple[State, Memory], given: tuple[Array, LegAngles]) -> tuple[tuple[State, Memory], Array]:
                 return self._step(values, scale, carry, reference * 1e6 + ATMOSPHERE, *given)
@@ -143,11 +145,14 @@ class Loop:
         return jax.lax.scan(sample, (state, memory, control), (times, task))[1]
 
     def command(
-        self, gains: Gains, control: Control, flexion: Array, target: Array, ahead: Array
+        self, gains: Gains, control: Control, flexion: Array, target: Array, ahead: Array, lesson: Any = ()
     ) -> tuple[Array, Array, Control]:
         """What the controller does at a sample: its split and the references (2,) in MPa, and what it remembers."""
         pair = self.pair
         error = target - self.sensor.read(flexion)
+        if lesson:
+            ahead = ahead + advised(lesson, control.learned)
+            control = control._replace(learned=after(lesson, control.learned, error))
         split, control = pid(gains, control, error, 0.5 * (ahead[0] - ahead[1]), pair.reach_MPa)
         return split, jnp.clip(ahead + split * SIGN, pair.lowest_MPa, pair.highest_MPa), control
 
@@ -158,6 +163,7 @@ class Loop:
         rate = (task.target[1] - task.target[0]) / SAMPLE_S
         state = State(task.target[0], rate, self.pair.at_rest(gauge, contraction))
         control = start(task.target[0] - self.sensor.read(state.flexion))
+        control = control._replace(learned=nothing() if task.lesson else ())
         return state, self.pair.muscle.start(gauge, contraction), control
 
     def _step(

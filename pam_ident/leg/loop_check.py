@@ -18,7 +18,7 @@ def loop_fault(form: Form, specimen: Specimen) -> str:
 
     It is asked at two instants: traced by JAX, then with NumPy for muscles side by side and for each alone.
     """
-    shape = {p.name: p.start for p in form.shapes}
+    shape = {p.name: p.start for p in form.nonlinear}
     instants = [_instant(specimen, 0.0), _instant(specimen, 1.0)]
 
     def traced(shape: dict[str, float], states: list[dict[str, Array]]) -> Array:
@@ -26,7 +26,7 @@ def loop_fault(form: Form, specimen: Specimen) -> str:
 
     try:
         found = jax.eval_shape(traced, shape, [_arrays(one) for one in instants])
-        if found.shape != (3, len(form.sizes)):
+        if found.shape != (3, len(form.linear)):
             return f"it gives the shape {found.shape} for 3 muscles; {MEMORY}"
         together = _asked(form, shape, instants)
         alone = [_asked(form, shape, [one.take(slice(k, k + 1)) for one in instants]) for k in range(3)]
@@ -38,7 +38,7 @@ def loop_fault(form: Form, specimen: Specimen) -> str:
 
 
 def _asked(form: Form, shape: dict[str, float], instants: list[Inputs]) -> Array:
-    """Columns (n, sizes) at the last of some instants."""
+    """Columns (n, k) at the last of some instants."""
     memory, columns = None, np.zeros(0)
     for inputs in instants:
         live = Live(memory)

@@ -1,11 +1,12 @@
 """The whole leg as a MuJoCo model: hip, four-bar knee closed by a constraint, ankle, muscles drawn over the sprocket.
 
-World: x forward, z up, so that a turn about +y flexes the knee and one about −y lifts thigh and toes. Nothing touches
-anything; geoms are there to be seen, masses are given apart from them.
+World: x forward, z up, so that a turn about +y flexes the knee and one about −y lifts thigh and toes. Geoms are there
+to be seen: masses are given apart from them, and what the ground does is applied while stepping.
 """
 
 from .anatomy import Leg, Segment, Servo
 from .joint import GRAVITY
+from .treadmill import Treadmill
 
 HIP_HEIGHT_M = 1.0
 """Of the stand; the foot does not reach the floor."""
@@ -135,7 +136,15 @@ def _chain(name: str) -> str:
     </spatial>"""
 
 
-def write(leg: Leg, step_s: float) -> str:
+def _pad(ground: Treadmill | None) -> str:
+    """The padded belt, as it lies."""
+    if ground is None:
+        return ""
+    top = HIP_HEIGHT_M - ground.below_hip_m
+    return f'\n    <geom type="box" pos="0 0 {top / 2:.4g}" size="0.6 0.12 {top / 2:.4g}" material="dark"/>'
+
+
+def write(leg: Leg, step_s: float, ground: Treadmill | None = None) -> str:
     """The leg as MJCF text, straight at zero, stepped by `step_s`.
 
     The links are uniform rods, the coupler is part of the shank. The loop is closed at the rocker's end on the shank.
@@ -161,7 +170,7 @@ def write(leg: Leg, step_s: float) -> str:
     <camera name="knee" pos="0.04 -0.50 {level:.4g}" xyaxes="1 0 0 0 .05 1" fovy="34"/>
     <geom type="plane" size="8 8 0.1" material="floor"/>
     <geom type="box" pos="0 0.14 {post:.4g}" size="0.02 0.02 {post:.4g}" material="steel"/>
-    <geom type="box" pos="0 0.14 0.01" size="0.28 0.10 0.01" material="steel"/>
+    <geom type="box" pos="0 0.14 0.01" size="0.28 0.10 0.01" material="steel"/>{_pad(ground)}
     <geom type="cylinder" fromto="0 0.03 {HIP_HEIGHT_M} 0 0.13 {HIP_HEIGHT_M}" size="0.05" material="dark"/>
     <body name="thigh" pos="0 0 {HIP_HEIGHT_M}">
       {_thigh(leg, straight)}

@@ -1,8 +1,8 @@
 """A fitted model as a muscle that is stepped through time."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
@@ -13,6 +13,7 @@ from ..core.recursion import Slot
 from ..effects import Effect
 from ..fitting import Fit
 from ..model import GEOMETRY, Model, Values
+from ..schema.fit import covered
 from .arrays import Array, jnp
 from .fit_file import fitted_branches, read_answer, read_rungs, read_specimen_of
 from .loop_check import loop_fault
@@ -47,6 +48,7 @@ class Muscle:
     contraction: Values
     extension: Values
     spreads: tuple[ParameterSpread | None, ParameterSpread | None] = (None, None)
+    seen: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for branch, given in zip(BRANCHES, (self.contraction, self.extension), strict=True):
@@ -69,7 +71,9 @@ class Muscle:
         if len(models) > 1 or pair[0].record.specimen != pair[1].record.specimen:
             raise UsageError("fits: expected one model on one specimen for both branches; fit both in the same way")
         spreads = (ParameterSpread.of(pair[0]), ParameterSpread.of(pair[1]))
-        return cls(pair[0].model, pair[0].record.specimen, pair[0].values, pair[1].values, spreads)
+        record = pair[0].record
+        values = pair[0].values, pair[1].values
+        return cls(pair[0].model, record.specimen, *values, spreads, covered(record.inputs))
 
     @classmethod
     def read(
@@ -87,7 +91,7 @@ class Muscle:
         else:
             rows = [(found.effects, fitted_branches(found.branches, str(path)))]
         return [
-            cls(found.model(effects, extra_effects), given, one[0], other[0], (one[1], other[1]))
+            cls(found.model(effects, extra_effects), given, one[0], other[0], (one[1], other[1]), found.seen)
             for effects, (one, other) in rows
         ]
 

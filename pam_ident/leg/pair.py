@@ -3,9 +3,12 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .anatomy import LEG, Leg
+import numpy as np
+
+from .anatomy import Leg, leg_of
 from .arrays import Array, jnp
 from .control import SIGN
+from .leg_file import DEFAULT, Tables
 from .muscle import ByBranch, Memory, Muscle
 from .pneumatics import (
     ATMOSPHERE,
@@ -17,11 +20,6 @@ from .pneumatics import (
     pressure_rate,
     valve_flow,
 )
-
-SUPPLY = Supply(pressure_Pa=0.7e6 + ATMOSPHERE, temperature_K=293.15, exhaust_Pa=ATMOSPHERE)
-VALVE = Valve(area_m2=5.7e-6, critical_ratio=0.35, lag_s=0.004)
-"""350 l/min from 6 to 5 bar (gauge), as the data sheet of Festo's proportional valve MPYE-5-1/8-HF-010-B gives; the
-critical ratio and the lag are assumed."""
 
 
 class Air(NamedTuple):
@@ -42,20 +40,22 @@ class Pair:
     """An antagonist pair, index 0 the flexor and 1 the extensor, equation (8)'s F1 and F2.
 
     `dead_volume_m3` is that of hose and fittings of one muscle. A valve opens in proportion to what its muscle's
-    pressure is off the reference, fully at `full_open_MPa`. References stay between `lowest_MPa`, below which venting
-    has no pressure left to drive it, and `highest_MPa`, what the maker allows (Festo DMSP-20: 0.6 MPa); `mean_MPa`
-    is the pressure about which the pair is split, all gauge.
+    pressure is off the reference, fully at `full_open_MPa`. References stay between `lowest_MPa` and `highest_MPa`;
+    `mean_MPa` is the pressure about which the pair is split, all gauge. `strength` is the share of the model's force
+    that each muscle has; it decays at the rate `ageing_per_s`.
     """
 
     muscle: Muscle
-    leg: Leg = LEG
-    supply: Supply = SUPPLY
-    valve: Valve = VALVE
-    dead_volume_m3: float = 1.5e-5
-    full_open_MPa: float = 0.05
-    mean_MPa: float = 0.315
-    lowest_MPa: float = 0.03
-    highest_MPa: float = 0.6
+    leg: Leg
+    supply: Supply
+    valve: Valve
+    dead_volume_m3: float
+    full_open_MPa: float
+    mean_MPa: float
+    lowest_MPa: float
+    highest_MPa: float
+    strength: tuple[float, float] = (1.0, 1.0)
+    ageing_per_s: float = 0.0
 
     @property
     def reach_MPa(self) -> float:
@@ -92,8 +92,24 @@ class Pair:
     ) -> tuple[Array, Memory]:
         """Forces in N (2,), never below zero because a chain cannot push, and the memory after it."""
         force, memory = self.muscle.force(values, memory, time, jnp.maximum(gauge_MPa, 0.0), contraction, speed)
-        return jnp.maximum(force, 0.0), memory
+        return jnp.maximum(force, 0.0) * np.array(self.strength) * jnp.exp(-self.ageing_per_s * time), memory
 
     def torque(self, force: Array) -> Array:
         """Torque of the forces (2,) in N on the sprocket in N·m, positive flexes."""
         return (force[0] - force[1]) * self.leg.sprocket_radius_m
+
+
+def pair_of(muscle: Muscle, tables: Tables = DEFAULT) -> Pair:
+    """Two such muscles in the leg of a file, by default the leg's own. Raises UsageError for a knee that cannot be."""
+    air, supply, valve = (tables[name] for name in ("muscles", "supply", "valve"))
+    return Pair(
+        muscle,
+        leg_of(tables),
+        Supply(supply["pressure_MPa"] * 1e6 + ATMOSPHERE, supply["temperature_K"]),
+        Valve(valve["area_mm2"] * 1e-6, valve["critical_ratio"], valve["lag_s"]),
+        air["dead_volume_m3"],
+        valve["full_open_MPa"],
+        air["mean_MPa"],
+        air["lowest_MPa"],
+        air["highest_MPa"],
+    )

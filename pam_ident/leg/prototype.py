@@ -13,6 +13,7 @@ from . import mjcf
 from .anatomy import Leg
 from .gait import Gait, LegAngles
 from .joint import passive_torque
+from .treadmill import Treadmill, sole
 
 
 class Angles(NamedTuple):
@@ -48,11 +49,13 @@ class Prototype:
     joint the dimensions and the passive torque on the flexion, and none of the equations of motion.
     """
 
-    def __init__(self, leg: Leg, gait: Gait, step_s: float = 5e-4) -> None:
-        """Build the model and put it at the gait's start. Raises UsageError where MuJoCo is missing."""
+    def __init__(self, leg: Leg, gait: Gait, step_s: float = 5e-4, ground: Treadmill | None = None) -> None:
+        """Build the model and put it at the gait's start. Raises UsageError where MuJoCo is missing, or where the gait
+        does not touch a `ground`."""
         self._mj = mujoco()
-        self.leg, self.gait, self.step_s = leg, gait, step_s
-        self.model = self._mj.MjModel.from_xml_string(mjcf.write(leg, step_s))
+        self.leg, self.gait, self.step_s, self.ground = leg, gait, step_s, ground
+        self._belt = 0.0 if ground is None else ground.belt_m_s(leg, gait)
+        self.model = self._mj.MjModel.from_xml_string(mjcf.write(leg, step_s, ground))
         self.data = self._mj.MjData(self.model)
         self._joint = {name: int(self.model.joint(name).id) for name in ("hip", "rocker", "crank", "coupler", "ankle")}
         self._body = {name: int(self.model.body(name).id) for name in ("thigh", "shank", "foot", "rocker")}
@@ -104,11 +107,26 @@ class Prototype:
         """One step from `time_s` under that torque, N·m, positive flexes; the servos follow the gait."""
         now, motion, data = self.angles(), self.gait.at(time_s), self.data
         data.ctrl[:] = self._targets(motion)
-        data.qfrc_applied[self._joint["crank"]] = sprocket_torque
+        data.qfrc_applied[:] = 0.0 if self.ground is None else self._standing(self.ground)
+        data.qfrc_applied[self._joint["crank"]] += sprocket_torque
         passive = float(passive_torque(self.leg, now.knee, now.knee_rate))
         data.xfrc_applied[self._body["shank"], 4] = passive
         data.xfrc_applied[self._body["thigh"], 4] = -passive
         self._mj.mj_step(self.model, data)
+
+    def _standing(self, ground: Treadmill) -> np.ndarray:
+        """Generalised forces of the ground on all joints, shape (joints,)."""
+        found = np.zeros(self.model.nv)
+        along = np.zeros((3, self.model.nv))
+        for point in sole(self.leg):
+            place = self._world("foot", point)
+            depth = mjcf.HIP_HEIGHT_M - ground.below_hip_m - place[2]
+            if depth > 0.0:
+                self._mj.mj_jac(self.model, self.data, along, None, place, self._body["foot"])
+                forward, _, rising = along @ self.data.qvel
+                ahead, up = ground.force(depth, -rising, forward + self._belt)
+                found += along.T @ np.array([ahead, 0.0, up])
+        return found
 
     def angles(self) -> Angles:
         """Angles now; the knee's is what the shank has turned against the thigh, by way of the crank."""

@@ -7,13 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..core.progress import steps, tell
+from ..records.doubt import Doubt
 from .arrays import jax
 from .budget import Budget, budget
 from .control import Gains
 from .course import Course
 from .feed_forward import FeedForward
 from .loop import CHUNK, Log, Loop, Scale, Task
+from .mismatch import AS_KNOWN, Mismatch
 from .muscle import Muscle
+from .pair import Pair
+from .seen import outside
+from .treadmill import Treadmill
 from .trouble import Trouble, plan_troubles, troubles
 from .tuning import Tuned, judge, rms_deg, tune, tune_by_hand
 
@@ -65,9 +70,11 @@ class TrackRung:
 class Track:
     """Plain PID tuned in both ways, PID with each model ahead, where the error comes from.
 
-    `ideal` is PID with the plant's own muscle ahead: what sampling, sensor and valves leave to any model. Tuning, bands
-    and budget are the reduced leg's. Where there is a `motion`, the other runs are the prototype's; it is what the
-    prototype did under the last rung, and `agreement_deg` is the rms difference between both legs there.
+    `ideal` is PID with the plant's own muscle ahead: what sampling, sensor and valves leave to any model. Gains and
+    budget are those of the leg that the controller knows, bands those of the reduced one. Where there is a `motion`,
+    the other runs are the prototype's; it is what the prototype did under the last rung, and `agreement_deg` is the
+    rms difference between both legs there. `off` is what the plant is off, `doubts` where the last rung leaves what
+    its fit has seen.
     """
 
     loop: Loop
@@ -81,6 +88,9 @@ class Track:
     budget: Budget
     motion: "tuple[Angles, ...]" = ()
     agreement_deg: float | None = None
+    off: Mismatch = AS_KNOWN
+    ground: Treadmill | None = None
+    doubts: tuple[Doubt, ...] = ()
 
     @property
     def prototype(self) -> bool:
@@ -89,30 +99,41 @@ class Track:
 
 
 def track(
-    plant: Loop,
+    known: Loop,
     controllers: Sequence[Muscle],
     course: Course,
     gains: Gains | None = None,
     prototype: bool = False,
     seed: int = 1,
+    off: Mismatch = AS_KNOWN,
+    ground: Treadmill | None = None,
 ) -> Track:
     """Tune, run, and take the error apart. `controllers` are the models that the feed-forward knows, a rung each.
 
-    All rungs run with the gains of the plain PID: those found automatically, or `gains`. Raises UsageError where a
-    `prototype` is asked for and MuJoCo is missing.
+    Gains are tuned, and the budget is made, on the loop that is `known`; the runs are those of a plant that may be
+    `off`, in a `prototype` on a `ground`, too. All rungs run with the gains of the plain PID: those found
+    automatically, or `gains`; where the course has lessons, they learn, and the plain PID does not. Raises UsageError
+    where a `prototype` is asked for and MuJoCo is missing.
     """
-    bench = _Prototype(plant, course) if prototype else _Reduced(plant, course)
-    mean = np.broadcast_to(np.full(2, plant.pair.mean_MPa), (len(course.time), 2))
-    task, judged = course.task(mean), course.judged
+    plant = known if off == AS_KNOWN else replace(known, pair=off.plant(known.pair, course.gait.cadence_Hz))
+    bench = _Prototype(plant, course, known, ground) if prototype else _Reduced(plant, course, known)
+    mean = np.full((1, len(course.time), 2), known.pair.mean_MPa)
+    plain = replace(course, lessons=0)
+    task, judged = plain.task(mean[0, : len(plain.time)]), plain.judged
     tell("tuning by hand")
-    by_hand = tune_by_hand(plant, task, judged)
-    chosen = tune(plant, task, judged, by_hand.gains, seed) if gains is None else judge(plant, task, judged, gains)
-    slow, pid = (bench.run(course.task(mean[None]), tuned.gains) for tuned in (by_hand, chosen))
-    ideal = bench.rung(plant.pair.muscle, chosen.gains, seed).tracking
-    rungs = tuple(bench.rung(muscle, chosen.gains, seed) for muscle in steps(controllers, "running the rungs"))
+    by_hand = tune_by_hand(known, task, judged)
+    chosen = tune(known, task, judged, by_hand.gains, seed) if gains is None else judge(known, task, judged, gains)
+    slow, pid = (bench.run(course.task(mean), tuned.gains) for tuned in (by_hand, chosen))
+    ideal = bench.rung(plant.pair, chosen.gains, seed).tracking
+    rungs = tuple(
+        bench.rung(replace(known.pair, muscle=muscle), chosen.gains, seed)
+        for muscle in steps(controllers, "running the rungs")
+    )
     tell("sharing the error out")
-    found = budget(plant, task, judged, by_hand, chosen)
-    return Track(plant, course, by_hand, chosen, slow, pid, rungs, ideal, found, bench.motion, bench.agreement_deg)
+    found = budget(known, task, judged, by_hand, chosen)
+    doubts = tuple(d for rung in rungs[-1:] for d in outside(known.pair, rung.muscle, course, rung.tracking.pressure))
+    agreed = bench.motion, bench.agreement_deg
+    return Track(plant, course, by_hand, chosen, slow, pid, rungs, ideal, found, *agreed, off, ground, doubts)
 
 
 SAMPLES = CHUNK - 1
@@ -125,6 +146,8 @@ class _Reduced:
 
     plant: Loop
     course: Course
+    known: Loop
+    ground: Treadmill | None = None
     motion: "tuple[Angles, ...]" = ()
     agreement_deg: float | None = None
 
@@ -146,23 +169,24 @@ class _Reduced:
         found = tuple(troubles(self.plant.pair, log, task, part))
         return Tracking(self.course.time[part], wanted, reached, log.pressure[part], log.force[part], found)
 
-    def rung(self, muscle: Muscle, gains: Gains, seed: int) -> TrackRung:
-        """PID with the inverse of `muscle` ahead, and what its parameters' uncertainty does to the error."""
-        sets = muscle.draws(SAMPLES, seed)
-        certain = jax.tree.map(lambda value: np.full(1, value), muscle.values())
-        plans = self.course.plans(
-            FeedForward(replace(self.plant.pair, muscle=muscle)), certain if sets is None else sets
-        )
+    def rung(self, model: Pair, gains: Gains, seed: int) -> TrackRung:
+        """PID with the inverse of `model` ahead, and what its parameters' uncertainty does to the error."""
+        sets = model.muscle.draws(SAMPLES, seed)
+        certain = jax.tree.map(lambda value: np.full(1, value), model.muscle.values())
+        plans = self.course.plans(FeedForward(model), certain if sets is None else sets)
         task = self.course.task(plans.reference)
+        if self.course.lessons:
+            own = replace(self.known, pair=model)
+            task = task._replace(lesson=self.course.lesson(own, plans.reference[0], gains))
         logs = self.log(task, gains)
         first = self.first(logs, task, gains)
         missed = plan_troubles(jax.tree.map(lambda a: a[0], plans), self.course.judged)
         known = {trouble.kind for trouble in first.troubles}
         first = replace(first, troubles=(*first.troubles, *(one for one in missed if one.kind not in known)))
         if sets is None:
-            return TrackRung(muscle, first)
+            return TrackRung(model.muscle, first)
         low, high = np.quantile(rms_deg(logs, task, self.course.judged)[1:], (0.025, 0.975))
-        return TrackRung(muscle, first, (float(low), float(high)))
+        return TrackRung(model.muscle, first, (float(low), float(high)))
 
     def first(self, logs: Log, task: Task, gains: Gains) -> Tracking:
         """The run of the parameters as they were fitted."""
@@ -175,7 +199,7 @@ class _Prototype(_Reduced):
     def run(self, task: Task, gains: Gains) -> Tracking:
         from .co_simulation import co_simulate
 
-        log, motion = co_simulate(self.plant, self.course.gait, task._replace(ahead=task.ahead[0]), gains)
+        log, motion = co_simulate(self.plant, self.course.gait, task._replace(ahead=task.ahead[0]), gains, self.ground)
         self.motion = tuple(motion[self.course.judged])
         return self.judged(jax.tree.map(lambda a: a[None], log), task)
 

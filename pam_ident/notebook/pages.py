@@ -10,8 +10,6 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from .. import plot
-from ..export.frames import controllers
-from ..plot import tracking
 from ..report import tables
 from ..report.render import environment
 from ..report.svg import embed
@@ -99,8 +97,8 @@ def _comparison(one: "Comparison") -> Markup:
 
 def _diagnosis(one: "Diagnosis") -> Markup:
     following = Markup("") if one.next_experiment is None else _said(f"Next: {one.next_experiment.text}")
-    figure = picture(plot.suspects.draw(one), "Error that is left with each suspect")
-    return _said(one.sentence) + following + table(tables.suspects(one)) + figure
+    figure = picture(plot.candidates.draw(one), "Error that is left with each candidate")
+    return _said(one.sentence) + following + table(tables.candidates(one)) + figure
 
 
 def _ladder(one: "Ladder") -> Markup:
@@ -109,13 +107,17 @@ def _ladder(one: "Ladder") -> Markup:
 
 
 def _track(one: "Track") -> Markup:
+    from ..export.frames import controllers
+    from ..plot import tracking  # brings JAX, which no other result should wait for
+
     rows = tuple(
         (name, effects, f"{rms:.3f}", f"{peak:.3f}", "" if math.isnan(low) else f"{low:.3f} to {high:.3f}")
         for name, effects, rms, peak, low, high in controllers(one).itertuples(index=False)
     )
     head = ("controller", "effects", "rms (deg)", "peak (deg)", "95 % band of rms")
     figure = picture(tracking.draw(one), "Knee angle wanted and reached, and the error")
-    return _said(lines.track(one)) + table(PageTable("Knee tracking", head, rows, (2, 3, 4))) + figure
+    said = Markup(banner(one.doubts)) + _said(lines.track(one))
+    return said + table(PageTable("Knee tracking", head, rows, (2, 3, 4))) + figure
 
 
 PAGES: dict[str, Callable[[Any], Markup]] = {

@@ -5,6 +5,7 @@ Figures are built without pyplot and leave no global state behind; what they sho
 
 from . import (
     calibration,
+    candidates,
     coefficients,
     confusion,
     failure_map,
@@ -17,12 +18,12 @@ from . import (
     profiles,
     residual_pattern,
     signature,
-    suspects,
 )
 from .style import to_png, to_svg
 
 __all__ = [
     "calibration",
+    "candidates",
     "coefficients",
     "confusion",
     "failure_map",
@@ -35,7 +36,6 @@ __all__ = [
     "profiles",
     "residual_pattern",
     "signature",
-    "suspects",
     "to_png",
     "to_svg",
 ]

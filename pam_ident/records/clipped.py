@@ -26,10 +26,11 @@ def clipped_rows(inputs: Inputs, force: Array) -> Array:
     without noise repeats, too: there all others must differ. A coarse gauge repeats the reading next to its end, too.
     """
     contraction, out = inputs.contraction, np.zeros(len(force), bool)
-    ends = (force.min(), force.max())
-    rest = ~np.isin(force, ends) if inputs.moving is None else ~np.isin(force, ends) & ~inputs.moving
-    noisy = rest.any() and len(np.unique(force[rest])) > DIFFERENT * rest.sum()
     readings, counts = np.unique(force, return_counts=True)
+    rest = (force > readings[0]) & (force < readings[-1])
+    if inputs.moving is not None:
+        rest &= ~inputs.moving
+    noisy = rest.any() and len(np.unique(force[rest])) > DIFFERENT * rest.sum()
     for end, inner in ((0, 1), (-1, -2)) if len(readings) > 1 else ():
         here = force == readings[end]
         moves = np.ptp(contraction[here]) > MOVES * np.ptp(contraction)

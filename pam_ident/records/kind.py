@@ -13,6 +13,8 @@ KINDS = {
     "isotonic": "the load is held, the pressure driven, and the length answers",
     "dynamic": "pressure and length both change",
 }
+BLOCKS = ("length", "pressure", "run", "cycle", "muscle")
+"""What of a record may be held out whole."""
 LOOKED_AT = 20_000
 """Rows, evenly taken, that a long record is judged by."""
 HELD_LENGTH = 0.004

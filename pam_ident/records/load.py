@@ -53,6 +53,10 @@ def read_record(
     notes = Notes()
     for table, sources, length_mm in tables_of(files, columns, muscle, notes):
         for values in read_columns(table, sources, length_mm, notes):
+            values |= {
+                "run": np.full(len(values["force"]), len(runs)),
+                "muscle": np.full(len(values["force"]), length_mm),
+            }
             runs.append(on_length(values, length_mm, muscle.initial_length_mm))
         where = where or headers(sources)
     values = join_runs(runs, str(path))
@@ -146,6 +150,7 @@ def build_loaded(
         sha256=sha256,
         columns=where,
         masked=masked,
+        groups={key: values[key] for key in ("run", "muscle") if key in values},
         **{key: values.get(key) for key in ("time", "cycle", "temperature")},
     )
     if found.inputs.time is not None:  # the motion goes on while the load cell is at its end

@@ -233,19 +233,26 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
     if width <= 0.0:
         return x, np.zeros(n)
     if n >= 12:
-        centred = 2.0 * (time - time[0]) / width - 1.0
-        waves = chebyshev.chebvander(centred, min(7, n // 6))
-        curve = np.linalg.lstsq(waves, x, rcond=None)[0]
-        smooth = waves @ curve
-        missed = np.std(x - smooth)
-        slope = waves[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
+        waves = smooth_basis(time, n)
+        few = waves[:, : min(7, n // 6) + 1]  # of more, a slope would swing at the ends of a stroke
+        curve = np.linalg.lstsq(few, x, rcond=None)[0]
+        missed = np.std(x - few @ curve)
+        slope = few[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
         # A curve that misses more than noise is off at the ends of every stroke alike, which comes out as friction or
         # creep: then the position stays as measured, and only the slope is the curve's.
         if missed < NOISE_ONLY * noise:
-            return smooth, slope
+            return waves @ np.linalg.lstsq(waves, x, rcond=None)[0], slope
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
             return x, slope
     return x, _local_slopes(time, x, noise)
+
+
+def smooth_basis(time: Array, n: int) -> Array:
+    """Polynomials over the times (m,) of a stroke of `n` samples, which its track is smoothed by, shape (m, orders).
+
+    As many as samples allow: what an order too few leaves out is the same in every stroke, and passes for an effect.
+    """
+    return chebyshev.chebvander(2.0 * (time - time[0]) / float(np.ptp(time)) - 1.0, min(7, n // 3))
 
 
 def _local_slopes(time: Array, x: Array, noise: float) -> Array:

@@ -39,6 +39,7 @@ class Record:
         notes: what else was left out, or assumed, while it was read.
         said_kind: which kind of test it is said to be, empty where the data must show it (`kind_of`).
         metadata: what else is known of it (rig, calibration, operator, date, licence), as `metadata.toml` says.
+        groups: of a record of several files the number of a sample's `run` and the length in mm of its `muscle`, (n,).
 
     Example:
         >>> from pam_ident.records import read_record
@@ -63,6 +64,7 @@ class Record:
     notes: tuple[Note, ...] = ()
     said_kind: str = ""
     metadata: Mapping[str, Any] = field(default_factory=dict)
+    groups: Mapping[str, Array] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.force)
@@ -92,7 +94,8 @@ class Record:
         inputs = self.inputs.take(rows)
         steady = inputs if self.steady is self.inputs else self.steady.take(rows)
         parts = {name: getattr(self, name)[rows] for name in ("force", "level", "stroke", "block")}
-        return replace(self, inputs=inputs, steady=steady, **parts)
+        groups = {name: group[rows] for name, group in self.groups.items()}
+        return replace(self, inputs=inputs, steady=steady, groups=groups, **parts)
 
     def branch_rows(self, branch: str) -> Array:
         """Mask of the samples of `contraction`, `extension` or `together` (all).

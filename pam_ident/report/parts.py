@@ -20,7 +20,7 @@ def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
         _numbers,
         _measured,
         _failure,
-        _suspects,
+        _candidates,
         _ladder,
         _pattern,
         _parameters,
@@ -92,28 +92,26 @@ def _failure(section: Section, easel: Easel) -> Part:
     return Part(f"{easel.prefix}-failure", "Where the model fails", tuple(text), tuple(pictures), (table,))
 
 
-def _suspects(section: Section, easel: Easel) -> Part | None:
+def _candidates(section: Section, easel: Easel) -> Part | None:
     diagnosis = section.diagnosis
     if not diagnosis.ranking:
         return None
     caption = (
         "What each effect would leave of the error. In grey italics: effects that this "
-        "record cannot show or that the law already imitates; they are neither suspected nor cleared."
+        "record cannot show or that the law already imitates; they are neither likely nor ruled out."
     )
-    picture = easel.hang(
-        plot.suspects.draw(diagnosis), "Bars of the error that each suspected effect would leave", caption
-    )
+    picture = easel.hang(plot.candidates.draw(diagnosis), "Bars of the error that each candidate would leave", caption)
     notes = groups(diagnosis, titles(diagnosis.best.model))
     if diagnosis.next_experiment:
         experiment = diagnosis.next_experiment
         vary = f" (vary: {', '.join(experiment.vary)})" if experiment.vary else ""
         notes.append(f"Next experiment: {experiment.text}{vary}")
     return Part(
-        f"{easel.prefix}-suspects",
+        f"{easel.prefix}-candidates",
         "Which effect is missing",
         (_selected(diagnosis),),
         (picture,),
-        (tables.suspects(diagnosis),),
+        (tables.candidates(diagnosis),),
         tuple(notes),
     )
 
@@ -131,10 +129,11 @@ def _ladder(section: Section, easel: Easel) -> Part | None:
         return None
     first, last = ladder.rungs[0].fit.rmse, ladder.rungs[-1].fit.rmse
     count = len(ladder.rungs) - 1
-    anchor, heading, end = f"{easel.prefix}-ladder", "The falling error", f"Why it ends there: {ladder.last.sentence}"
+    anchor, heading = f"{easel.prefix}-ladder", "The falling error"
+    notes = (f"Why it ends there: {ladder.last.sentence}", *([ladder.nested.text] if ladder.nested else []))
     if count == 0:
         text = f"No effect was added to the law, which leaves {newtons(first)} rms."
-        return Part(anchor, heading, (text,), tables=(tables.ladder(ladder),), notes=(end,))
+        return Part(anchor, heading, (text,), tables=(tables.ladder(ladder),), notes=notes)
     text = (
         f"From {newtons(first)} to {newtons(last)} rms in {count} step{'' if count == 1 else 's'}; "
         f"the noise floor is {newtons(ladder.noise_floor)}."
@@ -144,7 +143,7 @@ def _ladder(section: Section, easel: Easel) -> Part | None:
         heading,
         (text,),
         tables=(tables.ladder(ladder),),
-        notes=(end,),
+        notes=notes,
         steps=steps(ladder, easel),
     )
 

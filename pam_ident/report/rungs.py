@@ -50,7 +50,7 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
         ("free parameters", f"{len(before.model.params)} → {len(after.model.params)}"),
     ]
     if why is not None:
-        chances = {suspect.effect: suspect.probability for suspect in why.ranking}
+        chances = {candidate.effect: candidate.probability for candidate in why.ranking}
         facts += [
             (f"probability of {name}", f"{chances[name]:.0%}")
             for name in dict.fromkeys(label.partition(":")[0] for label in new)

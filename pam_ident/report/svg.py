@@ -15,6 +15,7 @@ MAX_BYTES = 400_000
 SVG, XLINK = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xlink}"
 REFERENCE = re.compile(r"url\(#([^)]+)\)")
 LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
+FAMILY = re.compile(r"font-family: ([^;]+);? ?")
 
 
 def embed(
@@ -58,6 +59,7 @@ def inline(
         _clean(element, names)
     for group in root.iter("g"):
         _hoist(group)
+    family = _family(root)
     box = root.attrib["viewBox"]
     root.attrib.clear()
     # matplotlib's style sheet would apply to the whole page, so its two rules go onto the root alone.
@@ -66,7 +68,7 @@ def inline(
             "viewBox": box,
             "role": "img",
             "aria-label": plain(label),
-            "style": "stroke-linejoin:round;stroke-linecap:butt",
+            "style": f"stroke-linejoin:round;stroke-linecap:butt{family}",
         }
     )
     return ET.tostring(root, encoding="unicode")
@@ -115,6 +117,16 @@ def _clean(element: ET.Element, names: dict[str, str]) -> None:
             found[key] = " ".join(rounded.split())
     element.attrib.clear()
     element.attrib.update(found)
+
+
+def _family(root: ET.Element) -> str:
+    """The font that the first text asks for, taken off all that ask for the same: the root can say it once."""
+    styles = [(text, FAMILY.search(text.get("style", ""))) for text in root.iter("text")]
+    first = next((found.group(1) for _, found in styles if found), "")
+    for text, found in styles:
+        if found and found.group(1) == first:
+            text.set("style", FAMILY.sub("", text.get("style", "")))
+    return f";font-family:{first}" if first else ""
 
 
 def _short(match: re.Match[str]) -> str:

@@ -31,8 +31,8 @@ class PageTable:
     links: Mapping[str, str] = field(default_factory=dict)
 
 
-def suspects(diagnosis: Diagnosis) -> PageTable:
-    """Every effect on trial, in the order of the ranking."""
+def candidates(diagnosis: Diagnosis) -> PageTable:
+    """Every effect that was tried, in the order of the ranking."""
     known = titles(diagnosis.best.model)
     rows = tuple(
         (
@@ -46,7 +46,7 @@ def suspects(diagnosis: Diagnosis) -> PageTable:
         for s in diagnosis.ranking
     )
     head = ("effect", "standing", "probability", "error after (N rms)", "held-out error after (N rms)", "why")
-    return PageTable("Suspects, and the error that is left with each", head, rows, (2, 3, 4))
+    return PageTable("Candidates, and the error that is left with each", head, rows, (2, 3, 4))
 
 
 def ladder(steps: Ladder) -> PageTable:

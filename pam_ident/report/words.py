@@ -85,7 +85,8 @@ def standing(estimate: Estimate) -> str:
     """Whether the record determines a parameter, in words."""
     if not estimate.identified:
         return "not determined by this record" + (", at its bound" if estimate.at_bound else "")
-    return "at its bound" if estimate.at_bound else "determined"
+    word = "at its bound" if estimate.at_bound else "determined"
+    return f"{word}, impossible" if estimate.possible is False else word
 
 
 def unit(text: str) -> str:

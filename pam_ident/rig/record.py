@@ -68,6 +68,11 @@ class Plan:
         if self.gauges not in GAUGES or self.fault not in (None, *FAULTS):
             raise ValueError(f"gauges {self.gauges!r}, fault {self.fault!r}: of {list(GAUGES)} and {list(FAULTS)}")
 
+    @property
+    def driven(self) -> Protocol:
+        """The protocol itself."""
+        return PROTOCOLS[self.protocol] if isinstance(self.protocol, str) else self.protocol
+
 
 @dataclass(frozen=True)
 class RigRecord:
@@ -120,10 +125,8 @@ def _run(plan: Plan, protocol: Protocol, muscle: RigMuscle, warming: bool) -> Ri
 def make_record(plan: Plan) -> RigRecord:
     """Runs the rig; effects that act together are added up (their interplay is of second order)."""
     muscle = draw_muscle(_stream(plan.seed, 0), plan.law, draw_specimen(_stream(plan.seed, 1), plan.other_specimen))
-    if isinstance(plan.protocol, str):
-        course = sized_on = _run(plan, PROTOCOLS[plan.protocol], muscle, plan.warming)
-    else:
-        course = _run(plan, plan.protocol, muscle, plan.warming)
+    course = sized_on = _run(plan, plan.driven, muscle, plan.warming)
+    if not isinstance(plan.protocol, str):
         sized_on = _run(plan, PROTOCOLS["standard"], muscle, True)
     secrets = plan.secrets + ((plan.unknown,) if plan.unknown else ())
     hidden = tuple(_hide(s, i, plan, sized_on, course, muscle) for i, s in enumerate(secrets))
@@ -147,8 +150,7 @@ def make_record(plan: Plan) -> RigRecord:
 def _log(plan: Plan, course: RigRun, muscle: RigMuscle, added: Array, rng: np.random.Generator) -> Array:
     """What the sensors make of a run in which `added` (n,) is hidden, N: the table."""
     time, p, eps = course.time[course.rows], course.pressure[course.rows], course.eps[course.rows]
-    protocol = PROTOCOLS[plan.protocol] if isinstance(plan.protocol, str) else plan.protocol
-    levels = np.array(protocol.pressures_MPa)
+    levels = np.array(plan.driven.pressures_MPa)
     sensors = RigSensors(plan.sigma_N, plan.noise, *GAUGES[plan.gauges])
     force = muscle.force(p, eps) + added + sensors.force_noise(time, p, rng)
     columns = (
@@ -169,8 +171,7 @@ def repeats(record: RigRecord, times: int) -> Iterator[Array]:
     The clock goes on, with the protocol's gap between two runs.
     """
     plan, course = record.plan, record.course
-    protocol = PROTOCOLS[plan.protocol] if isinstance(plan.protocol, str) else plan.protocol
-    lasts = course.time[-1] - course.time[0] + protocol.gap_s
+    lasts = course.time[-1] - course.time[0] + plan.driven.gap_s
     yield record.table
     for k in range(1, times):
         table = _log(plan, course, record.muscle, record.added, _stream(plan.seed, 5, k))

@@ -54,9 +54,8 @@ def _colour(colour: str, time: Array, rng: np.random.Generator) -> Array:
     if colour == "heavy":
         return rng.standard_t(3.0, n) / np.sqrt(3.0)
     if colour == "pink":  # a sum of wanders, each with the same variance: about 1/f
-        return np.sum([ornstein_uhlenbeck(time, tau, rng) for tau in (0.1, 0.5, 2.5, 12.0, 60.0)], axis=0) / np.sqrt(
-            5.0
-        )
+        wanders = [ornstein_uhlenbeck(time, tau, rng) for tau in (0.1, 0.5, 2.5, 12.0, 60.0)]
+        return np.sum(wanders, axis=0) / np.sqrt(len(wanders))
     if colour == "ar1":
         rho = rng.uniform(0.5, 0.95)
         kicks = rng.standard_normal(n) * np.sqrt(1 - rho**2)

@@ -10,7 +10,18 @@ from .versions import schema, warnings_json
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..diagnosis.nouns import Bin, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region, Suspect
+    from ..diagnosis.nouns import (
+        Bin,
+        Candidate,
+        Comparison,
+        Diagnosis,
+        Experiment,
+        Follows,
+        Ladder,
+        Nested,
+        Pattern,
+        Region,
+    )
     from ..fitting import Fit
     from ..records.doubt import Doubt
     from ..tasks.add import Addition
@@ -55,7 +66,7 @@ def _part(one: "Bin | Region") -> Json:
     return {{"mean": "mean_N", "rms": "rms_N"}.get(key, key): value for key, value in asdict(one).items()}
 
 
-def candidates(diagnosis: "Diagnosis") -> "list[Suspect]":
+def candidates(diagnosis: "Diagnosis") -> "list[Candidate]":
     """The effects that may be missing: by their probability in whole per cent, those that are alike by the error that
     they leave. None where nothing is missing."""
     if diagnosis.verdict == "adequate":
@@ -76,6 +87,7 @@ def stopped_json(record: str, law: str, n: int, doubts: "Sequence[Doubt]") -> Js
         "n": n,
         "verdict": "unknown_effect",
         **{key: [] for key in ("selected", "groups", "ranking", "follows")},
+        "heldout": "refit",
         **dict.fromkeys((*numbers, "pattern", "next_experiment")),
         "warnings": warnings_json(doubts),
     }
@@ -112,6 +124,7 @@ def diagnosis_json(record: str, diagnosis: "Diagnosis", doubts: "Sequence[Doubt]
         "rmse_after_N": diagnosis.best.rmse,
         "heldout_rmse_N": diagnosis.heldout_rmse,
         "heldout_rmse_after_N": diagnosis.heldout_rmse_after,
+        "heldout": diagnosis.heldout,
         "follows": _follows(diagnosis.follows),
         "pattern": _pattern(diagnosis.pattern),
         "next_experiment": _experiment(diagnosis.next_experiment),
@@ -167,6 +180,8 @@ def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -
                 "effects": list(rung.effects),
                 "rmse_N": rung.fit.rmse,
                 "heldout_rmse_N": rung.heldout_rmse,
+                "refit_rmse_N": rung.refit_rmse,
+                "shares_N": list(rung.fit.shares.values()),
                 "parameters": parameters(rung.fit.estimates),
                 **covariance(rung.fit),
             }
@@ -174,5 +189,14 @@ def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -
         ],
         "noise_floor_N": ladder.noise_floor,
         "verdict": ladder.verdict,
+        "heldout": "nested" if ladder.nested else "refit",
+        "nested": _nested(ladder.nested),
         "warnings": warnings_json(doubts),
     }
+
+
+def _nested(nested: "Nested | None") -> Json | None:
+    if nested is None:
+        return None
+    beside = [{"law": law, "parameters": k, "heldout_rmse_N": error} for law, (k, error) in nested.beside.items()]
+    return {"by": nested.by, "parts": nested.parts, "beside": beside, "text": nested.text}

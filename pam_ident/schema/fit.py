@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from .versions import schema, warnings_json
 
 if TYPE_CHECKING:
+    from ..core import Inputs
     from ..fitting import Fit
     from ..fitting.fit import Estimate
     from ..fitting.prediction import ReadingSpread, Simpler
@@ -27,6 +28,7 @@ def parameters(estimates: "tuple[Estimate, ...]") -> Json:
             "freedom": e.dof,
             "verdict": e.verdict.kind,
             "partners": list(e.verdict.partners),
+            "possible": e.possible,
         }
         for e in estimates
     }
@@ -83,12 +85,14 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
 def muscle(one: "Fit") -> Json:
     """What a fitted model needs besides its parameters to be used elsewhere; `range` is what the record covered."""
     specimen = {key: value for key, value in asdict(one.record.specimen).items() if key != "sensors"}
-    covered = {"pressure_MPa": one.record.inputs.pressure, "contraction": one.record.inputs.contraction}
-    return {
-        "specimen": specimen,
-        "free_geometry": one.model.free_geometry,
-        "range": {key: [float(values.min()), float(values.max())] for key, values in covered.items()},
-    }
+    return {"specimen": specimen, "free_geometry": one.model.free_geometry, "range": covered(one.record.inputs)}
+
+
+def covered(inputs: "Inputs") -> dict[str, list[float]]:
+    """Smallest and largest pressure, contraction and speed of strokes; without motion the speed is zero."""
+    speed = inputs.contraction * 0.0 if inputs.stroke_speed is None else inputs.stroke_speed
+    given = {"pressure_MPa": inputs.pressure, "contraction": inputs.contraction, "speed_mm_s": speed}
+    return {key: [float(values.min()), float(values.max())] for key, values in given.items()}
 
 
 def _checks(checks: "Checks") -> Json:
@@ -134,6 +138,7 @@ def _branch(one: "Fit") -> Json:
     return {
         "parameters": parameters(one.estimates),
         **covariance(one),
+        "shares_N": list(one.shares.values()),
         "rmse_N": one.rmse,
         "max_error_N": one.max_error,
         "r2": one.r2,

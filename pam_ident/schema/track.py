@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from .fit import Json
-from .versions import schema
+from .versions import schema, warnings_json
 
 if TYPE_CHECKING:
     from ..leg.track import Track, Tracking
@@ -19,6 +19,16 @@ def track_json(found: "Track") -> Json:
         "cadence_Hz": found.course.gait.cadence_Hz,
         "duration_s": float(found.pid.time[-1] - found.pid.time[0]),
         "prototype": found.prototype,
+        "ground": found.ground is not None,
+        "lessons": found.course.lessons,
+        "off": {
+            "force": list(found.off.force),
+            "mass": found.off.mass,
+            "supply": found.off.supply,
+            "ageing": found.off.ageing,
+            "unknown": None if found.off.unknown is None else found.off.unknown.label,
+            "size": found.off.size,
+        },
         "agreement_deg": found.agreement_deg,
         "tuning": {"by_hand": _tuned(found.by_hand), "automatic": _tuned(found.automatic)},
         "pid": _tracking(found.pid),
@@ -40,7 +50,7 @@ def track_json(found: "Track") -> Json:
             "all_rms_deg": budget.by_hand,
             "automatic_rms_deg": budget.automatic,
         },
-        "warnings": [],
+        "warnings": warnings_json(found.doubts),
     }
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ..core import UsageError
 from ..diagnosis import heldout_rmse
+from ..diagnosis.nested import masks_of
 from ..fitting import Fit, fit
 from ..records import Record
 from ..records.doubt import Doubt
@@ -34,4 +35,6 @@ def add_effects(record: Record, setup: Setup) -> Addition:
     with computing(record):
         after = fit(model, record)
         before = fit(alone, record)
-        return Addition(before, after, heldout_rmse(alone, record), heldout_rmse(model, record), warnings_of(after))
+        masks = masks_of(record, setup.heldout) if setup.heldout else None
+        errors = [heldout_rmse(one, record, masks=masks) for one in (alone, model)]
+        return Addition(before, after, errors[0], errors[1], warnings_of(after))

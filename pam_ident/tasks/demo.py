@@ -8,6 +8,7 @@ from pathlib import Path
 from ..core.files import write_whole
 from ..core.progress import part
 from ..diagnosis.nouns import Ladder
+from ..parallel.executor import Executor
 from ..records import Record
 from ..records.datasets import dataset_record
 from ..report import Section, Story, render
@@ -60,7 +61,7 @@ def demo(out: str = "pam-ident-demo", done: Callable[[DemoPart], None] | None = 
         record = setup.read(path)
         records[f"{name}/{path.name}"] = record
         with part(name):
-            stage = DemoPart(name, about, build_section(record, setup))
+            stage = DemoPart(name, about, build_section(record, setup, Executor.of_cores()))
         stages.append(stage)
         if done is not None:
             done(stage)

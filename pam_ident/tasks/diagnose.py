@@ -2,12 +2,15 @@
 
 import os
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import partial
 
 from ..core import PamError, UsageError
 from ..diagnosis import diagnose
 from ..diagnosis.follows import told
+from ..diagnosis.nested import anew, masks_of
 from ..diagnosis.nouns import Diagnosis
+from ..fitting import Fit
 from ..parallel.executor import Executor, WorkerLost
 from ..records import Record
 from ..schema.diagnosis import candidates
@@ -40,9 +43,20 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
     """
     with computing(record):
         may_name(record, setup.model, setup.assume)
-        found = diagnose(setup.model, record, setup.extra, setup.without, setup.only)
+        found = diagnose(setup.model, record, *setup.tried)
         check_completed(found.best, setup.assume)
-        return found
+        return _nested(found, record, setup) if setup.heldout else found
+
+
+def _nested(found: Diagnosis, record: Record, setup: Setup) -> Diagnosis:
+    """With the errors on held-out data of a diagnosis that has not seen it."""
+
+    def again(part: Record) -> tuple[Fit, Fit]:
+        other = diagnose(setup.model, part, *setup.tried, detail=False)
+        return other.base, other.best
+
+    before, after = anew(record, masks_of(record, setup.heldout), again, 2)
+    return replace(found, heldout_rmse=float(before), heldout_rmse_after=float(after), heldout="nested")
 
 
 def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str, Answer, LawChoice | None]]:

@@ -259,7 +259,9 @@ def _from_lines(one: Fit, table: IsobarTable, branch: str) -> Fit:
 def _on_lines(e: Estimate, value: float, stderr: float, dof: float) -> Estimate:
     half = float(student(np.array(dof))) * stderr if dof > 0 else math.nan
     verdict = e.verdict if e.verdict.kind == "held" else PINNED
-    return Estimate(e.name, e.unit, e.doc, value, stderr, False, True, value - half, value + half, dof, verdict)
+    return Estimate(
+        e.name, e.unit, e.doc, value, stderr, False, True, value - half, value + half, dof, verdict, e.range
+    )
 
 
 def _line_errors(table: IsobarTable, branch: str) -> dict[str, tuple[float, float]]:

@@ -10,6 +10,7 @@ import numpy as np
 from ..core import DataError, FitError, PamError, UsageError
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
+from ..fitting.estimate import impossible
 from ..model import Model
 from ..records import Record
 from ..records.doubt import GRAVE, Doubt, grave
@@ -90,7 +91,7 @@ def check_codes(assume: Iterable[str]) -> None:
 
 def doubts_about(one: Fit) -> tuple[Doubt, ...]:
     """What looks wrong in the record of a fit, and in its law on it, the grave first."""
-    found = (*doubts_of(one.record), *_doubt_outliers(one))
+    found = (*doubts_of(one.record), *_doubt_outliers(one), *doubt_values(one))
     force = one.record.force[one.rows]
     size = float(np.sqrt(np.mean(force**2)))
     modelled = one.model.force(one.record.inputs, one.values)[one.rows]
@@ -129,6 +130,12 @@ def _doubt_outliers(one: Fit) -> Iterator[Doubt]:
             "force",
             True,
         )
+
+
+def doubt_values(one: Fit) -> Iterator[Doubt]:
+    """Parameters whose values nature does not allow."""
+    for e in one.impossible:
+        yield Doubt("impossible_parameter", f"{impossible(e)}. The model imitates something else by it.")
 
 
 def warnings_of(one: Fit) -> tuple[Doubt, ...]:

@@ -2,21 +2,30 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
-from ..diagnosis import climb, heldout_rmse
+from ..core import FitError, UsageError
+from ..diagnosis import climb, diagnose, heldout_rmse
+from ..diagnosis.nested import HERE, nested
 from ..diagnosis.nouns import Diagnosis, Ladder, Rung
 from ..fitting import Fit, fit
+from ..model import Model
+from ..parallel.executor import Executor
 from ..records import Record
 from .gate import admit, check_completed, computing, may_name
-from .setup import Setup
+from .law_choice import settle
+from .setup import AUTO, Setup
 
 
-def climb_ladder(record: Record, setup: Setup) -> Ladder:
+def climb_ladder(record: Record, setup: Setup, executor: Executor = HERE) -> Ladder:
     """The ladder from `setup.model` up: diagnose, add, diagnose again.
+
+    Of a table, and where `setup.heldout` says so, its held-out error is nested, and it ends where that stops falling.
 
     Args:
         record: what the model is held against.
         setup: the law, and effects that are known already.
+        executor: who chooses anew without the held-out rows.
 
     Raises:
         FitError, DataError: where the record cannot be fitted at all.
@@ -33,9 +42,34 @@ def climb_ladder(record: Record, setup: Setup) -> Ladder:
     """
     with computing(record):
         may_name(record, setup.model, setup.assume)
-        found = climb(setup.model, record, setup.extra, setup.without, setup.only)
+        found = climb(setup.model, record, *setup.tried)
+        if setup.heldout or record.inputs.time is None:
+            found = _nested(found, record, setup, executor)
         check_completed(found.rungs[-1].fit, setup.assume)
         return found
+
+
+def _nested(found: Ladder, record: Record, setup: Setup, executor: Executor) -> Ladder:
+    """The ladder with its nested error; as it is where nobody asked and the table is too small."""
+
+    def ended(model: Model) -> Diagnosis:
+        return diagnose(model, record, *setup.tried)
+
+    # Effects of the user's own could not be looked up by another process.
+    who, again = (HERE, partial(_again, setup)) if setup.extra else (executor, partial(_again, setup.bare()))
+    try:
+        return nested(found, again, ended, setup.heldout, who)
+    except (FitError, UsageError):
+        if setup.heldout:
+            raise
+        return found
+
+
+def _again(setup: Setup, part: Record) -> list[Fit]:
+    """The rungs on some rows of a record, the law among what is chosen anew where nobody named it."""
+    with computing(part):
+        own = settle(part, replace(setup, law=AUTO))[0] if setup.chosen else setup
+        return [rung.fit for rung in climb(own.model, part, *own.tried, detail=False).rungs]
 
 
 def ladder_by_hand(

@@ -62,7 +62,7 @@ def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
     admit(record)
     with computing(record):
         choice = choose_law(record, setup)
-    return replace(setup, law=choice.law), choice
+    return replace(setup, law=choice.law, chosen=True), choice
 
 
 def choose_law(record: Record, setup: Setup) -> LawChoice:

@@ -25,7 +25,7 @@ ROLES = {
     "adds_force": Role(
         "AddsForce",
         'SIZE = Param("A", "N", "force at full length", -1000.0, 1000.0, scale=10.0)',
-        'xp.exp(-inputs.displacement_mm / shape["length"])[:, None]',
+        'xp.exp(-inputs.displacement_mm / values["length"])[:, None]',
         'AddsForce("textbook", "+A exp(−x/length)", (SIZE,), _columns, (LENGTH,))',
     ),
     "scales_force": Role(

@@ -6,6 +6,8 @@ from tempfile import TemporaryDirectory
 
 from ..core import UsageError
 from ..core.files import check_target, write_whole
+from ..diagnosis.nested import HERE
+from ..parallel.executor import Executor
 from ..records import Record
 from ..report import Story, find_browser, render, render_markdown, to_pdf
 from ..report.provenance import provenance
@@ -17,7 +19,13 @@ SUFFIXES = {".html": "html", ".htm": "html", ".md": "md", ".markdown": "md", ".p
 FORMATS = ("html", "md", "pdf")
 
 
-def report_record(path: str | Record, setup: Setup, out: str = "report.html", kind: str | None = None) -> Story:
+def report_record(
+    path: str | Record,
+    setup: Setup,
+    out: str = "report.html",
+    kind: str | None = None,
+    executor: Executor = HERE,
+) -> Story:
     """Write the report of one record to a file and return its story.
 
     Args:
@@ -25,6 +33,7 @@ def report_record(path: str | Record, setup: Setup, out: str = "report.html", ki
         setup: the law, and effects that are known already.
         out: the file to write. Figures of an md lie beside it in a folder, NAME_figures.
         kind: html, md or pdf; by default what `out` ends in, and html where it has no ending.
+        executor: who chooses anew without the held-out rows.
 
     Raises:
         DataError, FitError: where the record cannot be read or fitted.
@@ -35,17 +44,17 @@ def report_record(path: str | Record, setup: Setup, out: str = "report.html", ki
         >>> from pam_ident.tasks.report import report_record
         >>> from pam_ident.tasks.setup import Setup
         >>> print(report_record(str(dataset_record("nothing_hidden")), Setup("exponential_law"), "report.html").title)
-        nothing_hidden: exponential_law against the measurement
+        nothing_hidden: Exponential law
     """
     target, chosen, folder = check_report(out, kind)
     setup.check()
     record = path if isinstance(path, Record) else setup.read(path)
     path = path if isinstance(path, str) else record.source or record.name
     setup, _ = settle(record, setup)
-    section = build_section(record, setup)
+    section = build_section(record, setup, executor)
     more = ("--format", kind) if kind else ()
     source = provenance({path: record}, setup.command("report", path, "--out", out, *more))
-    story = Story(f"{record.name}: {setup.law} against the measurement", (section,), source)
+    story = Story(f"{record.name}: {setup.law_alone.law.title}", (section,), source)
     if chosen == "md":
         text, figures = render_markdown(story, folder.name)
         _write_with_folder(target, text, folder, figures)

@@ -4,24 +4,26 @@ from dataclasses import replace
 
 from ..core import FitError
 from ..diagnosis import compare
+from ..diagnosis.nested import HERE
 from ..diagnosis.nouns import Diagnosis, Ladder
 from ..fitting import Fit, IsobarTable, fit_isobars, loop_energies
 from ..fitting.energy import energy_warning, model_loops
 from ..model import Model
+from ..parallel.executor import Executor
 from ..records import Record
 from ..report import Section
-from .gate import computing, doubts_about
+from .gate import computing, doubt_values, doubts_about
 from .ladder import climb_ladder
 from .setup import Setup
 
 
-def build_section(record: Record, setup: Setup) -> Section:
+def build_section(record: Record, setup: Setup, executor: Executor = HERE) -> Section:
     """Diagnosis, ladder, comparisons before and after, isobars and loops of one record.
 
-    Raises FitError or DataError, NothingNamed among them.
+    `executor` chooses anew without the held-out rows. Raises FitError or DataError, NothingNamed among them.
     """
     with computing(record):
-        ladder = climb_ladder(record, setup)
+        ladder = climb_ladder(record, setup, executor)
         diagnosis = ladder.first
         return section_of(record, diagnosis.base, diagnosis, ladder, completed(diagnosis, ladder))
 
@@ -45,8 +47,10 @@ def section_of(record: Record, base: Fit, diagnosis: Diagnosis, ladder: Ladder, 
 def completed(diagnosis: Diagnosis, ladder: Ladder) -> Fit | None:
     """The model with all that was found missing: the ladder's last rung, or the diagnosis' where that fits better.
 
-    None where nothing was added.
+    None where nothing was added. Where the ladder is nested, what it left out for that is not in it.
     """
+    if ladder.nested is not None:
+        return ladder.rungs[-1].fit if len(ladder.rungs) > 1 else None
     found = [diagnosis.best] if diagnosis.selected else []
     if len(ladder.rungs) > 1:
         found.append(ladder.rungs[-1].fit)
@@ -66,6 +70,7 @@ def _isobars(model: Model, record: Record) -> tuple[IsobarTable, ...]:
 
 def _warnings(base: Fit, best: Fit, loops: dict[float, float]) -> tuple[str, ...]:
     found = [doubt.text for doubt in doubts_about(base)]
+    found += [doubt.text for doubt in doubt_values(best) if best is not base]
     found += [f"{term.effect.title}: {term.effect.warning}" for term in best.model.terms if term.effect.warning]
     energy = energy_warning(loops)
     return tuple([*found, energy] if energy else found)

@@ -2,21 +2,30 @@
 
 import os
 import shlex
+import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 from ..core import Specimen, UsageError
-from ..effects import Effect, load_effect_files
+from ..effects import Effect, get_effect, load_effect_files
 from ..model import Model
 from ..records import Record, read_record
 from ..records.files import share_of_memory
+from ..records.kind import BLOCKS
 from ..records.where import rows_where
 
 AUTO = "auto"
 """In place of a law: take the one that foretells best what it has not seen."""
 MOST_OF_MEMORY = 0.5
 """Share of the free memory from which a record's text will not fit into it as numbers."""
+
+
+def check_heldout(word: str) -> None:
+    """Raises UsageError for what nobody holds out."""
+    if word not in BLOCKS:
+        raise UsageError(f"--heldout {word}: expected one of {', '.join(BLOCKS)}")
 
 
 def load(record: str | Path, specimen: str | Path | Specimen | None = None, where: str | None = None) -> Record:
@@ -37,8 +46,12 @@ class Setup:
         free_geometry: whether radius and braid angle are fitted, too.
         specimen: file of the muscle; without it each record takes the `specimen.toml` beside it.
         without, only: names of effects that a diagnosis does not try, or the only ones that it tries.
+        prior: TOML file of prior odds of effects, over those that any other has: `creep = 10`.
         where: condition on the rows of a record that are taken, such as `pressure_MPa > 0.1`.
         assume: codes of grave doubts that are meant so (`all` for every one), which do not stop naming.
+        heldout: what is held out whole while everything is chosen anew: length, pressure, run, cycle or muscle; by
+            default, and of tables alone, what suits them.
+        chosen: whether the law was chosen by the record.
 
     Example:
         >>> from pam_ident.tasks.setup import Setup
@@ -54,13 +67,35 @@ class Setup:
     specimen: str | None = None
     without: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
+    prior: str | None = None
     where: str | None = None
     assume: tuple[str, ...] = ()
+    heldout: str = ""
+    chosen: bool = False
 
     @cached_property
     def extra(self) -> tuple[Effect, ...]:
         """The effects of the user's own files. Raises UsageError where one cannot be loaded."""
         return load_effect_files(self.effect_files)
+
+    @property
+    def tried(self) -> tuple[tuple[Effect, ...], tuple[str, ...], tuple[str, ...], Mapping[str, float]]:
+        """What a diagnosis is asked to try: effects of the user's own, names left out, the only ones, prior odds."""
+        return self.extra, self.without, self.only, self.odds
+
+    @cached_property
+    def odds(self) -> Mapping[str, float]:
+        """Prior odds of effects by name. Raises UsageError for a file that holds none."""
+        if self.prior is None:
+            return {}
+        try:
+            found = tomllib.loads(Path(self.prior).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise UsageError(f"{self.prior}: {error}; expected lines such as `creep = 10`") from None
+        for name, chance in found.items():
+            if isinstance(chance, bool) or not isinstance(chance, int | float):
+                raise UsageError(f"{self.prior}: {name} is {chance!r}; expected a number, such as `creep = 10`")
+        return found
 
     @cached_property
     def model(self) -> Model:
@@ -68,7 +103,9 @@ class Setup:
         return Model.build(self.law, self.effects, self.extra, self.free_geometry)
 
     def check(self) -> None:
-        """Raises UsageError for an unknown law or effect, before any record is read."""
+        """Raises UsageError for an unknown law or effect, or prior odds that are none, before any record is read."""
+        for name in self.odds:
+            get_effect(name, self.extra)
         _ = self.model if self.law != AUTO else Model.build("chou_hannaford", self.effects, self.extra)
 
     @cached_property
@@ -87,7 +124,8 @@ class Setup:
 
     def bare(self) -> "Setup":
         """The same for another process: files of effects by absolute path, nothing loaded from them."""
-        return replace(self, effect_files=tuple(os.path.abspath(path) for path in self.effect_files))
+        prior = None if self.prior is None else os.path.abspath(self.prior)
+        return replace(self, effect_files=tuple(os.path.abspath(path) for path in self.effect_files), prior=prior)
 
     def command(self, verb: str, record: str, *more: str) -> str:
         """The command line that asks the same again."""
@@ -102,8 +140,11 @@ class Setup:
             words += ["--specimen", self.specimen]
         if self.where is not None:
             words += ["--where", self.where]
+        if self.heldout and verb in ("diagnose", "ladder", "add", "report"):
+            words += ["--heldout", self.heldout]
         if verb in ("diagnose", "ladder"):
             words += [word for name in self.without for word in ("--without", name)]
             words += [word for name in self.only for word in ("--only", name)]
+            words += ["--prior", self.prior] if self.prior is not None else []
         words += [word for code in self.assume for word in ("--assume", code)]
         return shlex.join([*words, *more])

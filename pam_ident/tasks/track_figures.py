@@ -31,9 +31,9 @@ def _prototype(folder: Path, found: Track) -> list[Path]:
     from ..leg.render import animation, pictures
 
     leg = found.loop.pair.leg
-    stride = Prototype(leg, found.course.gait, STEP_S)
+    stride = Prototype(leg, found.course.gait, STEP_S, found.ground)
     every = round(1.0 / (FRAMES * SAMPLE_S))
     shown = found.motion[::every]
-    paths = [write_whole(folder / "leg.xml", mjcf.write(leg, STEP_S))]
+    paths = [write_whole(folder / "leg.xml", mjcf.write(leg, STEP_S, found.ground))]
     paths += pictures(stride, shown[:: max(len(shown) // 4, 1)][:4], folder)
     return [*paths, animation(stride, shown, folder / "gait.gif", 1.0 / FRAMES)]

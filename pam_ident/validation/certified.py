@@ -15,7 +15,7 @@ from ..fitting import Problem
 Array = np.ndarray
 Values = Mapping[int, float]
 Columns = Callable[[Array, Values], list[Array]]
-"""x and the curved parameters by number → a column per linear parameter, and one more for a fixed part."""
+"""x and the nonlinear parameters by number → a column per linear parameter, and one more for a fixed part."""
 
 
 @dataclass(frozen=True, eq=False)

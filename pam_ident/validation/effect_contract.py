@@ -43,11 +43,11 @@ def model_of(effect: Effect, form: Form, law: str = "chou_hannaford") -> Model:
 
 
 def plausible(effect: Effect, form: Form, share: float = 1.0) -> Values:
-    """Parameters by qualified name: sizes a typical magnitude off neutral, shapes a little off their start."""
+    """Parameters by qualified name: linear ones a typical size off neutral, the others a little off their start."""
     values = {}
-    for k, p in enumerate(form.sizes):
+    for k, p in enumerate(form.linear):
         values[f"{effect.name}.{p.name}"] = p.clip(p.neutral + share * p.scale * (1.0, 0.7, 0.4)[k % 3])
-    for p in form.shapes:
+    for p in form.nonlinear:
         values[f"{effect.name}.{p.name}"] = p.clip(1.15 * p.start if p.start else 0.1 * p.scale)
     return values
 
@@ -91,7 +91,7 @@ def asks_for_all_it_needs(effect: Effect, record: Record) -> list[str]:
         found.append("needs does not tell a record that holds enough from one that lacks it")
     for form in effect.forms:
         try:
-            columns = form.columns(enough, {p.name: p.start for p in form.shapes}, np.full(len(enough), 300.0))
+            columns = form.columns(enough, {p.name: p.start for p in form.nonlinear}, np.full(len(enough), 300.0))
         except (TypeError, AttributeError, AssertionError) as error:
             found.append(f"form {form.name} uses what needs = {effect.needs} does not name ({said(error)})")
             continue
@@ -106,7 +106,7 @@ def says_what_it_is(effect: Effect, form: Form, record: Record) -> list[str]:
     checks = {
         f"the form's name {form.name!r} is no Python name": form.name.isidentifier(),
         "formula is empty": bool(form.formula),
-        "sizes is empty: without a size nothing can be added": bool(form.sizes),
+        "linear is empty: without a linear parameter nothing can be added": bool(form.linear),
         f"two parameters have the same name: {', '.join(names)}": len(set(names)) == len(names),
     }
     found = [words for words, fine in checks.items() if not fine]
@@ -129,10 +129,10 @@ def units_can_be_read(effect: Effect, form: Form, record: Record) -> list[str]:
 
 
 def columns_are_finite(effect: Effect, form: Form, record: Record) -> list[str]:
-    """A column per size, a row per sample, finite at the corners of the shapes' bounds."""
+    """A column per linear parameter, a row per sample, finite at the corners of the others' bounds."""
     inputs = record.inputs
     force = get_law("exponential_law").force(inputs.pressure, inputs.contraction, inputs.specimen, LAW_VALUES)
-    for corner in corners(form.shapes, 64):
+    for corner in corners(form.nonlinear, 64):
         columns = form.columns(inputs, corner, force)
         wrong = _wrong_columns(columns, len(inputs), form)
         if wrong:
@@ -150,7 +150,7 @@ def edges_are_survived(effect: Effect, form: Form, record: Record) -> list[str]:
         contraction=np.linspace(-0.05, 0.34, n),
         specimen=replace(inputs.specimen, wall_thickness_mm=None),
     )
-    shape = {p.name: p.start for p in form.shapes}
+    shape = {p.name: p.start for p in form.nonlinear}
     found = []
     for what, at in (("at −0.02 to 1 MPa, −5 to 34 % and no wall", odd), ("with one sample", inputs.take(slice(1)))):
         wrong = _wrong_columns(form.columns(at, shape, np.full(len(at), 500.0)), len(at), form)
@@ -162,7 +162,7 @@ def edges_are_survived(effect: Effect, form: Form, record: Record) -> list[str]:
 def pieces_make_the_whole(effect: Effect, form: Form, record: Record) -> list[str]:
     """A form that does not say it remembers gives a sample the same columns whatever lies between the first and it."""
     force = 300.0 + 40.0 * record.inputs.displacement_mm
-    for corner in corners(form.shapes, 9):
+    for corner in corners(form.nonlinear, 9):
         whole = form.columns(record.inputs, corner, force)
         for piece in () if form.remembers else pieces(len(record)):
             near = form.columns(record.inputs.take(piece), corner, force[piece])
@@ -179,7 +179,7 @@ def pieces(n: int) -> Iterator[Array]:
 
 
 def force_is_finite(effect: Effect, form: Form, record: Record) -> list[str]:
-    """At plausible sizes and at the corners of all bounds."""
+    """At plausible values and at the corners of all bounds."""
     model = model_of(effect, form)
     points = [plausible(effect, form)]
     points += [{f"{effect.name}.{k}": v for k, v in c.items()} for c in corners(form.params, 32, start=False)]
@@ -193,20 +193,20 @@ def neutral_is_the_law_alone(effect: Effect, form: Form, record: Record) -> list
     for inputs, law in product((record.inputs, replace(record.inputs, pressure=lowest)), LAWS):
         model = model_of(effect, form, law)
         alone = Model(model.law).force(inputs, LAWS[law])
-        for corner in corners(form.shapes, 9):
-            shapes = {f"{effect.name}.{k}": v for k, v in corner.items()}
-            off = np.abs(model.force(inputs, model.neutral(inputs) | LAWS[law] | shapes) - alone)
+        for corner in corners(form.nonlinear, 9):
+            others = {f"{effect.name}.{k}": v for k, v in corner.items()}
+            off = np.abs(model.force(inputs, model.neutral(inputs) | LAWS[law] | others) - alone)
             if not np.all(off <= 1e-10 + 1e-12 * np.abs(alone)):
                 return [f"at its neutral size it still changes the force by {off.max():.3g} N (law {law})"]
     return []
 
 
 def start_is_inside(effect: Effect, form: Form, record: Record) -> list[str]:
-    """Neutral sizes and the grids of shapes lie within the bounds."""
-    outside = [p for p in form.sizes if p.clip(p.neutral) != p.neutral]
+    """Neutral values and the grids lie within the bounds."""
+    outside = [p for p in form.linear if p.clip(p.neutral) != p.neutral]
     found = [f"size {p.name}: neutral {p.neutral:g} is out of bounds" for p in outside]
     return found + [
-        f"shape {p.name}: {x:g} in its grid is out of bounds" for p in form.shapes for x in p.grid if p.clip(x) != x
+        f"{p.name}: {x:g} in its grid is out of bounds" for p in form.nonlinear for x in p.grid if p.clip(x) != x
     ]
 
 
@@ -218,7 +218,7 @@ def it_matters(effect: Effect, form: Form, record: Record) -> list[str]:
     rms = float(np.sqrt(np.mean(change**2)))
     if 0.02 < rms < 5e3:
         return []
-    return [f"sizes at their scale change the force by {rms:.3g} N rms; set scale to what a 20 mm muscle might show"]
+    return [f"linear ones at their scale change the force by {rms:.3g} N rms; set scale to what a 20 mm muscle shows"]
 
 
 def derivatives_agree(effect: Effect, form: Form, record: Record) -> list[str]:
@@ -264,19 +264,21 @@ def it_can_be_stepped(effect: Effect, form: Form, record: Record) -> list[str]:
 
 
 def a_fit_finds_it(effect: Effect, form: Form, record: Record) -> list[str]:
-    """Clean data made with plausible sizes on the ideal law, fitted from the start values every fit has."""
+    """Clean data made with plausible values on the ideal law, fitted from the start values every fit has."""
     model, truth = model_of(effect, form), plausible(effect, form)
     made = replace(record, force=model.force(record.inputs, truth))
     found = fit(model, made)
     change = made.force - Model(model.law).force(record.inputs, {})
     problems = [] if found.converged else [f"a fit to clean data of its own does not converge ({found.message})"]
     if not found.rmse < 1e-3 * np.sqrt(np.mean(change**2)):
-        problems.append(f"a fit to clean data of its own leaves {found.rmse:.3g} N; give shapes a grid of starts")
-    sizes = {f"{effect.name}.{p.name}" for p in form.sizes}
+        problems.append(
+            f"a fit to clean data of its own leaves {found.rmse:.3g} N; give the nonlinear parameters a grid of starts"
+        )
+    linear = {f"{effect.name}.{p.name}" for p in form.linear}
     for one in found.estimates:
         if one.identified and abs(one.value - truth[one.name]) > 0.02 * abs(truth[one.name]) + 1e-9:
             problems.append(f"a fit finds {one.name} = {one.value:.4g} where {truth[one.name]:.4g} made the data")
-        if one.name in sizes and not one.identified:
+        if one.name in linear and not one.identified:
             problems.append(f"a fit cannot pin the size {one.name}; two columns may be the same")
     return problems
 
@@ -310,8 +312,8 @@ def said(error: Exception) -> str:
 
 def _wrong_columns(columns: Array, n: int, form: Form) -> str:
     shape = np.shape(columns)
-    if shape != (n, len(form.sizes)):
-        return f"its columns have the shape {shape}; expected (samples, sizes) = {(n, len(form.sizes))}"
+    if shape != (n, len(form.linear)):
+        return f"its columns have the shape {shape}; expected (samples, linear) = {(n, len(form.linear))}"
     return "" if np.isfinite(columns).all() else "its columns are not finite"
 
 

@@ -16,11 +16,11 @@ SAME = 0.05
 """Share of what is hidden that a form may leave and still count as the very form that is hidden."""
 
 
-def kin(name: str) -> tuple[str, ...]:
+def related(name: str) -> tuple[str, ...]:
     """An effect with all that are of its family, or that follow what it follows: the statics apart, as all of them do.
 
     Example:
-        >>> kin("viscous_damping")
+        >>> related("viscous_damping")
         ('pressure_lag', 'stribeck_friction', 'viscous_damping')
     """
     known = catalogue()
@@ -35,8 +35,8 @@ def kin(name: str) -> tuple[str, ...]:
 
 
 def effects_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:
-    """The hidden effects with their kin."""
-    return tuple(sorted({other for one in hidden.hidden for other in kin(one.name)}))
+    """The hidden effects with their related."""
+    return tuple(sorted({other for one in hidden.hidden for other in related(one.name)}))
 
 
 def forms_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The workbench: compare a model with a record, see the suspects, add one, watch the error fall, take it out again.
+"""The workbench: compare a model with a record, see the candidates, add one, watch the error fall, take it out again.
 
 A page for the browser (`serve`), which shows itself in a Jupyter notebook, too (`Workbench`). Needs the extra
 `workbench`.

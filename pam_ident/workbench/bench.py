@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core import PamError, Specimen, UsageError
+from ..core import PamError, UsageError
 from ..core.progress import steps
 from ..diagnosis import compare
 from ..diagnosis.nouns import Comparison, Diagnosis, Ladder, Rung
@@ -181,14 +181,4 @@ class Bench:
         after = self.fit if self.fit.model.terms else None
         section = section_of(self.record, self.law_alone, found, steps, after)
         source = provenance({self.path: self.record}, self.command)
-        return render(Story(f"{self.record.name}: {self.setup.law} against the measurement", (section,), source))
-
-
-def specimen_toml(specimen: Specimen) -> str:
-    """A specimen as the file that stands beside a record."""
-    name = specimen.name.replace("\\", "\\\\").replace('"', '\\"')
-    lines = ["[specimen]", f'name = "{name}"', f"initial_length_mm = {specimen.initial_length_mm!r}"]
-    lines += [f"initial_radius_mm = {specimen.initial_radius_mm!r}", f"braid_angle_deg = {specimen.braid_angle_deg!r}"]
-    if specimen.wall_thickness_mm is not None:
-        lines.append(f"wall_thickness_mm = {specimen.wall_thickness_mm!r}")
-    return "\n".join(lines) + "\n"
+        return render(Story(f"{self.record.name}: {self.law_alone.model.law.title}", (section,), source))

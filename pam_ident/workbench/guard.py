@@ -14,7 +14,7 @@ from tornado.httputil import HTTPServerRequest
 from tornado.web import Application, ErrorHandler
 
 PROTOCOL = "Sec-Websocket-Protocol"
-MOST_UNPACKED = 1 << 28
+MOST_IN_MESSAGE = 1 << 28
 """Bytes that a packed part of a message may have when it is unpacked."""
 
 
@@ -46,9 +46,9 @@ def tell_no_files() -> None:
 
 def _unpacked(data: bytes) -> bytes:
     unpack = zlib.decompressobj(16 + zlib.MAX_WBITS)
-    found = unpack.decompress(data, MOST_UNPACKED)
+    found = unpack.decompress(data, MOST_IN_MESSAGE)
     if not unpack.eof:
-        raise ValueError(f"a part of a message that unpacks to more than {MOST_UNPACKED >> 20} MiB, or is cut short")
+        raise ValueError(f"a part of a message that unpacks to more than {MOST_IN_MESSAGE >> 20} MiB, or is cut short")
     return found
 
 

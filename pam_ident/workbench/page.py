@@ -14,9 +14,10 @@ from panel.viewable import Viewer
 from ..core import DataError, PamError
 from ..records import Record
 from ..records.datasets import dataset_record
+from ..records.specimen_file import specimen_toml
 from ..tasks.setup import Setup
 from . import words
-from .bench import Bench, specimen_toml
+from .bench import Bench
 from .cards import Cards
 from .draft import Draft
 from .drafting import Drafting
@@ -124,15 +125,15 @@ class Workbench(Viewer):
             ("A against B", pn.Column(self.pin, self.texts["against"], **WIDE)),
             **WIDE, **LOOK,
         )  # fmt: skip
-        self.suspects = Cards("Candidates", lambda label: self._change(lambda bench: bench.adding(label)))
-        self.no_suspects, self.not_judged = html(), html()
+        self.candidates = Cards("Candidates", lambda label: self._change(lambda bench: bench.adding(label)))
+        self.no_candidates, self.not_judged = html(), html()
         self.main = pn.Column(
             self.head, self.error, pn.FlexBox(self.find, self.anyway, self.bar, self.stop, self.status, **WIDE),
             self.draft.panel, self.verdict, self.steps, self.view.zoom, self.view.figures, self.tabs,
             styles={"flex": "40 1 36rem", "min-width": "0"},
         )  # fmt: skip
         self.right = pn.Column(
-            html("<h2>What may be missing</h2>"), self.no_suspects, self.suspects, self.not_judged,
+            html("<h2>What may be missing</h2>"), self.no_candidates, self.candidates, self.not_judged,
             html("<h2>What the error follows</h2>"), self.follows,
             styles={"flex": "1 1 17rem", "min-width": "0"},
         )  # fmt: skip
@@ -336,8 +337,8 @@ class Workbench(Viewer):
             self.texts[name].object = str(getattr(words, name)(bench))
         self.texts["against"].object = str(words.against(pinned, bench))
         self.steps.items = words.steps(self.history.steps, self.history.at)
-        self.suspects.items = words.suspects(bench)
-        self.no_suspects.object = str(words.no_suspects(bench))
+        self.candidates.items = words.candidate_cards(bench)
+        self.no_candidates.object = str(words.no_candidates(bench))
         self.not_judged.object = str(words.not_judged(bench))
         self.pin.disabled = bench is None
         for one in (self.view.zoom, self.view.figures, self.tabs):

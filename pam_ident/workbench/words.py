@@ -10,6 +10,7 @@ from ..core import Specimen, UsageError
 from ..core.progress import Stage
 from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis, Follows
+from ..fitting.estimate import impossible
 from ..model import Model
 from ..notebook.pages import table
 from ..records import Record, build_record
@@ -120,6 +121,7 @@ def verdict(bench: Bench | None) -> Markup:
     listed = Markup("").join(Markup("<div><dt>{}</dt><dd>{}</dd></div>").format(*fact) for fact in facts)
     parts = [Markup('<dl class="facts">{}</dl>').format(listed), _fall(bench)]
     parts += [Markup('<p class="error">This fit is not valid: {}.</p>').format(one) for one in rung.fit.problems]
+    parts += [Markup('<p class="error">{}.</p>').format(impossible(one)) for one in rung.fit.impossible]
     if bench.held:
         parts.append(Markup("<p>Parameters are held by hand. Release them to have named what is missing.</p>"))
     if found is not None:
@@ -160,7 +162,7 @@ def follows(found: tuple[Follows, ...]) -> Markup:
     )
 
 
-def suspects(bench: Bench | None) -> list[dict[str, Any]]:
+def candidate_cards(bench: Bench | None) -> list[dict[str, Any]]:
     """The candidates as cards: the most probable first, each with the error that adding it leaves."""
     found = bench.diagnosis if bench else None
     if bench is None or found is None:
@@ -183,7 +185,7 @@ def suspects(bench: Bench | None) -> list[dict[str, Any]]:
     ]
 
 
-def no_suspects(bench: Bench | None) -> Markup:
+def no_candidates(bench: Bench | None) -> Markup:
     """In place of candidates, why there are none; else how to use them."""
     if bench is None:
         return Markup('<p class="soft">Candidates stand here once a record is open.</p>')
@@ -207,7 +209,7 @@ def not_judged(bench: Bench | None) -> Markup:
     ]
     if not lines:
         return Markup("")
-    return Markup("<details><summary>Neither suspected nor cleared: {}</summary><ul>{}</ul></details>").format(
+    return Markup("<details><summary>Neither likely nor ruled out: {}</summary><ul>{}</ul></details>").format(
         len(lines), Markup("").join(lines)
     )
 

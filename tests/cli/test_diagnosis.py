@@ -7,7 +7,8 @@ import pytest
 LAW = ("--law", "exponential_law")
 DIAGNOSIS = {
     "schema", "record", "law", "n", "rmse_N", "noise_floor_N", "verdict", "selected", "groups", "ranking",
-    "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N", "follows", "pattern", "next_experiment", "warnings",
+    "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N", "heldout", "follows", "pattern", "next_experiment",
+    "warnings",
 }  # fmt: skip
 
 
@@ -134,12 +135,20 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     result, found = answer("ladder", rubbing, *LAW)
     assert result.exit_code == 0
     keys = {"schema", "record", "law", "specimen", "free_geometry", "range", "rungs", "noise_floor_N", "verdict"}
-    keys |= {"warnings"}
-    assert set(found) == keys and found["free_geometry"] is False
+    keys |= {"warnings", "heldout", "nested"}
+    assert set(found) == keys and found["heldout"] == "refit" and found["free_geometry"] is False
     assert found["schema"] == "pam-ident/ladder/1" and found["verdict"] == "adequate"
     assert found["rungs"][0]["effects"] == [] and len(found["rungs"]) == 2
     for one in found["rungs"]:
-        assert set(one) == {"effects", "rmse_N", "heldout_rmse_N", "parameters", "covariance"}
+        assert set(one) == {
+            "effects",
+            "rmse_N",
+            "heldout_rmse_N",
+            "refit_rmse_N",
+            "shares_N",
+            "parameters",
+            "covariance",
+        }
     assert found["rungs"][-1]["effects"][0].startswith("coulomb_friction")
     assert found["rungs"][-1]["rmse_N"] < 1.1 * found["noise_floor_N"] < 0.3 * found["rungs"][0]["rmse_N"]
     assert "rung" in result.stdout and "noise floor" in result.stdout

@@ -45,14 +45,15 @@ def test_json_of_a_fit_is_the_contracts(answer, clean):
     }
     branch = found["branches"]["together"]
     contract = {"parameters", "rmse_N", "max_error_N", "r2", "n"}
-    more = {"noise_floor_N", "noise_memory_samples", "lack_of_fit", "stand_ins", "covariance", "reading", "simpler"}
+    more = {"noise_floor_N", "noise_memory_samples", "lack_of_fit", "stand_ins", "covariance", "reading"}
+    more |= {"simpler", "shares_N"}
     assert set(branch) == contract | more
     names, matrix = branch["covariance"]["names"], np.array(branch["covariance"]["matrix"])
     errors = [branch["parameters"][name]["stderr"] for name in names]
     assert np.sqrt(np.diag(matrix)) == pytest.approx(errors, rel=1e-6)
     for one in branch["parameters"].values():
         contract = {"value", "stderr", "unit", "at_bound", "identified"}
-        assert set(one) == contract | {"interval", "freedom", "verdict", "partners"}
+        assert set(one) == contract | {"interval", "freedom", "verdict", "partners", "possible"}
         assert one["verdict"] == ("at_bound" if one["at_bound"] else "pinned")
         assert one["at_bound"] or one["interval"][0] < one["value"] < one["interval"][1]
         assert (one["stderr"] is None) == one["at_bound"]

@@ -79,6 +79,13 @@ def test_figures_are_written_and_named(ran):
         (("--supply", "0"), 2, ("--supply", "0.1 MPa")),
         (("--supply", "nan"), 2, ("--supply",)),
         (("--load", "-1"), 2, ("--load", "0 kg")),
+        (("--off", "-10", "200"), 2, ("--off", "-80 to 80")),
+        (("--ageing", "-1"), 2, ("--ageing", "0 to 50")),
+        (("--ground",), 2, ("--ground", "--prototype")),
+        (("--learn", "-1"), 2, ("--learn", "strides")),
+        (("--unknown", "crep"), 2, ("crep", "creep")),
+        (("--unknown", "viscous_damping"), 2, ("viscous_damping", "twice")),
+        (("--leg", "no_such.toml"), 4, ("no_such.toml", "--write-leg")),
         (("--cadence", "0"), 4, ("cadence", "positive")),
         (("--plant", "no_such.json"), 4, ("no_such.json", "cannot be read", "--json")),
         (("--specimen", "no_such.toml"), 4, ("no_such.toml",)),
@@ -107,6 +114,40 @@ def test_a_file_that_is_no_fit_is_bad_data(ask, tmp_path, text, told):
     result = ask("track", "--controller", tmp_path / "fit.json")
     assert result.exit_code == 4 and told in result.stderr and "fit.json" in result.stderr
     assert len(result.stderr.strip().splitlines()) <= 2
+
+
+def test_the_own_leg_is_written_to_begin_from(ask, tmp_path):
+    from pam_ident.leg.leg_file import DEFAULT, read_leg
+
+    result = ask("track", "--write-leg", tmp_path / "leg.toml")
+    assert result.exit_code == 0 and f"wrote {tmp_path / 'leg.toml'}" in result.stdout
+    assert read_leg(tmp_path / "leg.toml") == DEFAULT
+    (tmp_path / "leg.toml").write_text("[sprocket]\nradius = 0.04\n")
+    result = ask("track", "--leg", tmp_path / "leg.toml")
+    assert result.exit_code == 4 and "leg.toml: unknown key of [sprocket] 'radius'" in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.long
+def test_a_leg_off_the_drawing_board_says_so_in_words_and_json(ask, tmp_path):
+    words = ("--off", "-10", "10", "--unknown", "creep", "--learn", "2", "--prototype", "--ground")
+    result = ask("track", "--plant", FIT, *GIVEN, *words, "--json", tmp_path / "track.json")
+    assert result.exit_code == 0, result.output
+    found = json.loads((tmp_path / "track.json").read_text(encoding="utf-8"))
+    assert found["off"] == {
+        "force": [0.9, 1.1],
+        "mass": 1.0,
+        "supply": 1.0,
+        "ageing": 0.0,
+        "unknown": "creep",
+        "size": 1.0,
+    }
+    assert found["ground"] and found["lessons"] == 2
+    assert "on the ground" in result.stdout and "flexor's force -10 %" in result.stdout
+    assert "learn from 2 strides" in result.stdout
+    assert any(one["code"] == "outside_range" and one["column"] == "pressure_MPa" for one in found["warnings"])
+    assert all(one["text"] in result.stdout for one in found["warnings"])
+    assert found["rungs"][0]["rms_deg"] < found["pid"]["rms_deg"] / 2.0
 
 
 def test_a_gait_without_a_knee_is_bad_data(ask, tmp_path):

@@ -5,14 +5,15 @@ from dataclasses import replace
 import pytest
 
 from pam_ident.diagnosis import diagnose
-from pam_ident.diagnosis.follows import DRIVERS, Following
+from pam_ident.diagnosis.drivers import DRIVERS
+from pam_ident.diagnosis.follows import Following
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import read_record
 from pam_ident.records.datasets import dataset_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
-from pam_ident.validation.holdout import effects_left_out, forms_left_out, kin
+from pam_ident.validation.holdout import effects_left_out, forms_left_out, related
 
 LONG = pytest.mark.long
 EXPONENTIAL, CHOU = "exponential_law", "modified_chou_hannaford"
@@ -90,8 +91,8 @@ def test_without_and_only_take_a_form(hidden_effect):
 
 
 def test_kin_are_those_of_a_family_and_those_that_follow_the_same_but_the_map():
-    assert kin("viscous_damping") == ("pressure_lag", "stribeck_friction", "viscous_damping")
-    assert kin("threshold_pressure") == ("threshold_pressure",)
+    assert related("viscous_damping") == ("pressure_lag", "stribeck_friction", "viscous_damping")
+    assert related("threshold_pressure") == ("threshold_pressure",)
 
 
 @pytest.mark.parametrize("form", ["moving_mass", pytest.param("stick_slip", marks=LONG)])

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Param
-from pam_ident.diagnosis import climb, diagnose
+from pam_ident.diagnosis import climb, diagnose, heldout_rmse
 from pam_ident.effects import AddsForce, Effect
-from pam_ident.model import Model
+from pam_ident.fitting import fit
+from pam_ident.model import Model, as_term
 from pam_ident.records import Record, build_record, read_record
 from pam_ident.records.datasets import dataset_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
@@ -320,6 +321,19 @@ def test_the_embedded_record_names_its_effect_and_its_twin_is_adequate():
 
 
 @LONG
+def test_what_stands_beside_a_candidate_is_what_adding_it_leaves():
+    record = read_record(dataset_record("hidden_effect"))
+    model = Model.build(EXPONENTIAL)
+    answer = diagnose(model, record, only=("pressure_friction", "viscous_damping", "pressure_lag", "thermal_softening"))
+    first, *others = (one for one in answer.ranking if one.status == "candidate")
+    assert (first.label, first.rmse_after) == (answer.labels[0], pytest.approx(answer.best.rmse, rel=1e-4))
+    assert first.heldout_rmse_after == pytest.approx(answer.heldout_rmse_after, rel=1e-3)
+    for one in others:
+        added = fit(model.adding(as_term(one.label)), record)
+        assert one.rmse_after == pytest.approx(added.rmse, rel=1e-3)
+        assert one.heldout_rmse_after == pytest.approx(heldout_rmse(added.model, record, added), rel=0.01)
+
+
 def test_a_user_s_own_effect_is_a_candidate(tmp_path):
     record = rig_record(tmp_path, seed=44, law=EXPONENTIAL, unknown=Secret("screw_ripple", "textbook", 3.0))
     plain = diagnose(Model.build(EXPONENTIAL), record)
@@ -329,9 +343,13 @@ def test_a_user_s_own_effect_is_a_candidate(tmp_path):
     def columns(inputs, shape, force):
         return np.column_stack([np.cos(wave * inputs.displacement_mm), np.sin(wave * inputs.displacement_mm)])
 
-    sizes = (Param("cosine", "N", "", scale=10.0), Param("sine", "N", "", scale=10.0))
+    coefficients = (Param("cosine", "N", "", scale=10.0), Param("sine", "N", "", scale=10.0))
     mine = Effect(
-        "ball_screw", "Ripple of the ball screw", "this test", (AddsForce("textbook", "ripple", sizes, columns),), "-"
+        "ball_screw",
+        "Ripple of the ball screw",
+        "this test",
+        (AddsForce("textbook", "ripple", coefficients, columns),),
+        "-",
     )
     answer = diagnose(Model.build(EXPONENTIAL), record, (mine,))
     assert answer.selected == ("ball_screw",) and answer.verdict == "missing_effect"

@@ -7,9 +7,9 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
-from pam_ident.diagnosis.candidates import candidates
-from pam_ident.diagnosis.deliberate import investigate
 from pam_ident.diagnosis.experiment import Question, _expected, next_experiment
+from pam_ident.diagnosis.possible_runs import possible_runs
+from pam_ident.diagnosis.select import investigate
 from pam_ident.diagnosis.strokes import Strokes, listed
 from pam_ident.effects import catalogue, get_effect
 from pam_ident.fitting import fit
@@ -43,8 +43,8 @@ def rubbing(tmp_path_factory):
     plan = Plan(61, CHOU, (Secret("coulomb_friction", "tanh", 2.0),), protocol=ONE_SPEED)
     record = rig_record(tmp_path_factory.mktemp("rubbing"), plan)
     base = fit(Model.build(CHOU), replace(record, inputs=record.steady), detail=False)
-    trial, _ = investigate(base, [e for e in catalogue().values() if e.candidate])
-    return plan, record, trial, trial.refit([Term(*get_effect("coulomb_friction"))])
+    selection, _ = investigate(base, [e for e in catalogue().values() if e.candidate])
+    return plan, record, selection, selection.refit([Term(*get_effect("coulomb_friction"))])
 
 
 @pytest.mark.parametrize(
@@ -73,9 +73,9 @@ def test_the_run_it_asks_for_names_the_right_one_alone(tmp_path, law, poor, effe
 
 def test_the_predicted_separation_is_what_refits_on_the_rig_s_run_find(tmp_path, rubbing):
     """√(χ² of the best rival form − χ² of the truth) of exact fits to the run, against the linearised forecast."""
-    plan, record, trial, verdict = rubbing
-    question = Question(trial, verdict, verdict.terms[0], [get_effect("viscous_damping")[0]])
-    strokes = candidates(record, Model.build(CHOU), verdict.values)[0].strokes
+    plan, record, selection, fitted = rubbing
+    question = Question(selection, fitted, fitted.terms[0], [get_effect("viscous_damping")[0]])
+    strokes = possible_runs(record, Model.build(CHOU), fitted.values)[0].strokes
     (forecast,) = question.separations(strokes.inputs(record.specimen))
     run = rig_record(tmp_path, replace(plan, protocol=as_run(tmp_path, strokes)))
     run = replace(run, inputs=run.steady)
@@ -86,20 +86,20 @@ def test_the_predicted_separation_is_what_refits_on_the_rig_s_run_find(tmp_path,
 
 
 def test_power_without_a_rival_is_the_closed_form_of_one_more_column(rubbing):
-    _, record, trial, verdict = rubbing
+    _, record, selection, fitted = rubbing
     inputs = Strokes((0.3, 0.2, 0.5), (40.0, 30.0, 50.0), (2.0, 40.0)).inputs(record.specimen)
-    (found,) = Question(trial, verdict, verdict.terms[0], []).separations(inputs)
+    (found,) = Question(selection, fitted, fitted.terms[0], []).separations(inputs)
     # k0 π r0² p [a (1 − k1 ε)² − b] + k2 spans p, pε and pε² up to one tie, which friction of one size does not feel.
     s, p, e = record.specimen, inputs.pressure, inputs.contraction
-    k0, k1 = verdict.values["k0"], verdict.values["k1"]
+    k0, k1 = fitted.values["k0"], fitted.values["k1"]
     area = np.pi * s.initial_radius_mm**2
     slope_k0 = area * p * (s.a * (1 - k1 * e) ** 2 - s.b)
     slope_k1 = -2 * k0 * area * p * s.a * (1 - k1 * e) * e
     law = np.column_stack([slope_k0, slope_k1, np.ones_like(p)])
-    model = trial.base.model.adding(*verdict.terms)
-    rubs = model.force(inputs, verdict.values) - trial.base.model.force(inputs, verdict.values)
+    model = selection.base.model.adding(*fitted.terms)
+    rubs = model.force(inputs, fitted.values) - selection.base.model.force(inputs, fitted.values)
     left = rubs - law @ np.linalg.lstsq(law, rubs, rcond=None)[0]
-    assert found.standard_errors == pytest.approx(np.linalg.norm(left) / trial.noise.sigma, rel=1e-6)
+    assert found.standard_errors == pytest.approx(np.linalg.norm(left) / selection.noise.sigma, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -138,8 +138,8 @@ def test_where_nothing_is_open_nothing_is_asked_for(tmp_path):
 
 def test_what_no_run_separates_is_said_with_the_test_that_would(rubbing):
     """Stribeck friction without its dip is Coulomb friction, whatever is run."""
-    _, _, trial, verdict = rubbing
-    found = next_experiment(trial, verdict, [("coulomb_friction", "stribeck_friction")])
+    _, _, selection, fitted = rubbing
+    found = next_experiment(selection, fitted, [("coulomb_friction", "stribeck_friction")])
     assert found is not None and found.protocol is None and found.minutes is None
     assert found.predicted[0].standard_errors < 1.0
     assert "No run of strokes" in found.text and get_effect("stribeck_friction")[0].test in found.text
@@ -161,11 +161,11 @@ def test_numbers_are_said_as_on_the_rig():
 
 @pytest.mark.parametrize("clock", ["samples", "seconds"])
 def test_noise_that_is_coloured_throughout_can_be_expected_of_any_run(rubbing, clock):
-    _, record, trial, verdict = rubbing
-    slow = replace(trial.noise, share=1.0, memory=5.0, clock=clock, decay=np.full(len(record), 0.9))
-    found = candidates(record, Model.build(CHOU), verdict.values)
+    _, record, selection, fitted = rubbing
+    slow = replace(selection.noise, share=1.0, memory=5.0, clock=clock, decay=np.full(len(record), 0.9))
+    found = possible_runs(record, Model.build(CHOU), fitted.values)
     assert found
-    for candidate in found:
-        inputs = candidate.strokes.inputs(record.specimen)
+    for possible in found:
+        inputs = possible.strokes.inputs(record.specimen)
         expected = _expected(slow, inputs)
         assert np.all(expected.spread > 0.0) and np.all(np.isfinite(expected.whiten(np.ones(len(inputs)))))

@@ -5,9 +5,9 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis.dictionary import grid
-from pam_ident.diagnosis.ground import ENOUGH, Ground, _best, _found
 from pam_ident.diagnosis.patterns import patterns
-from pam_ident.diagnosis.trial import Trial
+from pam_ident.diagnosis.scan import ENOUGH, Remainder, _best, _found
+from pam_ident.diagnosis.selection import Selection
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import build_record
@@ -33,26 +33,26 @@ def record():
 
 def test_columns_of_many_shapes_are_those_of_each(record):
     inputs, force = record.inputs, record.force
-    shaped = [(e.name, form) for e in patterns(inputs) for form in e.forms if form.shapes]
+    shaped = [(e.name, form) for e in patterns(inputs) for form in e.forms if form.nonlinear]
     assert {"local", "periodic", "step"} <= {name for name, _ in shaped}
     for _, form in shaped:
-        grid = [np.array(p.grid[:12]) if k == 0 else np.full(12, p.grid[0]) for k, p in enumerate(form.shapes)]
-        many = form.columns(inputs, dict(zip([p.name for p in form.shapes], grid, strict=True)), force)
-        many = many.reshape(len(record), len(form.sizes), -1)
+        grid = [np.array(p.grid[:12]) if k == 0 else np.full(12, p.grid[0]) for k, p in enumerate(form.nonlinear)]
+        many = form.columns(inputs, dict(zip([p.name for p in form.nonlinear], grid, strict=True)), force)
+        many = many.reshape(len(record), len(form.linear), -1)
         for i in range(many.shape[2]):
-            shape = {p.name: float(values[i]) for p, values in zip(form.shapes, grid, strict=True)}
+            shape = {p.name: float(values[i]) for p, values in zip(form.nonlinear, grid, strict=True)}
             np.testing.assert_allclose(many[:, :, i], form.columns(inputs, shape, force), atol=1e-11)
 
 
 def test_the_gain_of_a_ripple_is_the_fall_of_a_least_squares_fit(record):
-    trial = Trial(fit(Model.build("polynomial"), record), [])
-    ground = Ground(trial, trial.empty)
+    selection = Selection(fit(Model.build("polynomial"), record), [])
+    remainder = Remainder(selection, selection.empty)
     ripple = next(e for e in patterns(record.inputs) if e.name == "periodic").forms[0]
-    found = _best(ripple, [{"period": p} for p in (9.0, 6.4, 5.0)], [ground])[0]
-    columns = trial.noise.whiten(
-        np.column_stack([ground.view.law, ripple.columns(record.inputs, found.point, record.force)])
+    found = _best(ripple, [{"period": p} for p in (9.0, 6.4, 5.0)], [remainder])[0]
+    columns = selection.noise.whiten(
+        np.column_stack([remainder.view.law, ripple.columns(record.inputs, found.point, record.force)])
     )
-    residual = trial.noise.whiten(ground.view.residual)
+    residual = selection.noise.whiten(remainder.view.residual)
     law = columns[:, :-2]
     alone, whole = (np.linalg.lstsq(m / np.linalg.norm(m, axis=0), residual, rcond=None)[1][0] for m in (law, columns))
     assert found.point == {"period": 6.4}
@@ -66,24 +66,24 @@ def test_what_single_precision_finds_is_as_good_as_what_double_finds(record, beg
     later = build_record(
         "later", inputs.specimen, inputs.pressure, inputs.contraction, record.force, time=inputs.time + begin_s
     )
-    trial = Trial(fit(Model.build("polynomial"), later), [])
-    ground = Ground(trial, trial.empty)
+    selection = Selection(fit(Model.build("polynomial"), later), [])
+    remainder = Remainder(selection, selection.empty)
     for effect in patterns(later.inputs):
         for form in effect.forms:
             points = grid(form)
-            rough, precise = _found(form, points, [ground])[0], _best(form, points, [ground])[0]
+            rough, precise = _found(form, points, [remainder])[0], _best(form, points, [remainder])[0]
             assert 0.98 * precise.gain <= rough.gain <= (1.0 + 1e-9) * precise.gain
 
 
 def test_a_third_of_the_samples_shows_what_all_of_them_show():
     record = loops(3 * ENOUGH, lambda x: 3.0 * np.exp(-0.5 * ((x - 27.0) / 4.0) ** 2))
-    trial = Trial(fit(Model.build("polynomial"), record), [])
-    ground = Ground(trial, trial.empty)
-    assert len(ground.rough.inputs) == pytest.approx(ENOUGH, rel=0.1)
+    selection = Selection(fit(Model.build("polynomial"), record), [])
+    remainder = Remainder(selection, selection.empty)
+    assert len(remainder.rough.inputs) == pytest.approx(ENOUGH, rel=0.1)
     strong = 0
     for effect in patterns(record.inputs):
         for form in effect.forms:
-            rough, precise = (f(form, grid(form), [ground])[0].gain for f in (_found, _best))
+            rough, precise = (f(form, grid(form), [remainder])[0].gain for f in (_found, _best))
             if precise > 0.1 * len(record):
                 strong += 1
                 assert rough > 0.98 * precise, form.name
@@ -91,13 +91,13 @@ def test_a_third_of_the_samples_shows_what_all_of_them_show():
 
 
 def test_columns_are_made_and_whitened_in_the_precision_of_the_inputs(record):
-    trial = Trial(fit(Model.build("polynomial"), record), [])
-    ground = Ground(trial, trial.empty)
-    sight = ground.rough
+    selection = Selection(fit(Model.build("polynomial"), record), [])
+    remainder = Remainder(selection, selection.empty)
+    samples = remainder.rough
     for effect in patterns(record.inputs):
         for form in effect.forms:
-            if form.shapes:
-                columns = form.columns(sight.inputs, grid(form)[0], sight.around.force)
+            if form.nonlinear:
+                columns = form.columns(samples.inputs, grid(form)[0], samples.around.force)
                 assert columns.dtype == np.float32
-                exact = form.columns(record.inputs, grid(form)[0], ground.view.around.force)
-                np.testing.assert_allclose(trial.noise.whiten(columns), trial.noise.whiten(exact), atol=1e-4)
+                exact = form.columns(record.inputs, grid(form)[0], remainder.view.around.force)
+                np.testing.assert_allclose(selection.noise.whiten(columns), selection.noise.whiten(exact), atol=1e-4)

@@ -9,7 +9,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis.probability import LAPSE, TEMPER, probabilities
-from pam_ident.diagnosis.trial import Trial
+from pam_ident.diagnosis.selection import Selection
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.model import Model, Term
@@ -17,29 +17,40 @@ from pam_ident.records import build_record
 from pam_ident.validation.calibration import reliability
 
 
-def trial(costs, names=("a", "b", "c", "d")):
+def selection(criteria, names=("a", "b", "c", "d")):
     return SimpleNamespace(
-        weighed=lambda: [SimpleNamespace(names=frozenset(names), cost=cost) for names, cost in costs.items()],
-        suspects=[SimpleNamespace(name=name) for name in names],
+        weighed=lambda: [
+            SimpleNamespace(names=frozenset(names), candidates=frozenset(names), criterion=criterion)
+            for names, criterion in criteria.items()
+        ],
+        candidates=[SimpleNamespace(name=name) for name in names],
     )
 
 
-def test_weights_of_the_sets_that_hold_a_suspect_are_summed():
+def test_weights_of_the_sets_that_hold_a_candidate_are_summed():
     step = 2.0 * TEMPER * math.log(2.0)  # halves a weight
-    found = probabilities(trial({(): 100.0 + 2 * step, ("a",): 100.0, ("a", "b"): 100.0 + step}), ())
+    found = probabilities(selection({(): 100.0 + 2 * step, ("a",): 100.0, ("a", "b"): 100.0 + step}), ())
     expected = {"a": 1.5 / 1.75, "b": 0.5 / 1.75, "c": 0.0, "d": 0.0}
     assert found == pytest.approx({k: (1 - LAPSE) * v + LAPSE / 4 for k, v in expected.items()})
 
 
 def test_members_of_a_group_share_their_probability():
     sets = {("a",): 10.0, ("b",): 10.0, ("c",): 10.0, ("a", "d"): 10.0}
-    found = probabilities(trial(sets), [("a", "b")])
+    found = probabilities(selection(sets), [("a", "b")])
     assert found["a"] == found["b"] == pytest.approx((1 - LAPSE) * 0.75 + LAPSE / 4)
     assert found["c"] == found["d"] == pytest.approx((1 - LAPSE) * 0.25 + LAPSE / 4)
 
 
+def test_a_name_that_the_answer_has_not_is_not_stated_beside_it():
+    sets = selection({("a", "b"): 0.0, ("a", "c"): 10.0, ("a",): 100.0, ("d",): 200.0})
+    assert min(probabilities(sets, ())[name] for name in "ab") > 0.6
+    found = probabilities(sets, (), {"a"})
+    assert found["a"] > 0.99 and max(found[name] for name in "bcd") < 0.01
+    assert probabilities(sets, [("b", "c")], {"a", "b"})["c"] > 0.99
+
+
 def test_nothing_is_ever_certain_nor_ruled_out():
-    found = probabilities(trial({(): 5000.0, ("a",): 0.0}), ())
+    found = probabilities(selection({(): 5000.0, ("a",): 0.0}), ())
     assert 0.98 < found["a"] < 1.0 and 0.0 < found["b"] < 0.01
 
 
@@ -74,14 +85,17 @@ def test_a_set_fitted_against_another_noise_is_weighed_with_what_it_costs_agains
     pressure = np.where(time < 45.0, 0.3, 0.4)
     record = build_record("loop", Specimen("bench", 200.0, 10.0, 25.4, 1.5), pressure, x / 200.0, force, time=time)
     base, friction = fit(Model.build("polynomial"), record), catalogue()["coulomb_friction"]
-    first = Trial(base, [friction])
+    first = Selection(base, [friction])
     plain, richer = ([Term(friction, form)] for form in friction.forms[:2])
     first.refit(richer)
     there = first.refit(plain)
-    trial = Trial(base, [friction], noise=replace(first.noise, sigma=2.0 * first.noise.sigma), before=first)
-    assert [v.labels for v in trial.weighed()] == [frozenset()], "what is cheaper than the answer lost to it"
-    answer = trial.refit(richer)
-    here = next(v for v in trial.weighed() if v.labels == there.labels)
+    selection = Selection(base, [friction], noise=replace(first.noise, sigma=2.0 * first.noise.sigma), before=first)
+    assert [v.labels for v in selection.weighed()] == [frozenset()], "what is cheaper than the answer lost to it"
+    answer = selection.refit(richer)
+    here = next(v for v in selection.weighed() if v.labels == there.labels)
     assert here.squares == pytest.approx(0.25 * there.squares)
-    assert here.cost == pytest.approx(here.squares + trial.price.total(there.terms)) and here.cost > answer.cost
-    assert trial.refit(plain).squares == pytest.approx(here.squares)
+    assert (
+        here.criterion == pytest.approx(here.squares + selection.penalty.total(there.terms))
+        and here.criterion > answer.criterion
+    )
+    assert selection.refit(plain).squares == pytest.approx(here.squares)

@@ -1,9 +1,12 @@
 """The makers of the documentation's pages, and the pages that they make."""
 
+import re
 import sys
 from importlib import import_module
 
 import pytest
+
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 @pytest.fixture(scope="session")
@@ -28,3 +31,21 @@ def generated(maker, tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages") / "generated"
     maker("pages").write_pages(folder)
     return folder
+
+
+def _agree(shown, now):
+    """Words equal, numbers within one unit of the last digit that is shown: arithmetic differs by machine."""
+    if NUMBER.split(shown) != NUMBER.split(now):
+        return False
+    for a, b in zip(NUMBER.findall(shown), NUMBER.findall(now), strict=True):
+        digits = a.partition("e")[0].partition(".")[2]
+        unit = 10.0 ** -len(digits) if "e" not in a else 0.1 * abs(float(a))
+        if abs(float(a) - float(b)) > 1.01 * unit:
+            return False
+    return True
+
+
+@pytest.fixture(scope="session")
+def agree():
+    """Whether two texts say the same: words equal, numbers within one unit of the last digit that is shown."""
+    return _agree

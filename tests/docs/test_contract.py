@@ -80,6 +80,7 @@ def written(root, tmp_path_factory):
         ("diagnose", folder / "rub" / "record.csv"),
         ("add", ours, "--effect", "pressure_friction"),
         ("ladder", "nothing_hidden"),
+        ("ladder", "nothing_hidden", *law, "--heldout", "cycle"),
         ("against", "nothing_hidden", ours),
         ("validate", folder / "fit.json", ours),
         ("predict", folder / "fit.json", "--at", poor, "--out", folder / "force.csv"),
@@ -151,6 +152,8 @@ def run(*words):
 
 def made_up_track():
     """The real writer's answer to a run of one rung: a run itself takes a minute."""
+    from pam_ident.leg.mismatch import Mismatch
+    from pam_ident.records.doubt import Doubt
     from pam_ident.schema.track import track_json
 
     tuned = SimpleNamespace(gains=(1.0, 2.0, 3.0), runs=1, rms_deg=1.0, worst_deg=2.0)
@@ -162,7 +165,10 @@ def made_up_track():
     budget = SimpleNamespace(structure=0.1, tuning=0.2, muscle=0.3, by_hand=1.0, automatic=0.8)
     return track_json(
         SimpleNamespace(
-            course=SimpleNamespace(gait=gait),
+            course=SimpleNamespace(gait=gait, lessons=2),
+            off=Mismatch(),
+            ground=None,
+            doubts=(Doubt("outside_range", "flexor", "pressure_MPa"),),
             pid=course,
             pid_by_hand=course,
             ideal=course,

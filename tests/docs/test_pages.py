@@ -132,7 +132,7 @@ def test_a_law_leaves_nothing_of_what_it_can_write_itself(maker):
 def test_signatures_are_compared_beyond_the_law(maker):
     """The cosine of friction and friction over pressure, by plain least squares on the same columns."""
     signatures = maker("signatures")
-    here, record = signatures.ground(signatures.PLAIN_LAW), signatures.standard_record()
+    here, record = signatures.around_law(signatures.PLAIN_LAW), signatures.standard_record()
     inputs = record.inputs
     sliding = -inputs.direction * inputs.moving
     both = np.column_stack([sliding, sliding * inputs.pressure])
@@ -141,3 +141,16 @@ def test_signatures_are_compared_beyond_the_law(maker):
     found = dict(signatures.look_alikes(get_effect("coulomb_friction")[0], list(effects().values())))
     assert found["pressure_friction"] == pytest.approx(cosine, abs=1e-9)
     assert 0.8 < cosine < 0.95
+
+
+READ = ("Tutorial", "How to", "Explanation")
+"""Captions of what is read from top to bottom; in reference and validation one looks things up."""
+
+
+def test_a_page_that_is_read_has_2000_words_at_most(root):
+    index = read(root / "docs" / "index.md")
+    groups = re.findall(r":caption: ([^\n]+)\n:maxdepth: 1\n\n(.*?)```", index, re.S)
+    assert set(READ) < {caption for caption, _ in groups}
+    pages = [name for caption, names in groups if caption in READ for name in names.split()]
+    counts = {name: len(re.findall(r"\S*\w\S*", read(root / "docs" / f"{name}.md"))) for name in pages}
+    assert len(counts) >= 12 and max(counts.values()) <= 2000, counts

@@ -7,37 +7,39 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def pages(root):
-    """The tutorial as it is written, and as it is with the outputs of now."""
+def maker(root):
+    """What writes the outputs of now into the tutorial and the README."""
     spec = importlib.util.spec_from_file_location("make_tutorial", root / "docs" / "make_tutorial.py")
     maker = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(maker)
+    return maker
+
+
+@pytest.fixture(scope="module")
+def pages(maker):
+    """The tutorial as it is written, and as it is with the outputs of now."""
     text = maker.PAGE.read_text(encoding="utf-8")
     return text, maker.refreshed(text), maker.BLOCK
 
 
-NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-
-
-def agree(shown, now):
-    """Words equal, numbers within one unit of the last digit that is shown: arithmetic differs by machine."""
-    if NUMBER.split(shown) != NUMBER.split(now):
-        return False
-    for a, b in zip(NUMBER.findall(shown), NUMBER.findall(now), strict=True):
-        digits = a.partition("e")[0].partition(".")[2]
-        unit = 10.0 ** -len(digits) if "e" not in a else 0.1 * abs(float(a))
-        if abs(float(a) - float(b)) > 1.01 * unit:
-            return False
-    return True
-
-
-@pytest.mark.long
-def test_every_shown_output_is_what_the_program_prints(pages):
-    text, now, _ = pages
+def compare(agree, text, now):
     shown, fresh = text.splitlines(), now.splitlines()
     assert len(shown) == len(fresh), "run `python docs/make_tutorial.py`, and read the page again"
     wrong = [(a, b) for a, b in zip(shown, fresh, strict=True) if not agree(" ".join(a.split()), " ".join(b.split()))]
     assert not wrong, "run `python docs/make_tutorial.py`, and mend the words around what changed"
+
+
+@pytest.mark.long
+def test_every_shown_output_is_what_the_program_prints(pages, agree):
+    compare(agree, *pages[:2])
+
+
+@pytest.mark.long
+def test_the_readme_shows_what_the_program_prints(maker, agree):
+    text = maker.README.read_text(encoding="utf-8")
+    (block,) = maker.BLOCK.finditer(text)
+    assert len(block["output"].splitlines()) == 10
+    compare(agree, text, maker.refreshed(text))
 
 
 @pytest.mark.long
@@ -61,7 +63,7 @@ def test_the_tutorial_ends_with_the_hidden_effect(pages):
     assert any("verdict adequate" in o for c, o in outputs.items() if "nothing_hidden" in c)
 
 
-def test_a_changed_digit_is_noticed():
+def test_a_changed_digit_is_noticed(agree):
     assert agree("rmse 6.34 N, largest error 18.4 N", "rmse 6.35 N, largest error 18.4 N")
     assert not agree("rmse 6.34 N", "rmse 6.36 N")
     assert not agree("Missing: creep", "Missing: damping")

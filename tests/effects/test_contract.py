@@ -42,7 +42,7 @@ def test_the_effects_of_the_contract_are_there():
     assert set(wanted.split()) <= set(catalogue())
 
 
-def test_a_printed_formula_is_offered_with_a_warning_and_never_as_a_suspect():
+def test_a_printed_formula_is_offered_with_a_warning_and_never_as_a_candidate():
     printed = catalogue()["bladder_elasticity_printed"]
     assert not printed.candidate and "bladder_elasticity" in printed.warning
 

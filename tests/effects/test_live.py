@@ -88,7 +88,7 @@ def forces(k=slice(None)):
 
 
 def shape_of(form):
-    return {p.name: p.clip(1.15 * p.start if p.start else 0.1 * p.scale) for p in form.shapes}
+    return {p.name: p.clip(1.15 * p.start if p.start else 0.1 * p.scale) for p in form.nonlinear}
 
 
 @EACH_FORM
@@ -176,4 +176,4 @@ def test_what_a_rig_keeps_in_holds_is_not_there_live(name):
     rest = replace(instant(5), direction=np.zeros(3), velocity=np.zeros(3), stroke_speed=np.zeros(3), live=Live(None))
     for form in catalogue()[name].forms:
         columns = form.columns(rest, shape_of(form), np.zeros(3))
-        assert columns.shape == (3, len(form.sizes)) and not columns.any()
+        assert columns.shape == (3, len(form.linear)) and not columns.any()

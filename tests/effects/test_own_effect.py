@@ -82,8 +82,8 @@ def test_two_roles_at_once_are_refused(tmp_path):
 
 
 BREAKS = {
-    "columns of one dimension": ("[:, None]", "", "expected (samples, sizes) = "),
-    "a misspelt shape": ('shape["length"]', 'shape["lenght"]', "KeyError: 'lenght', line"),
+    "columns of one dimension": ("[:, None]", "", "expected (samples, linear) = "),
+    "a misspelt shape": ('values["length"]', 'values["lenght"]', "KeyError: 'lenght', line"),
     "a formula that blows up": ("xp.exp(-inputs.displacement_mm", "xp.exp(1e3 / inputs.displacement_mm", "not finite"),
     "a force of nothing": ("scale=10.0", "scale=1e-6", "N rms; set scale"),
     "an unreadable unit": ('"A", "N"', '"A", "pounds"', "unit 'pounds'"),
@@ -102,7 +102,7 @@ BREAKS = {
         "xp.sin(inputs.displacement_mm * 60 /",
         "leaves",
     ),
-    "a shape in steps": ('shape["length"])', 'round(float(shape["length"]), 3))', "not smooth in mine.length"),
+    "a shape in steps": ('values["length"])', 'round(float(values["length"]), 3))', "not smooth in mine.length"),
     "functions of NumPy's": ("xp = inputs.pressure.__array_namespace__()", "import numpy as xp", "not from numpy"),
     "a sum over samples": ("-inputs.displacement_mm /", "-xp.cumsum(inputs.displacement_mm) /", "rows are muscles"),
     "a memory that is not told": (
@@ -125,8 +125,8 @@ def test_what_is_broken_is_told(case, tmp_path, record):
 OTHER = Param("B", "N", "the same again", -1000.0, 1000.0, scale=10.0)
 
 
-def _twice(inputs, shape, force):
-    return inputs.xp.hstack([_columns(inputs, shape, force)] * 2)
+def _twice(inputs, values, force):
+    return inputs.xp.hstack([_columns(inputs, values, force)] * 2)
 
 
 EFFECT ="""

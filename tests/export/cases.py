@@ -122,7 +122,7 @@ def expected(case: Case, inputs: Inputs) -> np.ndarray:
 def law_values(law, seed: int) -> dict[str, float]:
     rng = np.random.default_rng(seed)
     values = {q.name: q.scale * rng.uniform(0.3, 1.5) for q in law.linear}
-    return values | {q.name: rng.uniform(min(q.grid), max(q.grid)) for q in law.shape}
+    return values | {q.name: rng.uniform(min(q.grid), max(q.grid)) for q in law.nonlinear}
 
 
 def cases() -> list[Case]:

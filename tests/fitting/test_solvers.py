@@ -30,9 +30,9 @@ def decay(rate_bounds=(-np.inf, np.inf), size_bounds=(-np.inf, np.inf), sigma=0.
     """y = a exp(−k x) + c with a = 3, k = 1.3, c = 0.5, and noise."""
     y = 3.0 * np.exp(-1.3 * X) + 0.5 + sigma * np.random.default_rng(seed).standard_normal(len(X))
     linear = (Param("a", "N", "", *size_bounds, start=max(0.0, size_bounds[0])), Param("c", "N", ""))
-    curved = (Param("k", "1", "", *rate_bounds, start=float(np.clip(0.6, *rate_bounds)), scale=0.5),)
+    nonlinear = (Param("k", "1", "", *rate_bounds, start=float(np.clip(0.6, *rate_bounds)), scale=0.5),)
     ones = np.ones_like(X)
-    return Problem(linear, curved, lambda q: (np.column_stack([np.exp(-q["k"] * X), ones]), 0.0 * X), y, **options)
+    return Problem(linear, nonlinear, lambda q: (np.column_stack([np.exp(-q["k"] * X), ones]), 0.0 * X), y, **options)
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +139,7 @@ def test_grids_are_all_tried_and_a_named_start_only():
     problem.starts(24)
     assert tried == [0.2, 1.0, 5.0]
     tried.clear()
-    Problem(problem.linear, problem.curved, design, problem.target, {"k": 0.7}).starts(24)
+    Problem(problem.linear, problem.nonlinear, design, problem.target, {"k": 0.7}).starts(24)
     assert tried == [0.7]
 
 

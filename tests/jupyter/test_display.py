@@ -109,8 +109,8 @@ def test_no_name_of_a_user_becomes_markup(shown, record, diagnosis, ladder):
         columns={"force": HOSTILE},
         inputs=replace(record.inputs, specimen=specimen),
     )
-    suspect = replace(diagnosis.ranking[0], effect=HOSTILE, label=HOSTILE, why=HOSTILE)
-    told = replace(diagnosis, sentence=HOSTILE, ranking=(suspect, *diagnosis.ranking[1:]))
+    candidate = replace(diagnosis.ranking[0], effect=HOSTILE, label=HOSTILE, why=HOSTILE)
+    told = replace(diagnosis, sentence=HOSTILE, ranking=(candidate, *diagnosis.ranking[1:]))
     rung = replace(ladder.rungs[1], why=HOSTILE)
     one = fit(Model.build("modified_chou_hannaford"), mine)
     odd = replace(one, given=(replace(one.estimates[0], doc=HOSTILE, unit=HOSTILE), *one.estimates[1:]))
@@ -133,6 +133,12 @@ def test_results_import_neither_matplotlib_nor_jinja_nor_ipython():
         f"print({heavy})"
     )
     assert run_in_python(code) == "[]"
+
+
+def test_what_a_result_shows_waits_for_no_jax():
+    """It takes seconds to import, and only the leg needs it."""
+    code = "import sys, pam_ident.notebook.pages, pam_ident.report.render\nprint('jax' in sys.modules)"
+    assert run_in_python(code) == "False"
 
 
 @pytest.mark.long

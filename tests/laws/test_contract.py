@@ -18,7 +18,7 @@ EACH_LAW = pytest.mark.parametrize("law", catalogue().values(), ids=catalogue())
 
 
 def each_law_that_has(what: str):
-    """The laws of which a list of parameters, such as `shape`, holds any."""
+    """The laws of which a list of parameters, such as `nonlinear`, holds any."""
     found = {name: law for name, law in catalogue().items() if getattr(law, what)}
     return pytest.mark.parametrize("law", found.values(), ids=found)
 
@@ -30,13 +30,13 @@ def states(seed: int, n: int = 40):
 
 
 def random_values(law: Law, seed: int) -> dict[str, float]:
-    """Linear parameters of the typical size, positive where the bounds ask for it; shapes between their grid's ends."""
+    """Linear parameters of the typical size, positive where bounds ask for it; others between their grid's ends."""
     rng = np.random.default_rng(seed)
     values = {}
     for q in law.linear:
         size = q.scale * rng.uniform(0.2, 1.5)
         values[q.name] = size if q.lower >= 0.0 else size * rng.choice([-1.0, 1.0])
-    return values | {q.name: rng.uniform(min(q.grid), max(q.grid)) for q in law.shape}
+    return values | {q.name: rng.uniform(min(q.grid), max(q.grid)) for q in law.nonlinear}
 
 
 @EACH_LAW
@@ -48,7 +48,7 @@ def test_a_law_is_linear_in_what_it_calls_linear(law):
     force = law.force(p, e, MUSCLE, values)
     np.testing.assert_allclose(force, fixed + sum(columns[:, k] * values[q.name] for k, q in enumerate(law.linear)))
     mixed = {q.name: 2.0 * values[q.name] - 3.0 * other[q.name] for q in law.linear}
-    shape = {q.name: values[q.name] for q in law.shape}
+    shape = {q.name: values[q.name] for q in law.nonlinear}
     second = law.force(p, e, MUSCLE, other | shape)
     expected = 2.0 * (force - fixed) - 3.0 * (second - fixed) + fixed
     np.testing.assert_allclose(law.force(p, e, MUSCLE, mixed | shape), expected, rtol=1e-9, atol=1e-9)
@@ -68,7 +68,7 @@ def test_a_law_is_finite_at_the_corners_of_its_bounds_and_of_the_working_range(l
 
 @each_law_that_has("linear")
 def test_the_columns_of_a_law_are_told_apart_by_as_many_pressures_as_it_says(law):
-    shape = {q.name: q.start for q in law.shape}
+    shape = {q.name: q.start for q in law.nonlinear}
 
     def rank(levels):
         p, e = (np.ravel(g) for g in np.meshgrid(np.linspace(0.1, 0.6, levels), np.linspace(0.0, 0.25, 20)))
@@ -96,7 +96,7 @@ def test_jax_and_numpy_agree(law):
     jax = pytest.importorskip("jax")
     p, e = states(7)
     values = random_values(law, 8)
-    shape = {q.name: values[q.name] for q in law.shape}
+    shape = {q.name: values[q.name] for q in law.nonlinear}
     with jax.enable_x64(True):
 
         @jax.jit
@@ -113,12 +113,12 @@ def test_jax_and_numpy_agree(law):
             assert np.all(np.abs(np.asarray(answer) - wanted) <= 1e-12 * size)
 
 
-@each_law_that_has("shape")
-def test_jax_traces_many_shapes_at_once(law):
+@each_law_that_has("nonlinear")
+def test_jax_traces_many_values_at_once(law):
     jax = pytest.importorskip("jax")
     p, e = states(9)
-    names = [q.name for q in law.shape]
-    several = np.array([[q.start, *q.grid] for q in law.shape]).T
+    names = [q.name for q in law.nonlinear]
+    several = np.array([[q.start, *q.grid] for q in law.nonlinear]).T
     with jax.enable_x64(True):
 
         def columns(shape):
@@ -169,7 +169,7 @@ def test_a_law_names_itself_its_source_and_its_parameters(law):
     assert law.name.isidentifier() and law.title and law.formula and law.source
     assert all(q.name.isidentifier() and q.doc for q in law.params)
     assert len({q.name for q in law.params}) == len(law.params)
-    assert all(q.grid and q.lower <= min(q.grid) and max(q.grid) <= q.upper for q in law.shape)
+    assert all(q.grid and q.lower <= min(q.grid) and max(q.grid) <= q.upper for q in law.nonlinear)
     for q in law.params:
         symbols = set(re.split(r"[·/()]", re.sub(r"\^\d", "", q.unit))) - {""}
         assert symbols and symbols <= UNITS, f"{q.name}: {q.unit!r}"

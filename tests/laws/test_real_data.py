@@ -1,4 +1,4 @@
-"""The laws on measured muscles: the errors that docs/laws.md tells, against fits made here without the program."""
+"""The laws on measured muscles: the errors on the page about them, against fits made here without the program."""
 
 import re
 import runpy
@@ -105,7 +105,7 @@ def test_laws_that_lean_on_the_braid_are_told_from_those_that_do_not(bench):
 
 
 def test_the_page_tells_the_errors_on_the_map(root, bench):
-    page = (root / "docs" / "laws.md").read_text(encoding="utf-8")
+    page = (root / "docs" / "laws_measured.md").read_text(encoding="utf-8")
     part = page.split("**DMSP-20-300**")[1].split("\n\n**")[0]
     told = {name: float(value) for name, value in re.findall(r"\| `(\w+)` \| [\d*]+ \| ([\d.]+) \|", part)}
     record = bench["static_map"]()

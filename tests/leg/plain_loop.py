@@ -117,16 +117,18 @@ def runge_kutta(slope, begin, end, state, steps=10):
 
 def smooth_example(damping=400.0, **changes):
     """A muscle without friction whose slopes have no corner but the valves', in floats and as `pam_ident` has it."""
+    from dataclasses import replace
+
     from pam_ident.core import Specimen
     from pam_ident.leg.muscle import Muscle
-    from pam_ident.leg.pair import Pair
+    from pam_ident.leg.pair import pair_of
     from pam_ident.model import Model
 
     law = {"a0": -150.0, "a1": 2400.0, "b0": 900.0, "b1": 5500.0, "c0": 20.0, "c1": 690.0, "mu": 45.0}
     values = {**law, "viscous_damping.B": damping}
     specimen = Specimen("made", 200.0, 10.0, 25.4, 1.5)
     model = Model.build("exponential_law", ("viscous_damping",))
-    pair = Pair(Muscle(model, specimen, values, values), **changes)
+    pair = replace(pair_of(Muscle(model, specimen, values, values)), **changes)
     plain = PlainLeg(
         leg=pair.leg,
         supply=pair.supply,

@@ -1,5 +1,6 @@
 """The leg in the prototype under control: beside the reduced leg, and the goals of tracking over a whole stride."""
 
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -10,7 +11,7 @@ from pam_ident.leg.course import Course
 from pam_ident.leg.gait import winter
 from pam_ident.leg.loop import Loop
 from pam_ident.leg.muscle import Muscle
-from pam_ident.leg.pair import Pair
+from pam_ident.leg.pair import pair_of
 from pam_ident.leg.track import _Prototype, _Reduced
 from pam_ident.records.datasets import dataset_path
 
@@ -29,11 +30,12 @@ def runs():
     folder = dataset_path("leg_muscle")
     plant, last = Muscle.read(folder / "plant.json")[-1], Muscle.read(folder / "ladder.json")[-1]
     course = Course(winter(1.0))
-    bench = _Prototype(Loop(Pair(plant)), course)
+    loop = Loop(pair_of(plant))
+    bench = _Prototype(loop, course, loop)
     mean = np.full((1, len(course.time), 2), bench.plant.pair.mean_MPa)
     found = {"pid": bench.run(course.task(mean), GAINS)}
-    reduced = _Reduced(bench.plant, course).run(course.task(mean), GAINS)
-    found["rung"] = bench.rung(last, GAINS, seed=1).tracking
+    reduced = _Reduced(loop, course, loop).run(course.task(mean), GAINS)
+    found["rung"] = bench.rung(replace(loop.pair, muscle=last), GAINS, seed=1).tracking
     return bench, found, reduced
 
 

@@ -52,7 +52,8 @@ def bench():
     """A run-in and 0.1 s that are judged, of a muscle whose force per pressure is uncertain by a few per cent."""
     pair, _ = smooth_example()
     course = Course(winter(1.0), Window(0.0, 0.1))
-    return _Reduced(Loop(pair), course), pair.muscle
+    loop = Loop(pair)
+    return _Reduced(loop, course, loop), pair.muscle
 
 
 def with_spread(muscle, share):
@@ -64,7 +65,8 @@ def with_spread(muscle, share):
 @pytest.mark.long
 def test_a_band_holds_the_fit_that_is_nearly_right_and_widens_with_its_uncertainty(bench):
     reduced, muscle = bench
-    narrow, wide = (reduced.rung(with_spread(muscle, share), GAINS, seed=3) for share in (0.002, 0.02))
+    models = (replace(reduced.plant.pair, muscle=with_spread(muscle, share)) for share in (0.002, 0.02))
+    narrow, wide = (reduced.rung(model, GAINS, seed=3) for model in models)
     own = narrow.tracking.rms_deg
     assert own < 0.1 and len(narrow.tracking.time) == 20 and narrow.tracking.time[0] == pytest.approx(1.0)
     assert wide.tracking.rms_deg == pytest.approx(own, rel=1e-9)  # the run is that of the fit itself

@@ -11,8 +11,7 @@ from pam_ident.leg.course import Course
 from pam_ident.leg.feed_forward import FeedForward, PressurePlan
 from pam_ident.leg.gait import winter
 from pam_ident.leg.loop import Log, Loop, Scale, Task
-from pam_ident.leg.pair import SUPPLY
-from pam_ident.leg.pneumatics import ATMOSPHERE
+from pam_ident.leg.pneumatics import ATMOSPHERE, Supply
 from pam_ident.leg.trouble import WORDS, plan_troubles, troubles
 
 N, JUDGED = 100, slice(20, 100)
@@ -93,7 +92,7 @@ def test_nothing_is_told_of_calm_nor_of_a_glitch_nor_of_what_is_not_judged(pair)
 
 
 def test_a_weak_supply_is_told_below_the_muscles_limit(pair):
-    weak = replace(pair, supply=replace(SUPPLY, pressure_Pa=0.4e6 + ATMOSPHERE))
+    weak = replace(pair, supply=replace(pair.supply, pressure_Pa=0.4e6 + ATMOSPHERE))
     log = log_of(reference=from_sample(0.3 * PAIRS, 60, 0.45))
     assert not found(pair, log) and found(weak, log)["supply"].time_s == pytest.approx(0.3)
 
@@ -129,7 +128,7 @@ def test_a_large_sprocket_asks_stroke_that_the_muscle_does_not_have(pair):
     ("kind", "changes"),
     [
         ("slack", {"mean_MPa": 0.2}),
-        pytest.param("supply", {"supply": replace(SUPPLY, pressure_Pa=0.25e6 + ATMOSPHERE)}, marks=pytest.mark.long),
+        pytest.param("supply", {"supply": Supply(0.25e6 + ATMOSPHERE)}, marks=pytest.mark.long),
     ],
 )
 def test_a_run_of_a_leg_that_is_asked_too_much(pair, task, kind, changes):

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pam_ident.diagnosis.nouns import Diagnosis, Experiment, Ladder, Pattern, Rung, Suspect
+from pam_ident.diagnosis.nouns import Candidate, Diagnosis, Experiment, Ladder, Pattern, Rung
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import Specimen, build_record
@@ -60,11 +60,11 @@ def make_diagnosis(record, pattern=None):
     base = fit(Model.build(LAW), record)
     best = fit(Model.build(LAW, ("coulomb_friction",)), record)
     ranking = (
-        Suspect("coulomb_friction", "coulomb_friction", "candidate", 0.97, best.rmse, 0.6, "explains 99 %"),
-        Suspect("viscous_damping", "viscous_damping:power", "candidate", 0.02, 0.9 * base.rmse, None),
-        Suspect("creep", "creep", "candidate", 0.05, 0.95 * base.rmse, 8.2),
-        Suspect("force_bias", "force_bias", "absorbed_by_law", 0.0, why="the law holds k2"),
-        Suspect("thermal_softening", "thermal_softening", "not_excited", 0.0, why="no temperature"),
+        Candidate("coulomb_friction", "coulomb_friction", "candidate", 0.97, best.rmse, 0.6, "explains 99 %"),
+        Candidate("viscous_damping", "viscous_damping:power", "candidate", 0.02, 0.9 * base.rmse, None),
+        Candidate("creep", "creep", "candidate", 0.05, 0.95 * base.rmse, 8.2),
+        Candidate("force_bias", "force_bias", "absorbed_by_law", 0.0, why="the law holds k2"),
+        Candidate("thermal_softening", "thermal_softening", "not_excited", 0.0, why="no temperature"),
     )
     return Diagnosis(
         base=base,

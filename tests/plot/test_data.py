@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from pam_ident.diagnosis.compare import compare
-from pam_ident.diagnosis.follows import DRIVERS
+from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.nouns import Follows, Pattern
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.plot import (
+    candidates,
     failure_map,
     follows,
     measured_against_model,
     profiles,
     residual_pattern,
     signature,
-    suspects,
 )
 from pam_ident.plot import (
     ladder as ladder_figure,
@@ -111,8 +111,8 @@ def test_ladder_names_what_each_rung_adds(ladder, diagnosis):
     assert shown.noise_floor == 0.5
 
 
-def test_suspects_put_the_likely_first_and_the_unseen_last(diagnosis):
-    shown = suspects.data(diagnosis)
+def test_candidates_put_the_likely_first_and_the_unseen_last(diagnosis):
+    shown = candidates.data(diagnosis)
     assert [b.label for b in shown.bars] == [
         "coulomb_friction",
         "creep",
@@ -126,7 +126,7 @@ def test_suspects_put_the_likely_first_and_the_unseen_last(diagnosis):
     assert [b.note for b in shown.bars[3:]] == ["absorbed by the law", "not excited by this record"]
     assert all(math.isnan(b.rmse_after) for b in shown.bars[3:])
     assert shown.before == diagnosis.base.rmse
-    assert [b.label for b in suspects.data(diagnosis, limit=1).bars][1:] == ["force_bias", "thermal_softening"]
+    assert [b.label for b in candidates.data(diagnosis, limit=1).bars][1:] == ["force_bias", "thermal_softening"]
 
 
 def test_signature_is_the_change_of_the_model(diagnosis):

@@ -12,7 +12,7 @@ from pam_ident.plot.style import running_mean, signed, spread, thin
 
 
 def test_the_same_figure_gives_the_same_file(diagnosis):
-    assert plot.to_svg(plot.suspects.draw(diagnosis)) == plot.to_svg(plot.suspects.draw(diagnosis))
+    assert plot.to_svg(plot.candidates.draw(diagnosis)) == plot.to_svg(plot.candidates.draw(diagnosis))
 
 
 def test_tables_and_odd_texts_can_be_drawn(table, diagnosis):
@@ -21,9 +21,9 @@ def test_tables_and_odd_texts_can_be_drawn(table, diagnosis):
     plot.to_svg(plot.failure_map.draw(compare(one)))
     plot.to_svg(plot.signature.draw(one, one))
     odd = replace(diagnosis.ranking[0], label="$x_{ <b>")
-    svg = plot.to_svg(plot.suspects.draw(replace(diagnosis, ranking=(odd,))))
+    svg = plot.to_svg(plot.candidates.draw(replace(diagnosis, ranking=(odd,))))
     assert "$x_{ &lt;b&gt;" in svg
-    plot.to_svg(plot.suspects.draw(replace(diagnosis, ranking=())))
+    plot.to_svg(plot.candidates.draw(replace(diagnosis, ranking=())))
 
 
 def test_isobar_labels_do_not_overlap(diagnosis):

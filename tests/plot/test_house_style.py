@@ -100,7 +100,7 @@ DRAW = {
         d.best, Pattern("local", "contraction", 12.0, "mm", 0.2, "")
     ),
     "signature": lambda d, _: plot.signature.draw(d.base, d.best),
-    "suspects": lambda d, _: plot.suspects.draw(d),
+    "candidates": lambda d, _: plot.candidates.draw(d),
     "tracking": lambda d, _: tracking.draw(track()),
 }
 

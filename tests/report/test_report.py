@@ -207,12 +207,12 @@ def test_numbers():
     ]
 
 
-def test_ladder_and_suspect_tables(diagnosis, ladder):
+def test_ladder_and_candidate_tables(diagnosis, ladder):
     table = tables.ladder(ladder)
     assert table.rows[1][:3] == ("1", "+ coulomb_friction", str(len(diagnosis.best.model.params)))
     assert table.rows[1][3] == number(diagnosis.best.rmse, 3)
     assert table.rows[1][6] == "halves the error"
-    rows = tables.suspects(diagnosis).rows
+    rows = tables.candidates(diagnosis).rows
     assert rows[0][:3] == ("Coulomb friction (coulomb_friction)", "selected", "97%")
     assert rows[3][1:5] == ("absorbed by the law", "–", "–", "–")
 
@@ -247,14 +247,14 @@ def test_tables_and_figures_can_be_read_aloud(parsed):
 
 def test_hostile_names_stay_text(section, diagnosis):
     bad = "<script>alert(1)</script>"
-    suspect = replace(diagnosis.ranking[0], label=bad, why=bad)
+    candidate = replace(diagnosis.ranking[0], label=bad, why=bad)
     hostile = replace(
         section,
         record=replace(section.record, name=bad, source=bad, columns={"force": bad}),
         diagnosis=replace(
             section.diagnosis,
             sentence=bad,
-            ranking=(suspect, *diagnosis.ranking[1:]),
+            ranking=(candidate, *diagnosis.ranking[1:]),
             pattern=Pattern("local", bad, 12.0, '"><b>', 0.1, bad),
         ),
         warnings=(bad,),

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from pam_ident.core import UsageError
+from pam_ident.core import DataError, UsageError
 from pam_ident.fitting import fit
 from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model
@@ -74,8 +74,9 @@ def asked(monkeypatch):
     """What the layer below is asked to run."""
     seen = {}
 
-    def stand_in(loop, controllers, course, gains, prototype):
+    def stand_in(loop, controllers, course, gains, prototype, off, ground):
         seen.update(loop=loop, controllers=controllers, course=course, gains=gains, prototype=prototype)
+        seen.update(off=off, ground=ground)
 
     monkeypatch.setattr(track_leg, "track", stand_in)
     return seen
@@ -101,6 +102,33 @@ def test_wishes_are_heard(asked):
     assert asked["course"].gait.name == "knee_mean_sd" and asked["course"].gait.cadence_Hz == 0.8
     first = asked["course"].time[asked["course"].judged][0]
     assert first == pytest.approx(1.0 / 0.8 + 0.6) and asked["course"].judged.stop == len(asked["course"].time)
+
+
+def test_a_leg_of_a_file_is_heard_and_what_is_said_besides_goes_before_it(asked, tmp_path):
+    (tmp_path / "fit.json").write_bytes((FOLDER / "plant.json").read_bytes())
+    (tmp_path / "leg.toml").write_text(
+        '[muscles]\nplant = "fit.json"\n[sprocket]\nradius_m = 0.04\n[supply]\npressure_MPa = 0.65\n'
+        '[load]\nmass_kg = 1\n[off]\nforce = [1.05, 0.95]\nmass = 1.2\nunknown = "creep"\nsize = 2.0\n'
+    )
+    track_leg.track_leg(TrackOptions(leg=str(tmp_path / "leg.toml"), load_kg=2.0, ageing=1.0))
+    pair, off = asked["loop"].pair, asked["off"]
+    assert pair.leg.sprocket_radius_m == 0.04 and pair.leg.load_mass_kg == 2.0
+    assert pair.supply.pressure_Pa == 0.65e6 + 101325.0 and asked["ground"] is None
+    assert len(asked["controllers"]) == 1  # the plant's own fit, as where --plant is given alone
+    assert (off.force, off.mass, off.ageing, off.unknown.label, off.size) == ((1.05, 0.95), 1.2, 0.01, "creep", 2.0)
+
+
+def test_a_plant_that_is_off_a_ground_and_lessons_are_heard(asked):
+    track_leg.track_leg(TrackOptions(off=(-10.0, 10.0), unknown="creep", ground=True, prototype=True, learn=4))
+    assert asked["off"].force == pytest.approx((0.9, 1.1)) and asked["off"].unknown.effect.name == "creep"
+    assert asked["ground"].below_hip_m == 0.913 and asked["course"].lessons == 4
+    assert len(asked["course"].time) == 1200 and asked["course"].judged == slice(1000, 1200)
+
+
+def test_a_knee_that_does_not_close_is_bad_data_of_its_file(tmp_path):
+    (tmp_path / "leg.toml").write_text("[knee]\nrocker_shank_m = [0.008, 0.19]\n")
+    with pytest.raises(DataError, match=r"leg\.toml: \[knee\] the four-bar knee cannot close"):
+        track_leg.track_leg(TrackOptions(leg=str(tmp_path / "leg.toml")))
 
 
 @pytest.mark.parametrize("wrong", [{"gains": (1.0, None, None)}, {"supply_MPa": 0.0}, {"load_kg": -1.0}])

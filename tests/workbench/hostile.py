@@ -44,7 +44,8 @@ KEYS = {
     "ColumnDataChanged": ("model", "attr", "data", "cols"), "RootAdded": ("model",), "RootRemoved": ("model",),
     "Nonsense": ("model", "new"),
 }  # fmt: skip
-LEAK = re.compile(r"site-packages|\.py\b|Traceback|root:x:|/tmp/|/home/|/work/")
+PROJECT = re.escape(str(Path(__file__).parents[2]))
+LEAK = re.compile(rf"site-packages|\.py\b|Traceback|root:x:|/tmp/|/home/|{PROJECT}")
 LOG = "log.txt"
 
 
@@ -62,7 +63,8 @@ def serving(root, place):
             yield int(re.search(r":(\d+)", process.stdout.readline())[1])
         finally:
             process.send_signal(signal.SIGINT)
-            process.wait(30)
+            code = process.wait(20)
+    assert code in (0, 130), code
 
 
 def tried(count, seed, root):

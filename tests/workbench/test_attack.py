@@ -4,18 +4,19 @@ import asyncio
 import base64
 import http.client
 import json
-import os
 import re
-import signal
-import subprocess
 import sys
 from contextlib import closing
+from pathlib import Path
 
 import pytest
 
 pytest.importorskip("panel")
 pytestmark = pytest.mark.long
 
+sys.path.insert(0, str(Path(__file__).parent))
+
+import hostile  # noqa: E402
 from bokeh.client import ClientSession  # noqa: E402
 from bokeh.document.events import MessageSentEvent  # noqa: E402
 from bokeh.events import DocumentReady  # noqa: E402
@@ -26,26 +27,16 @@ from tornado.websocket import websocket_connect  # noqa: E402
 
 import pam_ident.workbench.cards  # noqa: E402, F401 - a client decodes only models that it knows
 
-LOG = "log.txt"
-
 
 @pytest.fixture(scope="module")
 def served(root, tmp_path_factory):
     """Port and folder of a workbench; in the end nothing was left in the folder, and no traceback in the log."""
     place = tmp_path_factory.mktemp("served")
-    words = [sys.executable, "-m", "pam_ident", "workbench", "--no-browser", "--port", "0"]
-    environment = {**os.environ, "PYTHONPATH": str(root), "TMPDIR": str(place)}
-    with (
-        (place / LOG).open("w") as log,
-        subprocess.Popen(words, stdout=subprocess.PIPE, stderr=log, text=True, cwd=place, env=environment) as process,
-    ):
-        assert process.stdout is not None
-        yield int(re.search(r":(\d+)", process.stdout.readline()).group(1)), place
-        process.send_signal(signal.SIGINT)
-        assert process.wait(20) in (0, 130)
-    text = (place / LOG).read_text()
+    with hostile.serving(root, place) as port:
+        yield port, place
+    text = (place / hostile.LOG).read_text()
     assert "Traceback" not in text and 'File "' not in text, text[-2000:]
-    assert [one.name for one in place.iterdir()] == [LOG]
+    assert [one.name for one in place.iterdir()] == [hostile.LOG]
 
 
 def asked(port, path, host=None):

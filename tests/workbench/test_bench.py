@@ -7,9 +7,10 @@ import pytest
 
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.records import read_record
+from pam_ident.records.specimen_file import specimen_toml
 from pam_ident.tasks.setup import Setup
 from pam_ident.workbench import words
-from pam_ident.workbench.bench import Bench, specimen_toml
+from pam_ident.workbench.bench import Bench
 from pam_ident.workbench.dropped import read_dropped, safe_name
 
 

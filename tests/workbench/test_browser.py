@@ -214,7 +214,7 @@ def test_a_foreign_file_goes_from_drop_to_named_effect_by_keyboard(opened, forei
     press("Enter")
     tried(opened)
     tab_to("Coulomb friction")
-    assert len(opened.evaluate("Bokeh.documents[0].get_model_by_name('preview').get_column('x').length + ''")) > 2
+    opened.wait_for_function("() => Bokeh.documents[0].get_model_by_name('preview').get_column('x').length > 99")
     press("Enter")
     opened.get_by_text("Adequate").wait_for()
     assert opened.evaluate(FOCUSED) != "", "the keyboard's place is kept"

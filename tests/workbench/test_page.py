@@ -43,13 +43,13 @@ def choose(page, cards, key):
 @pytest.mark.long
 def test_the_story_from_verdict_to_adequate_and_back(page):
     assert "Effect missing" in page.verdict.object and "Missing: Coulomb friction" in page.verdict.object
-    first = page.suspects.items[0]
+    first = page.candidates.items[0]
     assert first["key"].startswith("coulomb_friction") and first["kind"] == "named"
     assert first["text"].startswith("probability 9")
     left = page.bench.previews[0].rmse
-    choose(page, page.suspects, first["key"])
+    choose(page, page.candidates, first["key"])
     assert page.bench.fit.rmse == left, "what a candidate would leave is what adding it leaves"
-    assert "Adequate" in page.verdict.object and page.suspects.items == []
+    assert "Adequate" in page.verdict.object and page.candidates.items == []
     assert "--effect coulomb_friction" in page.side.command.object
     assert b"<html" in page.side.save.callback().read()
     choose(page, page.side.terms, "coulomb_friction")
@@ -60,7 +60,7 @@ def test_the_story_from_verdict_to_adequate_and_back(page):
 @pytest.mark.long
 def test_undo_and_redo_show_what_was_found_and_a_new_step_forgets_what_was_undone(page):
     first = page.bench
-    choose(page, page.suspects, page.suspects.items[0]["key"])
+    choose(page, page.candidates, page.candidates.items[0]["key"])
     added = page.bench
     choose(page, page.steps, "undo")
     assert page.bench is first and page.work is None and page.setup.effects == ()
@@ -107,8 +107,8 @@ def test_what_is_drawn_is_the_record_also_without_a_clock(page):
 
 
 def test_a_grave_warning_stops_naming_until_it_is_answered_all_the_same(folder, tmp_path, monkeypatch):
-    whole = tasks_diagnose.diagnose  # one suspect is enough
-    monkeypatch.setattr(tasks_diagnose, "diagnose", lambda *given: whole(*given[:-1], ("coulomb_friction",)))
+    whole = tasks_diagnose.diagnose  # one candidate is enough
+    monkeypatch.setattr(tasks_diagnose, "diagnose", lambda *given: whole(*given[:3], ("coulomb_friction",)))
     lines = (folder / "record.csv").read_text().splitlines()
     rows = [line.rpartition(",") for line in lines[1:]]
     clipped = "\n".join([lines[0], *(f"{rest},{min(float(force), 500.0)}" for rest, _, force in rows)])

@@ -1,7 +1,7 @@
 """What a pattern is, and what several of them are made of.
 
-Columns of a pattern take arrays (m,) of shapes, too, and are then (n, k m) of k sizes, all of the first size first;
-where the contraction is given in single precision, so are they.
+Columns of a pattern take arrays (m,) of values, too, and are then (n, k m) of k linear parameters, all of the first one
+first; where the contraction is given in single precision, so are they.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core import Inputs, Param
 from ...effects import Form
-from ...effects.base import Array, Shape
+from ...effects.base import Array, Values
 
 FAR = 8.0
 """Standard deviations at which a bell's tail stays what it is, 1e-14."""
@@ -56,8 +56,7 @@ class Extent:
 @dataclass(frozen=True)
 class PatternShape:
     """A pattern: its `name`, the `kind` and `coordinate` it has in an answer, its forms over a record's span, and
-    `words`, which describes it by the values of its shapes and the coordinate; `elsewhere` has the coordinate of forms
-    along another.
+    `words`, which describes it by its values and the coordinate; `elsewhere` has the coordinate of forms along another.
     """
 
     name: str
@@ -75,7 +74,7 @@ def steps(low: float, span: float, count: int) -> tuple[float, ...]:
 
 
 def searched(name: str, unit: str, doc: str, grid: Iterable[float]) -> Param:
-    """A shape that is looked for from a grid, with bounds a little beyond its ends."""
+    """A parameter that is looked for from a grid, with bounds a little beyond its ends."""
     values = tuple(map(float, grid))
     return Param(name, unit, doc, min(values) * 0.8, max(values) * 1.25, start=values[0], grid=values)
 
@@ -102,10 +101,10 @@ def bell(away: Array) -> Array:
     return np.exp(-0.5 * np.minimum(away * away, FAR**2))
 
 
-def after(inputs: Inputs, shape: Shape) -> Array:
+def after(inputs: Inputs, values: Values) -> Array:
     """1 from a moment on, before it 0, shape (n, m)."""
     assert inputs.time is not None
-    return like(inputs, inputs.time[:, None] >= shape["moment"])
+    return like(inputs, inputs.time[:, None] >= values["moment"])
 
 
 def wave(along: Array, period: Array | float) -> Array:

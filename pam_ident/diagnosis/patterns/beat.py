@@ -6,7 +6,7 @@ import numpy as np
 
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form, TransformsPressure
-from ...effects.base import Array, Shape
+from ...effects.base import Array, Values
 from .base import WAVE, Extent, PatternShape, searched, wave
 
 PRESSURE_WAVE = (
@@ -15,9 +15,9 @@ PRESSURE_WAVE = (
 )
 
 
-def _beat(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _beat(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.time is not None
-    return wave((inputs.time - inputs.time[0]).astype(inputs.contraction.dtype), shape["period"])
+    return wave((inputs.time - inputs.time[0]).astype(inputs.contraction.dtype), values["period"])
 
 
 def _forms(span: Extent) -> Sequence[Form]:

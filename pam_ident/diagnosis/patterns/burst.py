@@ -6,13 +6,13 @@ import numpy as np
 
 from ...core import Inputs
 from ...effects import AddsForce, Form
-from ...effects.base import Array, Shape
+from ...effects.base import Array, Values
 from .base import SIZE, Extent, PatternShape, bell, like, searched
 
 
-def _burst(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _burst(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.time is not None
-    return bell(like(inputs, (inputs.time[:, None] - np.asarray(shape["moment"])) / np.asarray(shape["length"])))
+    return bell(like(inputs, (inputs.time[:, None] - np.asarray(values["moment"])) / np.asarray(values["length"])))
 
 
 def _forms(span: Extent) -> Sequence[Form]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form
-from ...effects.base import Array, Shape, slip
+from ...effects.base import Array, Values, slip
 from .base import SIZE, Extent, PatternShape, bell, like
 
 PLACES = 16
@@ -17,56 +17,56 @@ AGAIN = Param("again", "N", "amplitude in the other place", scale=10.0)
 POWER = Param("power", "1", "power at which it grows", 0.7, 3.0, start=1.0, grid=(1.0, 1.5, 2.2))
 
 
-def _beyond(inputs: Inputs, shape: Shape) -> Array:
+def _beyond(inputs: Inputs, values: Values) -> Array:
     """Millimetres beyond the places, shape (n, m)."""
-    return inputs.displacement_mm[:, None] - like(inputs, shape["place"])
+    return inputs.displacement_mm[:, None] - like(inputs, values["place"])
 
 
-def _bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return bell(_beyond(inputs, shape) / like(inputs, shape["width"]))
+def _bump(inputs: Inputs, values: Values, force: Array) -> Array:
+    return bell(_beyond(inputs, values) / like(inputs, values["width"]))
 
 
-def _odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -_bump(inputs, shape, force) * slip(inputs)[0][:, None]
+def _odd_bump(inputs: Inputs, values: Values, force: Array) -> Array:
+    return -_bump(inputs, values, force) * slip(inputs)[0][:, None]
 
 
-def _one_way_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    """Of either size on either branch; on one branch alone where the two sizes are alike."""
-    return np.hstack([_bump(inputs, shape, force), _odd_bump(inputs, shape, force)])
+def _one_way_bump(inputs: Inputs, values: Values, force: Array) -> Array:
+    """Of either size on either branch; on one branch alone where the two coefficients are alike."""
+    return np.hstack([_bump(inputs, values, force), _odd_bump(inputs, values, force)])
 
 
-def _pressed_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _pressed_bump(inputs: Inputs, values: Values, force: Array) -> Array:
     pressed = inputs.pressure / max(float(np.max(inputs.pressure)), 1e-9)
-    return _bump(inputs, shape, force) * pressed[:, None]
+    return _bump(inputs, values, force) * pressed[:, None]
 
 
-def _pressed_odd_bump(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -_pressed_bump(inputs, shape, force) * slip(inputs)[0][:, None]
+def _pressed_odd_bump(inputs: Inputs, values: Values, force: Array) -> Array:
+    return -_pressed_bump(inputs, values, force) * slip(inputs)[0][:, None]
 
 
-def _two_bumps(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    other = {**shape, "place": shape["second"]}
-    return np.hstack([_bump(inputs, shape, force), _bump(inputs, other, force)])
+def _two_bumps(inputs: Inputs, values: Values, force: Array) -> Array:
+    other = {**values, "place": values["second"]}
+    return np.hstack([_bump(inputs, values, force), _bump(inputs, other, force)])
 
 
-def _box(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _box(inputs: Inputs, values: Values, force: Array) -> Array:
     """Constant within the width, with soft edges a fifth of it wide, so that place and width can be searched."""
-    off, width = np.abs(_beyond(inputs, shape)), like(inputs, shape["width"])
+    off, width = np.abs(_beyond(inputs, values)), like(inputs, values["width"])
     return 0.5 - 0.5 * np.tanh((off - width) / (0.2 * width))
 
 
-def _odd_box(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return -_box(inputs, shape, force) * slip(inputs)[0][:, None]
+def _odd_box(inputs: Inputs, values: Values, force: Array) -> Array:
+    return -_box(inputs, values, force) * slip(inputs)[0][:, None]
 
 
-def _stop(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return np.maximum(_beyond(inputs, shape), 0.0) ** like(inputs, shape["power"])
+def _stop(inputs: Inputs, values: Values, force: Array) -> Array:
+    return np.maximum(_beyond(inputs, values), 0.0) ** like(inputs, values["power"])
 
 
-def _edge(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _edge(inputs: Inputs, values: Values, force: Array) -> Array:
     """From nothing to constant, soft by a hundredth of the stroke so that the place can be searched."""
     soft = like(inputs, max(0.01 * float(np.ptp(inputs.displacement_mm)), 1e-9))
-    return 0.5 + 0.5 * np.tanh(_beyond(inputs, shape) / soft)
+    return 0.5 + 0.5 * np.tanh(_beyond(inputs, values) / soft)
 
 
 def _forms(span: Extent) -> Sequence[Form]:

@@ -6,25 +6,25 @@ import numpy as np
 
 from ...core import Inputs
 from ...effects import AddsForce, Form
-from ...effects.base import Array, Shape, slip
+from ...effects.base import Array, Values, slip
 from .base import Extent, PatternShape, hats, knots
 
 KNOTS, PRESSURE_KNOTS = 9, 5
 
 
-def _even(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _even(inputs: Inputs, values: Values, force: Array) -> Array:
     return hats(inputs.contraction, KNOTS)
 
 
-def _odd(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _odd(inputs: Inputs, values: Values, force: Array) -> Array:
     return -hats(inputs.contraction, KNOTS) * slip(inputs)[0][:, None]
 
 
-def _pressed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
     return hats(inputs.contraction, KNOTS) * inputs.pressure[:, None]
 
 
-def _over_pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _over_pressure(inputs: Inputs, values: Values, force: Array) -> Array:
     return hats(inputs.pressure, PRESSURE_KNOTS)[:, 1:]
 
 

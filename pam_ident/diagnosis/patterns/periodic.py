@@ -6,20 +6,20 @@ import numpy as np
 
 from ...core import Inputs
 from ...effects import AddsForce, Form
-from ...effects.base import Array, Shape, slip
+from ...effects.base import Array, Values, slip
 from .base import WAVE, Extent, PatternShape, searched, wave
 
 
-def _ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return wave(inputs.displacement_mm, shape["period"])
+def _ripple(inputs: Inputs, values: Values, force: Array) -> Array:
+    return wave(inputs.displacement_mm, values["period"])
 
 
-def _loaded_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _ripple(inputs, shape, force) * (force / max(float(np.mean(np.abs(force))), 1e-9))[:, None]
+def _loaded_ripple(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _ripple(inputs, values, force) * (force / max(float(np.mean(np.abs(force))), 1e-9))[:, None]
 
 
-def _odd_ripple(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _ripple(inputs, shape, force) * slip(inputs)[0][:, None]
+def _odd_ripple(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _ripple(inputs, values, force) * slip(inputs)[0][:, None]
 
 
 def _forms(span: Extent) -> Sequence[Form]:

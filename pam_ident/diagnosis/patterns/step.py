@@ -6,23 +6,23 @@ import numpy as np
 
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
-from ...effects.base import Array, Shape
+from ...effects.base import Array, Values
 from .base import GAIN, SIZE, ZERO, Extent, PatternShape, after, steps
 
 LATER = Param("later", "N", "size of the second", scale=10.0)
 SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
 
 
-def _force_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return after(inputs, shape)
+def _force_step(inputs: Inputs, values: Values, force: Array) -> Array:
+    return after(inputs, values)
 
 
-def _two_steps(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return np.hstack([after(inputs, shape), after(inputs, {"moment": shape["moment"] + shape["length"]})])
+def _two_steps(inputs: Inputs, values: Values, force: Array) -> Array:
+    return np.hstack([after(inputs, values), after(inputs, {"moment": values["moment"] + values["length"]})])
 
 
-def _length_step(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return after(inputs, shape) / inputs.specimen.initial_length_mm
+def _length_step(inputs: Inputs, values: Values, force: Array) -> Array:
+    return after(inputs, values) / inputs.specimen.initial_length_mm
 
 
 def _forms(span: Extent) -> Sequence[Form]:

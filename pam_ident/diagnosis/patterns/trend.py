@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
-from ...effects.base import Array, Shape
+from ...effects.base import Array, Values
 from .base import GAIN, SIZE, ZERO, Extent, PatternShape, hats, knots, like
 
 KNOTS = 8
@@ -12,26 +12,26 @@ STRETCH = Param("stretch", "mm", "shift of the length by the end", -20.0, 20.0, 
 SENSE = Param("sense", "1", "change of the pressure's scale by the end", -0.5, 0.5, scale=0.01)
 
 
-def _passed(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _passed(inputs: Inputs, values: Values, force: Array) -> Array:
     """Share of the record's time that has passed, shape (n, 1)."""
     assert inputs.time is not None
     passed = inputs.time - inputs.time[0]
     return like(inputs, passed / max(float(passed[-1]), 1e-9))[:, None]
 
 
-def _of_length(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _passed(inputs, shape, force) / inputs.specimen.initial_length_mm
+def _of_length(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _passed(inputs, values, force) / inputs.specimen.initial_length_mm
 
 
-def _of_pressure(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _passed(inputs, shape, force) * inputs.pressure[:, None]
+def _of_pressure(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _passed(inputs, values, force) * inputs.pressure[:, None]
 
 
-def _of_stiffness(inputs: Inputs, shape: Shape, force: Array) -> Array:
-    return _passed(inputs, shape, force) * inputs.contraction[:, None]
+def _of_stiffness(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _passed(inputs, values, force) * inputs.contraction[:, None]
 
 
-def _curve(inputs: Inputs, shape: Shape, force: Array) -> Array:
+def _curve(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.time is not None
     return hats(inputs.time, KNOTS)[:, 1:]
 

@@ -24,7 +24,7 @@ SHORTEST = 0.15
 
 
 @dataclass(frozen=True)
-class Candidate:
+class PossibleRun:
     """A run on the rig: what it varies, in the words of the contract, its strokes, and its minutes, set-up included."""
 
     vary: tuple[str, ...]
@@ -36,7 +36,7 @@ class Candidate:
         return SET_UP_MIN + self.strokes.seconds / 60.0 + (WARMING_MIN if self.strokes.warming_K else 0.0)
 
 
-def candidates(record: Record, model: Model, values: dict[str, float]) -> list[Candidate]:
+def possible_runs(record: Record, model: Model, values: dict[str, float]) -> list[PossibleRun]:
     """Runs built from a record's own pressures, stroke and speeds; `model` (a law alone) tells where a stroke ends.
 
     All have two speeds at least, so that what depends on speed stays apart from what does not in each by itself.
@@ -48,18 +48,18 @@ def candidates(record: Record, model: Model, values: dict[str, float]) -> list[C
     decades = tuple(round_number(v) for v in np.geomspace(fast / 100.0, fast, 4))
     slow = tuple(round_number(v) for v in (fast / 40.0, fast / 10.0))
     found = [
-        Candidate(speed, plain),
-        Candidate(speed, replace(plain, speeds_mm_s=decades)),
-        Candidate(pressure, replace(plain, pressures_MPa=few)),
-        Candidate(pressure, replace(plain, pressures_MPa=spread)),
-        Candidate(hold, replace(plain, hold_s=HOLDS_S)),
-        Candidate(loops, replace(plain, speeds_mm_s=slow, minor_loops_mm=LOOPS_MM)),
-        Candidate(("cycles",), replace(plain, speeds_mm_s=(round_number(fast / 4.0), fast), cycles_per_speed=10)),
-        Candidate((*speed, *hold), replace(plain, speeds_mm_s=decades, hold_s=HOLDS_S)),
-        Candidate((*pressure, *hold), replace(plain, pressures_MPa=spread, hold_s=HOLDS_S)),
+        PossibleRun(speed, plain),
+        PossibleRun(speed, replace(plain, speeds_mm_s=decades)),
+        PossibleRun(pressure, replace(plain, pressures_MPa=few)),
+        PossibleRun(pressure, replace(plain, pressures_MPa=spread)),
+        PossibleRun(hold, replace(plain, hold_s=HOLDS_S)),
+        PossibleRun(loops, replace(plain, speeds_mm_s=slow, minor_loops_mm=LOOPS_MM)),
+        PossibleRun(("cycles",), replace(plain, speeds_mm_s=(round_number(fast / 4.0), fast), cycles_per_speed=10)),
+        PossibleRun((*speed, *hold), replace(plain, speeds_mm_s=decades, hold_s=HOLDS_S)),
+        PossibleRun((*pressure, *hold), replace(plain, pressures_MPa=spread, hold_s=HOLDS_S)),
     ]
     if record.inputs.temperature is not None:
-        found.append(Candidate(("temperature",), replace(plain, warming_K=WARMING_K)))
+        found.append(PossibleRun(("temperature",), replace(plain, warming_K=WARMING_K)))
     new = speed if one_speed(record) or record.inputs.velocity is None else ()
     found = [replace(c, vary=tuple(dict.fromkeys((*new, *c.vary)))) for c in found]
     return [replace(c, strokes=s) for c in found if (s := _within_reach(c.strokes, record, model, values)).tops_mm]

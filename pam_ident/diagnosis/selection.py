@@ -1,4 +1,4 @@
-"""The court: a record, a fitted base model, the suspects' signatures and the noise they are judged against."""
+"""What a diagnosis selects from: a record, a fitted base model, the candidates' signatures and the noise they are judged against."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -15,10 +15,10 @@ from ..fitting.descent import GIVEN_UP
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
-from .dictionary import Atom, Slopes, atoms_at, grid, same_around_any, slopes
+from .dictionary import Regressor, Slopes, grid, regressors_at, same_around_any, slopes
 from .follows import Following
 from .noise import Noise, estimate_noise
-from .search import Choice, Compressed, FormBlock, Frame, Price, remainder
+from .search import Choice, Compressed, FormBlock, Frame, Penalty, remainder
 
 Array = np.ndarray
 NAME_MARGIN = 12.0
@@ -38,16 +38,16 @@ def labels(terms: Sequence[Term]) -> frozenset[str]:
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
-    """A set of terms fitted exactly: values, whitened sum of squares and cost.
+class FittedSet:
+    """A set of terms fitted exactly: values, whitened sum of squares and criterion.
 
-    The fit of one that has no hope of a cost below `beyond` was given up on its way.
+    The fit of one that has no hope of a criterion below `beyond` was given up on its way.
     """
 
     terms: tuple[Term, ...]
     values: dict[str, float]
     squares: float
-    cost: float
+    criterion: float
     beyond: float = math.inf
 
     @property
@@ -56,9 +56,14 @@ class Verdict:
         return frozenset(t.effect.name for t in self.terms)
 
     @property
-    def kin(self) -> frozenset[str]:
-        """The kin of its effects, of which a set has one each."""
-        return frozenset(t.effect.kin for t in self.terms)
+    def candidates(self) -> frozenset[str]:
+        """Effects of the set that a diagnosis may name, patterns left out."""
+        return frozenset(t.effect.name for t in self.terms if t.effect.candidate)
+
+    @property
+    def exclusion_groups(self) -> frozenset[str]:
+        """The exclusion_groups of its effects, of which a set has one each."""
+        return frozenset(t.effect.exclusion_group for t in self.terms)
 
     @property
     def labels(self) -> frozenset[str]:
@@ -70,21 +75,22 @@ class Verdict:
         return [t for t in self.terms if t is not term]
 
 
-class Trial:
+class Selection:
     """All that is computed once for a diagnosis. `base` is the model as the user gave it, fitted.
 
-    Of the suspects only those `tried`, by name, may be part of an answer, all where that is None. A trial of the same
-    record against another `noise` takes over from the trial `before` what no noise changes.
+    Of the candidates only those `tried`, by name, may be part of an answer, all where that is None. A selection of the
+    same record against another `noise` takes over from the selection `before` what no noise changes.
     """
 
     def __init__(
         self,
         base: Fit,
-        suspects: Sequence[Effect],
+        candidates: Sequence[Effect],
         following: Following | None = None,
         tried: Collection[str] | None = None,
         noise: Noise | None = None,
-        before: "Trial | None" = None,
+        before: "Selection | None" = None,
+        odds: Mapping[str, float] | None = None,
     ) -> None:
         self.base = base
         if before is not None:
@@ -93,44 +99,45 @@ class Trial:
         self.tried = tried
         self.record: Record = base.record
         self.excluded: dict[str, tuple[str, str]] = {}
-        self.suspects: list[Effect] = []
-        for effect in suspects:
+        self.candidates: list[Effect] = []
+        for effect in candidates:
             lacking = effect.missing(self.record.inputs)
             if lacking:
                 self.excluded[effect.name] = ("not_excited", f"the record holds no {', no '.join(lacking)}")
             else:
-                self.suspects.append(effect)
+                self.candidates.append(effect)
         if before is None:
             view = View(self.record, base.model, base.values)
-            atoms = [a for effect in steps(self.suspects, "taking signatures") for a in view.atoms(effect)]
+            regressors = [a for effect in steps(self.candidates, "taking signatures") for a in view.regressors(effect)]
         else:
-            view, atoms = before.law, before.atoms
-        self.law, self.atoms = view, atoms
+            view, regressors = before.law, before.regressors
+        self.law, self.regressors = view, regressors
         self.noise: Noise = noise or self._noise(view)
-        data = view.compress(atoms, self.noise)
+        data = view.compress(regressors, self.noise)
         self._drop_unseen(data)
-        self.absorbed = [e for e in self.suspects if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
-        self.suspects = [e for e in self.suspects if e.name not in self.excluded]
-        self.seen = data.only([k for k, a in enumerate(atoms) if a.effect not in self.excluded])
-        self.suspects = [e for e in self.suspects if tried is None or e.name in tried]
-        names = {e.name for e in self.suspects}
-        self.data = data.only([k for k, a in enumerate(atoms) if a.effect in names])
+        self.absorbed = [e for e in self.candidates if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
+        self.candidates = [e for e in self.candidates if e.name not in self.excluded]
+        self.seen = data.only([k for k, a in enumerate(regressors) if a.effect not in self.excluded])
+        self.candidates = [e for e in self.candidates if tried is None or e.name in tried]
+        names = {e.name for e in self.candidates}
+        self.data = data.only([k for k, a in enumerate(regressors) if a.effect in names])
         self.empty = self._law_alone()
         self.excess = self._excess()
-        base_price = 2.0 * np.log(max(len(suspects), 2)) + NAME_MARGIN
-        self.price = Price(
+        base_penalty = 2.0 * np.log(max(len(candidates), 2)) + NAME_MARGIN
+        self.penalty = Penalty(
             float(np.log(max(len(self.record), 10))),
-            float(base_price),
+            float(base_penalty),
             min(FORM_TOLERANCE * self.excess, MOST_TOLERANCE * len(self.record)),
+            before.penalty.odds if before else dict(odds or {}),
         )
-        self.cache: dict[tuple[str, ...], Verdict] = {(): self.empty}
-        self.known: dict[tuple[str, ...], Verdict] = {} if before is None else before.known
-        self.borrowed: dict[tuple[str, ...], Verdict] = {}
+        self.cache: dict[tuple[str, ...], FittedSet] = {(): self.empty}
+        self.known: dict[tuple[str, ...], FittedSet] = {} if before is None else before.known
+        self.borrowed: dict[tuple[str, ...], FittedSet] = {}
         self.blocks: dict[str, FormBlock] = {}
-        self.noises: dict[tuple[Verdict, bool], Noise] = {}
+        self.noises: dict[tuple[FittedSet, bool], Noise] = {}
         self.refits = 0
 
-    def _law_alone(self) -> Verdict:
+    def _law_alone(self) -> FittedSet:
         """The base model by itself; where noise is slow, it has taken the plain fit along, and is fitted anew."""
         model, values = self.base.model, self.base.values
         squares = self.squares(model, values)
@@ -139,7 +146,7 @@ class Trial:
             fitted = self.squares(model, found.values)
             if fitted < squares:
                 values, squares = found.values, fitted
-        return Verdict((), values, squares, squares)
+        return FittedSet((), values, squares, squares)
 
     def _excess(self) -> float:
         """Whitened squares beyond the noise that the law alone leaves, without the effects already in the model."""
@@ -159,15 +166,15 @@ class Trial:
         self,
         terms: Sequence[Term],
         start: Mapping[str, float] | None = None,
-        price: float | None = None,
+        penalty: float | None = None,
         best: float = math.inf,
-    ) -> Verdict:
-        """Fit a set exactly, noise whitened, and remember it by its labels; `price` overrides what the set costs.
+    ) -> FittedSet:
+        """Fit a set exactly, noise whitened, and remember it by its labels; `penalty` overrides its own.
 
-        What has no hope of a cost near the `best` so far is given up.
+        What has no hope of a criterion near the `best` so far is given up.
         """
         key = tuple(sorted(f"{t.effect.name}:{t.form.name}" for t in terms))
-        if price is None and key in self.cache and best <= self.cache[key].beyond:
+        if penalty is None and key in self.cache and best <= self.cache[key].beyond:
             return self.cache[key]
         self.refits += 1
         tell("weighing sets of effects", self.refits)
@@ -175,40 +182,42 @@ class Trial:
         begin = self.base.values | dict(start or {})
         if key in self.known:
             begin |= self.known[key].values  # not far from it, whatever the noise
-        if price is None:
-            price = self.price.total(terms)
-        enough = best + HOPELESS - price
+        if penalty is None:
+            penalty = self.penalty.total(terms)
+        enough = best + HOPELESS - penalty
         inputs, force = self.record.inputs, self.record.force
         solution = solve(model, inputs, force, self.noise.whiten, begin, quick=True, enough=enough)
         squares = self.squares(model, solution.values)
         beyond = math.inf if solution.message != GIVEN_UP else best
-        verdict = Verdict(tuple(terms), solution.values, squares, squares + price, beyond)
+        fitted = FittedSet(tuple(terms), solution.values, squares, squares + penalty, beyond)
         known = self.cache.get(key)
         if known is not None and known.squares < squares:  # another start led further
-            verdict = replace(known, cost=known.squares + price)
-        self.cache[key] = verdict
+            fitted = replace(known, criterion=known.squares + penalty)
+        self.cache[key] = fitted
         if beyond == math.inf:
-            self.known.setdefault(key, verdict)
-        return verdict
+            self.known.setdefault(key, fitted)
+        return fitted
 
-    def weighed(self) -> list[Verdict]:
-        """All sets that were fitted, those of suspects against another noise with the values they had there.
+    def weighed(self) -> list[FittedSet]:
+        """All sets that were fitted, those of candidates against another noise with the values they had there.
 
-        Of these the ones that would be cheapest of all here are left out: with the noise that they need they lost.
+        Of these the ones that would be best of all here are left out: with the noise that they need they lost.
         """
-        suspects = {e.name for e in self.suspects}
+        candidates = {e.name for e in self.candidates}
         for key, other in self.known.items():
-            if key not in self.cache and key not in self.borrowed and other.names <= suspects:
+            if key not in self.cache and key not in self.borrowed and other.names <= candidates:
                 squares = self.squares(self.base.model.adding(*other.terms), other.values)
-                self.borrowed[key] = replace(other, squares=squares, cost=squares + self.price.total(other.terms))
-        least = min(v.cost for v in self.cache.values())
-        others = [v for key, v in self.borrowed.items() if key not in self.cache and v.cost >= least]
+                self.borrowed[key] = replace(
+                    other, squares=squares, criterion=squares + self.penalty.total(other.terms)
+                )
+        least = min(v.criterion for v in self.cache.values())
+        others = [v for key, v in self.borrowed.items() if key not in self.cache and v.criterion >= least]
         return [*self.cache.values(), *others]
 
-    def weight(self, verdict: Verdict, term: Term) -> float:
+    def weight(self, fitted: FittedSet, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
-        sets = (verdict.terms, verdict.without(term))
-        whole, fewer = (self._plain_square(terms, verdict.values) for terms in sets)
+        sets = (fitted.terms, fitted.without(term))
+        whole, fewer = (self._plain_square(terms, fitted.values) for terms in sets)
         return (fewer - whole) / max(whole, 1e-18)
 
     def _plain_square(self, terms: Sequence[Term], start: Mapping[str, float]) -> float:
@@ -219,58 +228,63 @@ class Trial:
         left = self.record.force - model.force(self.record.inputs, found.values)
         return float(np.mean(left[clean] ** 2))
 
-    def refit_choice(self, data: Compressed, choice: Choice, onto: Verdict, best: float = math.inf) -> Verdict:
+    def refit_choice(self, data: Compressed, choice: Choice, onto: FittedSet, best: float = math.inf) -> FittedSet:
         """Fit the set `onto` with what a search found on compressed data, from where the search left it, as `refit`."""
         start = dict(onto.values)
-        for a, sizes in zip(choice.atoms, choice.sizes, strict=True):
-            atom = data.atoms[a]
-            start |= {f"{atom.effect}.{k}": v for k, v in atom.shapes.items()}
+        for a, coefficients in zip(choice.regressors, choice.coefficients, strict=True):
+            regressor = data.regressors[a]
+            start |= {f"{regressor.effect}.{k}": v for k, v in regressor.point.items()}
             start |= {
-                f"{atom.effect}.{p.name}": p.clip(p.neutral + float(x)) for p, x in zip(atom.sizes, sizes, strict=True)
+                f"{regressor.effect}.{p.name}": p.clip(p.neutral + float(x))
+                for p, x in zip(regressor.linear, coefficients, strict=True)
             }
-        return self.refit([*onto.terms, *(data.atoms[a].term for a in choice.atoms)], start, best=best)
+        return self.refit([*onto.terms, *(data.regressors[a].term for a in choice.regressors)], start, best=best)
 
-    def beyond(self, verdict: Verdict, effects: Sequence[Effect], record: Record | None = None) -> Compressed:
+    def beyond(self, fitted: FittedSet, effects: Sequence[Effect], record: Record | None = None) -> Compressed:
         """Signatures of further effects around a set, free of what the set itself can follow; `record` may stand in."""
-        model = self.base.model.adding(*verdict.terms)
-        view = self.view(verdict) if record is None else View(record, model, verdict.values)
-        atoms = [a for e in effects for a in view.atoms(e)]
-        return view.singly(atoms, self.noise, self.blocks if record is None else None)
+        model = self.base.model.adding(*fitted.terms)
+        view = self.view(fitted) if record is None else View(record, model, fitted.values)
+        regressors = [a for e in effects for a in view.regressors(e)]
+        return view.singly(regressors, self.noise, self.blocks if record is None else None)
 
-    @lru_cache(maxsize=4)  # noqa: B019 - a trial lives as long as one diagnosis
-    def view(self, verdict: Verdict) -> "View":
+    @lru_cache(maxsize=4)  # noqa: B019 - a selection lives as long as one diagnosis
+    def view(self, fitted: FittedSet) -> "View":
         """A set's model with its slopes."""
-        return View(self.record, self.base.model.adding(*verdict.terms), verdict.values, self.law.kept)
+        return View(self.record, self.base.model.adding(*fitted.terms), fitted.values, self.law.kept)
 
-    def noise_left_by(self, verdict: Verdict, white: bool = False) -> Noise:
+    def noise_left_by(self, fitted: FittedSet, white: bool = False) -> Noise:
         """Noise as it must be if a set is the whole truth."""
-        key = (verdict, white)
+        key = (fitted, white)
         if key not in self.noises:
-            view = self.view(verdict)
-            slope = view.around.contraction / self.record.specimen.initial_length_mm
-            outlier, taken = self.noise.outlier, len(verdict.values)
-            self.noises[key] = estimate_noise(self.record, view.residual, slope, taken, outlier, white)
+            view = self.view(fitted)
+            self.noises[key] = self.noise_in(view.residual, view, len(fitted.values), self.noise.outlier, white)
         return self.noises[key]
 
     def _noise(self, view: "View") -> Noise:
         """Noise is what the law, surfaces over all drivers and free curves over contraction still leave."""
         following = self.following
-        free = [] if self.record.inputs.time is None else [following.surfaces.matrix / following.weight[:, None]]
+        free = [] if self.record.inputs.time is None else [following.in_newtons(following.surfaces.matrix)]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
         left, taken = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
+        return self.noise_in(left, view, taken)
+
+    def noise_in(
+        self, left: Array, view: "View", taken: float, outlier: Array | None = None, white: bool = False
+    ) -> Noise:
+        """Noise in what (n,) a model of `taken` parameters leaves, in N, where the force is as steep as in a view."""
         slope = view.around.contraction / self.record.specimen.initial_length_mm
-        return estimate_noise(self.record, left, slope, taken)
+        return estimate_noise(self.record, left, slope, taken, outlier, white, self.following.unsure)
 
     def _drop_unseen(self, data: Compressed) -> None:
         """Note effects that the law absorbs or the record does not excite."""
         n = np.sqrt(len(self.record))
-        for effect in self.suspects:
+        for effect in self.candidates:
             left, seen = 0.0, 0.0
-            for a in [i for i, atom in enumerate(data.atoms) if atom.effect == effect.name]:
+            for a in [i for i, regressor in enumerate(data.regressors) if regressor.effect == effect.name]:
                 columns = data.columns([a])
                 left = max(left, float(np.max(data.left[columns])))
-                sizes = np.array([p.scale for p in data.atoms[a].sizes])
-                seen = max(seen, float(np.max(data.before[columns] * sizes)) / n)
+                coefficients = np.array([p.scale for p in data.regressors[a].linear])
+                seen = max(seen, float(np.max(data.before[columns] * coefficients)) / n)
             if seen * 30.0 < 0.3:
                 self.excluded[effect.name] = ("not_excited", "its signature stays far below the noise in this record")
             elif left < TOO_FLAT:
@@ -283,11 +297,11 @@ class Trial:
 class View:
     """A fitted model with its slopes: the place around which signatures are taken.
 
-    Views of one record share what is `kept`: atoms that are the same around any model.
+    Views of one record share what is `kept`: regressors that are the same around any model.
     """
 
     def __init__(
-        self, record: Record, model: Model, values: Mapping[str, float], kept: dict[str, list[Atom]] | None = None
+        self, record: Record, model: Model, values: Mapping[str, float], kept: dict[str, list[Regressor]] | None = None
     ) -> None:
         self.record = record
         self.around: Slopes = slopes(model, record.inputs, values)
@@ -295,37 +309,39 @@ class View:
         self.residual = record.force - self.around.force
         self.kept = {} if kept is None else kept
 
-    def atoms(self, effect: Effect) -> list[Atom]:
+    def regressors(self, effect: Effect) -> list[Regressor]:
         """Signatures of all forms of an effect."""
-        return [a for form in effect.forms for a in self._atoms_in(effect, form)]
+        return [a for form in effect.forms for a in self._regressors_in(effect, form)]
 
-    def _atoms_in(self, effect: Effect, form: Form) -> list[Atom]:
+    def _regressors_in(self, effect: Effect, form: Form) -> list[Regressor]:
         if not same_around_any(form):
-            return atoms_at(effect, form, grid(form), self.record.inputs, self.around)
+            return regressors_at(effect, form, grid(form), self.record.inputs, self.around)
         key = f"{effect.name}:{form.name}"
         if key not in self.kept:
-            self.kept[key] = atoms_at(effect, form, grid(form), self.record.inputs, self.around)
+            self.kept[key] = regressors_at(effect, form, grid(form), self.record.inputs, self.around)
         return self.kept[key]
 
     def frame(self, noise: Noise) -> Frame:
         """What the model can follow and what it leaves, whitened."""
         return Frame(noise.whiten(self.law), noise.whiten(self.residual))
 
-    def compress(self, atoms: Sequence[Atom], noise: Noise) -> Compressed:
-        """Whitened Gram matrix of some atoms, free of what the model itself can follow."""
-        matrix = np.hstack([np.empty((len(self.residual), 0)), *[a.columns for a in atoms]])
-        return Compressed.together(atoms, noise.whiten(matrix), self.frame(noise))
+    def compress(self, regressors: Sequence[Regressor], noise: Noise) -> Compressed:
+        """Whitened Gram matrix of some regressors, free of what the model itself can follow."""
+        matrix = np.hstack([np.empty((len(self.residual), 0)), *[a.columns for a in regressors]])
+        return Compressed.together(regressors, noise.whiten(matrix), self.frame(noise))
 
-    def singly(self, atoms: Sequence[Atom], noise: Noise, kept: dict[str, FormBlock] | None = None) -> Compressed:
-        """The same for atoms, those of a form in a row, that are looked at one by one.
+    def singly(
+        self, regressors: Sequence[Regressor], noise: Noise, kept: dict[str, FormBlock] | None = None
+    ) -> Compressed:
+        """The same for regressors, those of a form in a row, that are looked at one by one.
 
         Blocks that are the same around any model are taken from those `kept`, or added to them.
         """
         kept = {} if kept is None else kept
         blocks = []
-        for label, run in groupby(atoms, key=lambda a: a.term.label):
+        for label, run in groupby(regressors, key=lambda a: a.term.label):
             block = kept.get(label) or FormBlock(list(run), noise)
-            if same_around_any(block.atoms[0].term.form):
+            if same_around_any(block.regressors[0].term.form):
                 kept[label] = block
             blocks.append(block)
         return Compressed.singly(blocks, self.frame(noise))

@@ -1,4 +1,4 @@
-"""What each suspected effect would leave of the error."""
+"""What each candidate would leave of the error."""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Bar:
-    """One suspect: errors after adding it in N, NaN where not computed; `note` says why there is no bar."""
+    """One candidate: errors after adding it in N, NaN where not computed; `note` says why there is no bar."""
 
     label: str
     probability: float
@@ -30,7 +30,7 @@ class Bar:
 
 
 @dataclass(frozen=True)
-class SuspectsData:
+class CandidatesData:
     """Candidates with the most likely first, then what the record cannot show; levels in N."""
 
     bars: tuple[Bar, ...]
@@ -38,24 +38,24 @@ class SuspectsData:
     noise_floor: float
 
 
-def data(diagnosis: Diagnosis, limit: int = 16) -> SuspectsData:
+def data(diagnosis: Diagnosis, limit: int = 16) -> CandidatesData:
     """At most `limit` candidates, then all that are absorbed or not excited."""
     candidates = sorted((s for s in diagnosis.ranking if s.status == "candidate"), key=lambda s: -s.probability)[:limit]
     others = [s for s in diagnosis.ranking if s.status != "candidate"]
     bars = []
-    for suspect in (*candidates, *others):
-        known = suspect.rmse_after is not None and suspect.status == "candidate"
+    for candidate in (*candidates, *others):
+        known = candidate.rmse_after is not None and candidate.status == "candidate"
         bars.append(
             Bar(
-                suspect.label or suspect.effect,
-                suspect.probability,
-                _number(suspect.rmse_after) if known else math.nan,
-                _number(suspect.heldout_rmse_after) if known else math.nan,
-                suspect.effect in diagnosis.selected,
-                "" if known else WORDS.get(suspect.status, suspect.status),
+                candidate.label or candidate.effect,
+                candidate.probability,
+                _number(candidate.rmse_after) if known else math.nan,
+                _number(candidate.heldout_rmse_after) if known else math.nan,
+                candidate.effect in diagnosis.selected,
+                "" if known else WORDS.get(candidate.status, candidate.status),
             )
         )
-    return SuspectsData(tuple(bars), diagnosis.base.rmse, diagnosis.noise_floor)
+    return CandidatesData(tuple(bars), diagnosis.base.rmse, diagnosis.noise_floor)
 
 
 def _number(value: float | None) -> float:
@@ -64,7 +64,7 @@ def _number(value: float | None) -> float:
 
 @styled
 def draw(diagnosis: Diagnosis, limit: int = 16) -> Figure:
-    """A bar a suspect down to the error it leaves; selected ones strong, the rest of the list in grey words."""
+    """A bar a candidate down to the error it leaves; selected ones strong, the rest of the list in grey words."""
     shown = data(diagnosis, limit)
     n = max(len(shown.bars), 1)
     figure = canvas(1.1 + 0.27 * n)
@@ -103,7 +103,7 @@ def draw(diagnosis: Diagnosis, limit: int = 16) -> Figure:
     return figure
 
 
-def _handles(shown: SuspectsData) -> list[Line2D | Patch]:
+def _handles(shown: CandidatesData) -> list[Line2D | Patch]:
     return [
         Patch(color=BLUE, label="selected"),
         Patch(color=SKY, label="other candidate"),

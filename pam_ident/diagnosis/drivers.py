@@ -1,0 +1,120 @@
+"""What a force may follow, and the states of each: no physics and no catalogue enter."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from ..core import Inputs
+from ..effects._history import cycles_of_test, relax, runs, since_first, time_held, way_travelled
+from ..effects.base import slip
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Driver:
+    """What a force may follow: its word and words, and its states (n, k), None where the record does not hold it.
+
+    States are times polynomials of pressure and contraction; `orders` are these two, from the simplest surface to the
+    richest, and `some` says which of the states are taken together.
+    """
+
+    what: str
+    text: str
+    states: Callable[[Inputs], Array | None]
+    some: tuple[tuple[int, ...], ...] = ((0,),)
+    orders: tuple[tuple[int, int], ...] = ((0, 0), (1, 0), (0, 1), (0, 3), (1, 1), (2, 3))
+
+
+def polynomials(values: Array, most: int) -> Array:
+    """Legendre polynomials of 0 … `most` over values (n,), fewer where few values are different, shape (n, orders)."""
+    low, high = float(values.min()), float(values.max())
+    order = min(most, len(np.unique(np.round((values - low) / max(high - low, 1e-12), 2))) - 1)
+    return legendre.legvander((2.0 * values - low - high) / max(high - low, 1e-12), order)
+
+
+def _direction(inputs: Inputs) -> Array | None:
+    return np.column_stack(slip(inputs)) if inputs.has("branch") else None
+
+
+def _speed(inputs: Inputs) -> Array | None:
+    if inputs.velocity is None:
+        return None
+    v, (moves, _) = np.abs(inputs.velocity), slip(inputs)
+    v = v / max(float(np.median(v[moves != 0.0])) if np.any(moves) else 1.0, 1e-9)
+    return np.column_stack([v * moves, np.sqrt(v) * moves, np.log1p(10.0 * v) * moves, v])
+
+
+def _acceleration(inputs: Inputs) -> Array | None:
+    if inputs.velocity is None or inputs.time is None:
+        return None
+    moving = slip(inputs)[0] != 0.0
+    within = moving & np.roll(moving, 1) & np.roll(moving, -1)
+    steps = np.maximum(np.gradient(inputs.time), 1e-9)
+    rate = np.where(within, np.gradient(inputs.velocity) / steps, 0.0)
+    return rate[:, None] / max(float(np.sqrt(np.mean(rate**2))), 1e-9)
+
+
+def _way(inputs: Inputs) -> Array | None:
+    if inputs.moving is None:
+        return None
+    x = inputs.displacement_mm
+    way = np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
+    stroke = max(float(np.ptp(x)), 1e-9)
+    return np.exp(-way[:, None] / (stroke * np.array([0.01, 0.03, 0.1]))) * inputs.direction[:, None]
+
+
+def _rest(inputs: Inputs) -> Array | None:
+    if inputs.time is None or inputs.segment is None or inputs.moving is None:
+        return None
+    held = time_held(inputs, ~inputs.moving) * ~inputs.moving
+    resting = [np.log1p(held / tau) * inputs.direction for tau in (0.3, 10.0)]
+    longest = float(np.clip(0.1 * np.ptp(inputs.time), 2.0, 100.0))  # what takes longer is the clock's
+    relaxed = [relax(inputs, inputs.contraction, float(tau)) for tau in np.geomspace(0.5, longest, 6)]
+    return np.column_stack(relaxed + resting)
+
+
+def _cycle(inputs: Inputs) -> Array | None:
+    if inputs.cycle is None or len(np.unique(inputs.cycle)) < 2:
+        return None
+    count = inputs.cycle - inputs.cycle.min()
+    way = way_travelled(inputs) / max(float(np.ptp(inputs.displacement_mm)), 1e-9)
+    states = [np.exp(-count), 1.0 / (1.0 + count), np.log1p(way)]
+    if inputs.segment is not None:
+        test = cycles_of_test(inputs) - 1.0
+        states += [np.exp(-0.5 * test), 1.0 / (1.0 + test)]
+    return np.column_stack(states)
+
+
+def _clock(inputs: Inputs) -> Array | None:
+    if inputs.time is None or np.ptp(inputs.time) <= 0.0:
+        return None
+    since = (inputs.time - inputs.time[0]) / np.ptp(inputs.time)
+    settling = [np.exp(-since / tau) for tau in (0.01, 0.04, 0.15)]
+    return np.column_stack([polynomials(inputs.time, 4)[:, 1:], *settling])
+
+
+def _temperature(inputs: Inputs) -> Array | None:
+    if inputs.temperature is None or np.ptp(inputs.temperature) <= 0.0:
+        return None
+    return since_first(inputs, inputs.temperature)[:, None]
+
+
+MAP = ((1, 2), (0, 5), (2, 2), (1, 4), (3, 4), (2, 7), (4, 7))
+ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
+COUNTED = ((0,), (1,), (2,), (3,), (4,), (0, 1, 2), (2, 3, 4), (0, 1, 2, 3, 4))
+RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (0, 1, 2, 3, 4, 5, 6, 7))
+DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
+DRIVERS = (
+    Driver("map", "pressure and contraction, alike on both branches", lambda i: np.ones((len(i), 1)), orders=MAP),
+    Driver("direction", "the direction of motion", _direction, ((0,), (0, 1))),
+    Driver("speed", "the speed", _speed, ((0,), (0, 1, 2), (0, 1, 2, 3))),
+    Driver("acceleration", "the acceleration", _acceleration, orders=((0, 0),)),
+    Driver("way", "the way since the last reversal", _way, ONE_OR_ALL),
+    Driver("rest", "rest and relaxation", _rest, RELAXED),
+    Driver("cycle", "the cycle and the distance travelled", _cycle, COUNTED),
+    Driver("clock", "the clock", _clock, DRIFTED, ((0, 0),)),
+    Driver("temperature", "the temperature", _temperature),
+)

@@ -1,0 +1,128 @@
+"""What an unsure position does to the force.
+
+The track of a stroke is a smooth curve through its samples, x̂ = B Bᵀ x with B an orthonormal basis, so its samples
+share their errors: σ² B Bᵀ is their covariance. Where the force is steep they share newtons, and what repeats in one
+stroke and not in the next would pass for an effect.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from ..records import Record
+from ..records.motion import noise_around, smooth_basis
+
+Array = np.ndarray
+Block = tuple[Array, Array]
+NEGLIGIBLE = 0.05
+"""Share of the noise's variance below which it does not matter how unsure the position is."""
+
+
+@dataclass(frozen=True)
+class SharedNoise:
+    """Noise that rows of a block share, over white noise of unit variance: rows (m,), and columns (m, k) whose product
+    with their transpose is the block's covariance. `alone` (n,) is the standard deviation of what a row has by itself.
+    Blocks have no row in common, and none that has any alone."""
+
+    blocks: tuple[Block, ...]
+    alone: Array
+
+    @cached_property
+    def _directions(self) -> tuple[sparse.csr_matrix, Array]:
+        """An orthonormal basis (n, k) of all blocks, and the variance in each direction, (k,)."""
+        single = np.flatnonzero(self.alone)
+        count = len(single)
+        rows, columns, values, variances = [single], [np.arange(count)], [np.ones(count)], [self.alone[single] ** 2]
+        for where, block in self.blocks:
+            basis, size, _ = np.linalg.svd(block, full_matrices=False)
+            rows.append(np.repeat(where, len(size)))
+            columns.append(np.tile(np.arange(count, count + len(size)), len(where)))
+            values.append(basis.ravel())
+            variances.append(size**2)
+            count += len(size)
+        parts = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+        return sparse.csr_matrix(parts, shape=(len(self.alone), count)), np.concatenate(variances)
+
+    def _scaled(self, values: Array, by: Array) -> Array:
+        basis, _ = self._directions
+        along = basis.T @ values
+        found = values + basis @ ((by[:, None] if values.ndim == 2 else by) * along)
+        return found.astype(values.dtype, copy=False)
+
+    def even(self, values: Array) -> Array:
+        """Values (n,) or columns (n, k) with the shared noise scaled down to the white noise's size."""
+        return self._scaled(values, 1.0 / np.sqrt(1.0 + self._directions[1]) - 1.0)
+
+    def back(self, values: Array) -> Array:
+        """The inverse of `even`."""
+        return self._scaled(values, np.sqrt(1.0 + self._directions[1]) - 1.0)
+
+    @property
+    def volume(self) -> float:
+        """What `even` takes from twice the logarithm of a likelihood."""
+        return float(np.sum(np.log1p(self._directions[1])))
+
+    @property
+    def mean(self) -> float:
+        """Mean variance that it adds to a row's."""
+        return float(np.sum(self._directions[1])) / len(self.alone)
+
+    def take(self, rows: Array) -> "SharedNoise":
+        """That of some rows, by index (m,) in order."""
+        place = np.full(len(self.alone), -1)
+        place[rows] = np.arange(len(rows))
+        kept = [(place[where], block, place[where] >= 0) for where, block in self.blocks]
+        blocks = tuple((at[seen], block[seen]) for at, block, seen in kept if seen.any())
+        return SharedNoise(blocks, self.alone[rows])
+
+
+@dataclass(frozen=True)
+class PositionError:
+    """How far the position of a record's steady inputs may be off, in mm.
+
+    `blocks` are rows (m,) that were smoothed together, with the columns (m, k) of their common errors; `alone` (n,) is
+    the standard deviation of each other row.
+    """
+
+    blocks: tuple[Block, ...]
+    alone: Array
+
+    @classmethod
+    def of(cls, record: Record, whole: Record) -> "PositionError | None":
+        """That of a record in time, thinned from the `whole`, with its steady inputs; None without motion."""
+        inputs, raw = record.steady, record.inputs
+        if raw.time is None or raw.moving is None:
+            return None
+        off = noise_around(raw.displacement_mm, raw.time)
+        smoothed = inputs.displacement_mm != raw.displacement_mm
+        assert whole.inputs.moving is not None
+        counts = [np.bincount(whole.stroke, weights=mask) for mask in (~whole.inputs.moving, whole.inputs.moving)]
+        blocks = []
+        for group in _runs(record.stroke * 2 + raw.moving):
+            group = group[smoothed[group]]
+            if len(group) > 1:
+                moving = bool(raw.moving[group[0]])
+                m = int(max(counts[moving][record.stroke[group[0]]], len(group)))
+                basis = smooth_basis(raw.time[group], m) if moving else np.ones((len(group), 1))
+                basis = np.linalg.qr(basis)[0] * np.sqrt(len(group) / m)
+                blocks.append((group, off[group, None] * basis))
+        return cls(tuple(blocks), np.where(smoothed, 0.0, off))
+
+    def in_force(self, slope: Array, size: float, every: bool = False) -> SharedNoise | None:
+        """In a force with a slope (n,) in N/mm and white noise of a `size` in N; None where it is negligible.
+
+        Rows that were not smoothed are counted where `every` row is asked for.
+        """
+        scale = slope / max(size, 1e-300)
+        blocks = tuple((rows, scale[rows, None] * block) for rows, block in self.blocks)
+        alone = scale * self.alone if every else np.zeros(len(slope))
+        total = float(np.sum(alone**2)) + sum(float(np.sum(block**2)) for _, block in blocks)
+        return SharedNoise(blocks, alone) if total > NEGLIGIBLE * len(slope) else None
+
+
+def _runs(numbers: Array) -> Sequence[Array]:
+    """Indices of neighbours with the same number."""
+    return np.split(np.arange(len(numbers)), np.flatnonzero(np.diff(numbers)) + 1)

@@ -1,0 +1,311 @@
+"""From candidates to the set that explains the record: search, exact refits, and second thoughts."""
+
+from collections.abc import Collection, Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from ..effects import AddsForce, Effect
+from ..fitting import Fit
+from ..model import Term
+from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion
+from .follows import Following
+from .noise import Noise
+from .patterns import patterns
+from .scan import Remainder, Scanned, scan
+from .search import Choice, beam_search
+from .selection import FittedSet, Selection, labels
+from .spectrum import beats
+
+PATTERN_MORE = 0.06
+"""What a pattern must explain beyond an effect, as a share of the noise's variance."""
+FAINT = 1.2
+"""Squares that the law alone may leave, over those that an answer leaves, for it to be slow noise after all."""
+SURE = 500.0
+"""Cost by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it had
+lost by 160 at most."""
+UNEXPLAINED, EXPLAINED = 10.0, 3.0
+"""Whitened squares beyond their number, in standard deviations: something is left; nothing is."""
+CLOSE, RIVALS = 100.0, 3
+"""Criterion within which a rival of other names is refined, and tried against the noise that it leaves; and how many
+are refined."""
+EXACT = 500
+"""Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
+NEAR, BENT = 30.0, 0.005
+"""Cost within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is to
+be explained, because the law bends."""
+PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
+"""The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
+adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
+takes the place of names with no fewer parameters; and none where these have more, and it leaves noise alone."""
+
+
+def investigate(
+    base: Fit,
+    candidates: Sequence[Effect],
+    following: Following | None = None,
+    tried: Collection[str] | None = None,
+    most: int = 3,
+    odds: Mapping[str, float] | None = None,
+) -> tuple[Selection, FittedSet]:
+    """The answer to a record, with the noise and the effects made to agree.
+
+    Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
+    colour is, the record is judged again against the noise that the law alone would imply, and against that which a
+    new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
+    by their full likelihood, each with its own noise. The noise that a close rival of other names leaves is tried as
+    well, where none was like it. Nothing of this where no noise could take the place of any name: a little
+    colour is what a form leaves that is not exactly right.
+    """
+    selection = Selection(base, candidates, following, tried, odds=odds)
+    fitted = _answer(selection, most)
+    faint = selection.empty.squares < FAINT * fitted.squares and selection.noise_left_by(selection.empty).coloured
+    doubtful = selection.noise_left_by(fitted).coloured or faint
+    if not selection.noise.coloured and (not doubtful or _no_colour(selection, fitted) or _sure(selection, fitted)):
+        return selection, _without_small(selection, fitted)
+    selections = [(selection, fitted)]
+
+    def tried_against(noise: Noise) -> bool:
+        return any(noise.like(selection.noise) for selection, _ in selections)
+
+    def select_again(noise: Noise) -> None:
+        if not tried_against(noise):
+            again = Selection(base, candidates, noise=noise, before=selection)
+            selections.append((again, _answer(again, most)))
+
+    select_again(selection.noise_left_by(fitted, white=True))
+    select_again(selection.noise_left_by(selection.empty))
+    last, answer = selections[-1]
+    if not any(answer.labels == found.labels for selection, found in selections if selection is not last):
+        select_again(last.noise_left_by(answer))
+    (least, noise, found), *others = _compared(selections)
+    close = [own for criterion, own, rival in others if criterion < least + CLOSE and rival.names != found.names]
+    untried = [own for own in close if not tried_against(own)]
+    if untried:
+        select_again(untried[0])
+        _, noise, found = _compared(selections)[0]
+    final = Selection(base, candidates, noise=noise, before=selection)
+    seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
+    kept = _without_small(final, final.refit(seen, found.values))
+    if len(kept.terms) < len(found.terms):
+        final = Selection(base, candidates, noise=final.noise_left_by(kept), before=selection)
+        kept = final.refit(kept.terms, kept.values)
+    return final, kept
+
+
+def _no_colour(selection: Selection, fitted: FittedSet) -> bool:
+    """Whether what a set, or the law alone, leaves is no slow noise: the free model is far likelier than either."""
+    if selection.record.inputs.time is None:
+        return False
+    free = FreeModel.of(selection)
+    return all(free.criterion + SURE < full_criterion(selection, v)[0] for v in (fitted, selection.empty))
+
+
+def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[float, Noise, FittedSet]]:
+    """All answers and all their parts by their full criterion, least first, each with the noise that it leaves."""
+    sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
+    fits = [_likeliest([selection for selection, _ in selections], terms, start) for terms, start in sets.values()]
+    return sorted(((*full_criterion(selection, found), found) for selection, found in fits), key=lambda item: item[0])
+
+
+def _sure(selection: Selection, fitted: FittedSet) -> bool:
+    """Whether a set is far likelier than without any one of its terms, each with the noise that it leaves."""
+    criterion, _ = full_criterion(selection, fitted)
+    fewer = [selection.refit(fitted.without(term), fitted.values) for term in fitted.terms]
+    return bool(fewer) and all(full_criterion(selection, rest)[0] > criterion + SURE for rest in fewer)
+
+
+def _likeliest(
+    selections: Sequence[Selection], terms: Sequence[Term], start: Mapping[str, float]
+) -> tuple[Selection, FittedSet]:
+    """The fit of a set against the noise, one of some selections', by which it is likeliest; and that selection."""
+    fits = [(selection, selection.refit(terms, start)) for selection in selections]
+    return min(fits, key=lambda item: item[1].squares + item[0].noise.volume)
+
+
+def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:
+    return [some for size in range(len(terms) + 1) for some in combinations(terms, size)]
+
+
+def _without_small(selection: Selection, fitted: FittedSet) -> FittedSet:
+    """Take out, lightest first, what is significant but too small to matter."""
+    small = selection.noise.too_small
+    while fitted.terms:
+        least = [small if term.effect.candidate else small + PATTERN_MORE for term in fitted.terms]
+        weights = [selection.weight(fitted, term) / limit for term, limit in zip(fitted.terms, least, strict=True)]
+        lightest = int(np.argmin(weights))
+        if weights[lightest] >= 1.0:
+            break
+        fitted = selection.refit(fitted.without(fitted.terms[lightest]), fitted.values)
+    return fitted
+
+
+def _answer(selection: Selection, most: int) -> FittedSet:
+    """The best set of effects, or of effects and a pattern. Where a pattern alone is all, no set is refined."""
+    leaders = fitted_leaders(selection, most)
+    if _beyond_noise(selection, leaders[0].squares) > UNEXPLAINED:
+        found = find_pattern(selection, leaders[0])
+        if found is not None and _is_all(selection, found) and found.criterion < leaders[0].criterion - SURE:
+            return found
+    fitted = refined(selection, leaders, most)
+    return find_pattern(selection, fitted) or fitted
+
+
+def _is_all(selection: Selection, fitted: FittedSet) -> bool:
+    """Whether one term explains all there is."""
+    return len(fitted.terms) == 1 and _beyond_noise(selection, fitted.squares) < EXPLAINED
+
+
+def _beyond_noise(selection: Selection, squares: float) -> float:
+    """Whitened squares beyond those of noise, in their standard deviations."""
+    n = len(selection.record)
+    return (squares - n) / float(np.sqrt(2.0 * n))
+
+
+def fitted_leaders(selection: Selection, most: int) -> list[FittedSet]:
+    """The leading sets of up to `most` effects in a compressed search, and the law alone, fitted, best first."""
+    pool: list[FittedSet] = []
+    for choice in _leaders(selection, beam_search(selection.data, selection.penalty, most)):
+        second = sorted(v.criterion for v in [selection.empty, *pool])[:2][-1]
+        pool.append(selection.refit_choice(selection.data, choice, selection.empty, second))
+    if len(selection.record) <= EXACT:
+        pool += _pairs(selection)
+    return sorted([selection.empty, *pool], key=lambda v: v.criterion)
+
+
+def refined(selection: Selection, leaders: Sequence[FittedSet], most: int) -> FittedSet:
+    """The best set that the first leaders can be made into: the next, and those that come close."""
+    first, *others = *leaders, selection.empty
+    best = _refine(selection, first, most)
+    rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + CLOSE]
+    for rival in rivals[:RIVALS]:
+        if (
+            not first.terms or not first.exclusion_groups <= rival.exclusion_groups
+        ):  # what it has beyond the first is tried on the first, too
+            best = min(best, _refine(selection, rival, most), key=lambda v: v.criterion)
+    return best
+
+
+def _pairs(selection: Selection) -> list[FittedSet]:
+    """The best single effect in each of its forms, with every other in each of its own, all fitted exactly.
+
+    A law without free parameters leaves so much that signatures at its own values say little of pairs.
+    """
+    singles = [Term(effect, form) for effect in selection.candidates for form in effect.forms]
+    best = min(singles, key=lambda t: selection.refit([t]).criterion).effect if singles else None
+    first = [t for t in singles if t.effect is best]
+    return [
+        selection.refit([a, b], selection.refit([a]).values) for a in first for b in singles if b.effect is not best
+    ]
+
+
+def _leaders(selection: Selection, choices: Sequence[Choice]) -> list[Choice]:
+    """The best choice of each of the leading sets of names, the best single effects always among them."""
+    kept: dict[frozenset[str], Choice] = {}
+    count = {1: 0, 2: 0, 3: 0}
+    limit = {1: 5, 2: 4, 3: 3}
+    for choice in choices:
+        names = frozenset(selection.data.regressors[a].effect for a in choice.regressors)
+        size = len(names)
+        if names and names not in kept and count[size] < limit[size]:
+            kept[names] = choice
+            count[size] += 1
+    return list(kept.values())
+
+
+def _refine(selection: Selection, fitted: FittedSet, most: int) -> FittedSet:
+    """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
+    for _ in range(4):
+        criterion = fitted.criterion
+        rivals = [selection.refit(fitted.without(term), fitted.values, best=criterion) for term in fitted.terms]
+        rivals += [
+            selection.refit(terms, _without(fitted.values, terms), best=criterion)
+            for terms in _other_forms(selection, fitted)
+        ]
+        if len(fitted.terms) < most:
+            rivals += _additions(selection, fitted)
+        best = min(rivals, key=lambda v: v.criterion, default=fitted)
+        if best.criterion >= fitted.criterion - 1e-6:
+            return fitted
+        fitted = best
+    return fitted
+
+
+def _other_forms(selection: Selection, fitted: FittedSet) -> list[list[Term]]:
+    """The set with each term in each other form, and in those of its exclusion group."""
+    found = []
+    for k, term in enumerate(fitted.terms):
+        alike = {
+            e.name: e for e in (term.effect, *selection.candidates) if e.exclusion_group == term.effect.exclusion_group
+        }
+        others = [Term(e, form) for e in alike.values() for form in e.forms if form is not term.form]
+        found += [[*fitted.terms[:k], other, *fitted.terms[k + 1 :]] for other in others]
+    return found
+
+
+def _without(values: dict[str, float], terms: Sequence[Term]) -> dict[str, float]:
+    """Start values less the nonlinear ones of effects, which are searched anew from their grids."""
+    anew = {f"{t.effect.name}.{p.name}" for t in terms for p in t.form.nonlinear}
+    return {k: v for k, v in values.items() if k not in anew}
+
+
+def _additions(selection: Selection, fitted: FittedSet) -> list[FittedSet]:
+    data = selection.beyond(
+        fitted, [e for e in selection.candidates if e.exclusion_group not in fitted.exclusion_groups]
+    )
+    choices = [c for c in beam_search(data, selection.penalty, 1) if c.regressors and c.gain > selection.penalty.least]
+    return [selection.refit_choice(data, c, fitted, fitted.criterion) for c in choices[:2]]
+
+
+def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
+    """The set with the best pattern added, when that earns its penalty; names the pattern makes needless are dropped.
+
+    The pattern is looked for on what the set leaves and, lest the set has mopped it up, on what the law leaves.
+    """
+    scans: list[tuple[float, float, Scanned]] = []
+    remainders = [Remainder(selection, start) for start in {v.names: v for v in (fitted, selection.empty)}.values()]
+    time = selection.record.inputs.time
+    lines = (
+        [] if time is None else [period for remainder in remainders for period in beats(time, remainder.view.residual)]
+    )
+    for effect in patterns(selection.record.inputs, lines):
+        for scanned in scan(effect, remainders):
+            penalty = _pattern_penalty(selection, scanned, fitted)
+            scans.append((scanned.onto.criterion - scanned.gain + penalty, penalty, scanned))
+    scans.sort(key=lambda item: item[0])
+    best = fitted
+    for criterion, penalty, scanned in scans[:4]:
+        if criterion < best.criterion + NEAR + BENT * selection.excess:
+            best = min(best, _with_pattern(selection, scanned, penalty), key=lambda v: v.criterion)
+    return best if best.criterion < fitted.criterion else None
+
+
+def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) -> float:
+    search = 2.0 * float(np.log(max(scanned.tried, 2)))
+    known = sum(len(term.form.params) for term in fitted.terms)
+    more = scanned.regressor.free - known if not scanned.onto.terms else 1
+    fault = not isinstance(scanned.regressor.term.form, AddsForce)
+    simpler = more < 0 and _beyond_noise(selection, scanned.onto.criterion - scanned.gain) < EXPLAINED
+    tolerance = 0.0 if simpler else FAULT_TOLERANCE if fault or more <= 0 else PATTERN_TOLERANCE
+    return (
+        PATTERN_MARGIN
+        + search
+        + tolerance * selection.excess
+        + selection.penalty.per_parameter * scanned.regressor.free
+    )
+
+
+def _with_pattern(selection: Selection, scanned: Scanned, penalty: float) -> FittedSet:
+    """Fit a pattern with the set it was found beyond, then without each of the set's names in turn.
+
+    A name must earn as much as the pattern: what an unknown effect has beyond a pattern's shape is no effect's."""
+    terms = list(scanned.onto.terms)
+    fitted = selection.refit([*terms, scanned.regressor.term], scanned.start, penalty + selection.penalty.total(terms))
+    for gone in list(terms):
+        fewer = [t for t in terms if t is not gone]
+        rival = selection.refit(
+            [*fewer, scanned.regressor.term], fitted.values, penalty + selection.penalty.total(fewer)
+        )
+        if rival.criterion < fitted.criterion + PATTERN_TOLERANCE * selection.excess:
+            terms, fitted = fewer, rival
+    return fitted

@@ -1,0 +1,82 @@
+"""What nature does not allow: no name rests on it, and every answer says so."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pam_ident.core import Param, Specimen
+from pam_ident.core.param import Range
+from pam_ident.diagnosis import climb, diagnose
+from pam_ident.diagnosis.ladder import _alive
+from pam_ident.effects import catalogue
+from pam_ident.fitting import fit
+from pam_ident.fitting.fit import Estimate
+from pam_ident.model import Model
+from pam_ident.records import build_record
+from pam_ident.schema.diagnosis import diagnosis_json
+from pam_ident.schema.fit import parameters
+from pam_ident.tasks.gate import warnings_of
+
+MUSCLE = Specimen("m", 200.0, 10.0, 25.0, 1.5)
+LAW = Model.build("chou_hannaford")
+RANGED = [p for e in catalogue().values() for form in e.forms for p in form.params if p.range is not None]
+
+
+def record_with(bias):
+    """A table of the ideal braid, a bias of the load cell in N, and noise of 2 N."""
+    e, p = (grid.ravel() for grid in np.meshgrid(np.linspace(0.0, 0.2, 11), np.linspace(0.1, 0.6, 6)))
+    noise = 2.0 * np.random.default_rng(5).standard_normal(len(e))
+    return build_record("t", MUSCLE, p, e, MUSCLE.ideal_force(p, e) + bias + noise)
+
+
+@pytest.mark.parametrize("p", RANGED, ids=lambda p: p.name)
+def test_a_range_has_a_source_and_lies_in_the_bounds(p):
+    assert p.range.source and p.lower <= p.range.low < p.range.high <= p.upper
+
+
+@pytest.mark.parametrize(("low", "high", "possible"), [(-9, -3, False), (-3, 1, True), (7, 9, False), (4, 9, True)])
+def test_a_value_is_impossible_when_its_whole_interval_is(low, high, possible):
+    one = Estimate("a", "N", "", (low + high) / 2, 1.0, False, True, low, high, range=Range(-2.0, 5.0, "this test"))
+    assert one.possible is possible
+    assert replace(one, range=None).possible is None
+    assert replace(one, low=np.nan, high=np.nan).possible is None
+    assert replace(one, low=np.nan, high=np.nan, at_bound=True, value=5.5).possible is False
+
+
+def test_a_possible_bias_is_named():
+    found = diagnose(LAW, record_with(-30.0))
+    assert found.verdict == "missing_effect" and "force_bias" in found.selected and not found.best.impossible
+
+
+def test_an_impossible_bias_is_not_named_and_the_answer_says_why():
+    found = diagnose(LAW, record_with(-160.0), only=("force_bias",))
+    assert found.verdict == "unknown_effect" and found.selected == ()
+    assert "force_bias.F_b = -160 N is impossible: -100 to 100 N" in found.sentence
+    assert found.pattern.share > 0.9 and found.best.model == LAW
+    assert diagnosis_json("r", found)["ranking"][0]["probability"] == 0.0
+
+
+def test_a_model_with_an_impossible_value_of_its_own_is_never_adequate():
+    found = climb(LAW.adding(Model.build("chou_hannaford", ["force_bias"]).terms[0]), record_with(-160.0))
+    assert found.verdict == "unknown_effect" and "is impossible" in found.last.sentence
+    last = found.rungs[0].fit
+    assert [doubt.code for doubt in warnings_of(last) if not doubt.grave] == ["impossible_parameter"]
+    assert parameters(last.estimates)["force_bias.F_b"]["possible"] is False
+
+
+def test_what_an_effect_makes_is_its_force():
+    one = fit(Model.build("chou_hannaford", ["force_bias"]), record_with(-30.0))
+    assert one.shares == pytest.approx({"force_bias": abs(one.values["force_bias.F_b"])})
+
+
+def test_an_effect_that_has_become_nothing_is_taken_out_but_not_what_was_asked_for():
+    model = Model.build("chou_hannaford", ["force_bias", "bladder_elasticity"])
+    one = fit(model, record_with(-30.0), held={"bladder_elasticity.E": 0.0})
+    assert one.shares["bladder_elasticity"] == 0.0
+    assert _alive(one, LAW).model.labels == ["force_bias"]
+    assert _alive(one, model) is one
+
+
+def test_a_param_says_nothing_about_nature_unless_told():
+    assert Param("a", "N", "").range is None
