@@ -83,7 +83,7 @@ def test_on_a_terminal_progress_appears_and_is_gone_at_the_end(root, rubbing, tm
     ours, theirs = pty.openpty()
     code = (
         "import sys; from pam_ident.cli import verbs, main\n"
-        "verbs.PATIENCE = 0.0; sys.argv = ['pam-ident', *sys.argv[1:]]; main()"
+        "verbs.PATIENCE = verbs.PAUSE = 0.0; sys.argv = ['pam-ident', *sys.argv[1:]]; main()"
     )
     with open(tmp_path / "out.txt", "w") as out:
         words = ["diagnose", str(rubbing), "--law", "exponential_law"]
