@@ -119,7 +119,8 @@ def _expected(noise: Noise, inputs: Inputs) -> Noise:
         decay = np.minimum(np.exp(-advance / noise.memory), STEADIEST)
         decay[0] = 0.0
         gain, spread = filter_gains(decay[:, None], np.array([noise.share]), np.zeros(n))
-    return replace(noise, decay=decay, gain=gain[:, 0], spread=spread[:, 0], outlier=np.zeros(n, bool))
+    parts = {"decay": decay, "gain": gain[:, 0], "spread": spread[:, 0], "outlier": np.zeros(n, bool)}
+    return replace(noise, **parts, shared=None)  # whose position the run is to be driven to is known
 
 
 def _aim(split: Sequence[Separation]) -> str:
