@@ -111,6 +111,7 @@ def diagnose(
     specimen: Any = None,
     without: Any = (),
     only: Any = (),
+    also: Any = (),
     prior: str | None = None,
     extra: Any = (),
     assume: Any = (),
@@ -124,6 +125,7 @@ def diagnose(
         record: a Record, what `pam.read` takes, or a result, whose model is asked about.
         law, effects, specimen, free_geometry: as `pam.fit` takes them.
         without, only: effects that are not tried, or the only ones that are.
+        also: effects that are tried though they are no candidates by themselves, such as `moving_mass`.
         prior: TOML file of prior odds of effects, lines such as `creep = 10`.
         extra: Effects of your own that are tried beside the known ones.
         assume: codes of grave warnings that are meant so, or `all`; they do not stop naming then.
@@ -148,6 +150,7 @@ def diagnose(
     more = {
         "without": without,
         "only": only,
+        "also": also,
         "extra": extra,
         "assume": assume,
         "free_geometry": free_geometry,
@@ -167,6 +170,7 @@ def ladder(
     specimen: Any = None,
     without: Any = (),
     only: Any = (),
+    also: Any = (),
     extra: Any = (),
     assume: Any = (),
     heldout: str = "",
@@ -175,7 +179,7 @@ def ladder(
     """Diagnose and add, down to the noise.
 
     Args:
-        record, law, effects, specimen, without, only, extra, assume, free_geometry: as `pam.diagnose` takes them.
+        record, law, effects, specimen, without, only, also, extra, assume, free_geometry: as `pam.diagnose` takes them.
         heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
 
     Raises:
@@ -191,6 +195,7 @@ def ladder(
     more = {
         "without": without,
         "only": only,
+        "also": also,
         "extra": extra,
         "assume": assume,
         "free_geometry": free_geometry,

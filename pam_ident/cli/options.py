@@ -81,6 +81,15 @@ Heldout = Annotated[
         "Hold each of these out whole and choose everything anew without it; tables always do.",
     ),
 ]
+Also = Annotated[
+    list[str] | None,
+    option(
+        "--also",
+        "NAME",
+        "Effect that is tried though it is no candidate by itself, such as moving_mass; repeatable.",
+        autocompletion=effect_names,
+    ),
+]
 JsonFile = Annotated[str | None, option("--json", "FILE", "Write the answer as JSON; - for stdout, alone there.")]
 Workers = Annotated[
     int | None, option("--workers", "N", "So many processes at a time; same answer. Default: the cores; for fit: 1.")

@@ -258,6 +258,21 @@ def _memory(noise: Array) -> float:
     return 1.0 + 2.0 * float(np.sum(correlation[1 : below[0]])) if len(below) and below[0] > 1 else 1.0
 
 
+def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:
+    """A sentence, with a blank before it, on those of some effects that follow what most of a fit's error follows;
+    empty where there is none. `found` are the shares of that error, `others` effects that were not tried, of which none
+    with a warning is proposed."""
+    most = next((one for one in found if one.what not in ("noise", "repeats") and one.share >= 0.01), None)
+    model, inputs = fit.model, fit.record.inputs
+    fitting = [e for e in others if most and most.what in e.follows and not (e.warning or e.missing(inputs))]
+    names = [e.name for e in fitting if e.name not in model.effect_names]
+    if most is None or not names:
+        return ""
+    are = "is" if len(names) == 1 else "are"
+    how = " ".join(f"--also {name}" for name in names)
+    return f" It follows {most.text}: {' and '.join(names)} {are} in the catalogue and can be tried with {how}."
+
+
 def told(found: Sequence[Follows]) -> str:
     """The largest shares in one sentence."""
     parts = [f"{one.share:.0%} follows {one.text}" for one in found if one.what != "noise" and one.share >= 0.01][:4]
