@@ -179,6 +179,7 @@ def give_refused(path: str | None, error: Exception, asked: "Mapping[str, Any]")
         from ..schema.diagnosis import refusal_json
 
         record = asked.get("record") or asked.get("at")
+        record = record if isinstance(record, str | None) else " ".join(record)
         give_json(path, lambda: refusal_json(record, asked.get("law"), error.exit_code, reasons(error)))
 
 

@@ -8,7 +8,7 @@ K_H = Param("K_h", "N/mm", "stiffness of the contact at 1 mm", 0.0, 1e5, scale=1
 SHORT = Param(
     "e_c", "1", "contraction beyond which it touches", 0.0, 0.4, start=0.125, grid=(0.05, 0.1, 0.15, 0.2, 0.25)
 )
-LONG = Param("e_c", "1", "contraction below which it touches", -0.1, 0.3, start=0.05, grid=(0.01, 0.03, 0.07, 0.12))
+LONG = Param("e_c", "1", "contraction below which it touches", -0.1, 0.3, start=0.055, grid=(0.01, 0.03, 0.07, 0.12))
 
 
 def _beyond(inputs: Inputs, values: Values) -> Array:
