@@ -229,6 +229,7 @@ def report(
     *,
     out: str | Path = "report.html",
     specimen: Any = None,
+    also: Any = (),
     assume: Any = (),
     heldout: str = "",
     free_geometry: bool = False,
@@ -236,7 +237,7 @@ def report(
     """Write the whole answer about a record into one file: HTML, Markdown or PDF, by its ending.
 
     Args:
-        record, law, effects, specimen, assume, free_geometry: as `pam.diagnose` takes them.
+        record, law, effects, specimen, also, assume, free_geometry: as `pam.diagnose` takes them.
         out: the file.
         heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
 
@@ -252,7 +253,7 @@ def report(
 
     check_report(str(out))
     measured, setup, _ = _asked(
-        record, law, effects, specimen, free_geometry=free_geometry, assume=assume, heldout=heldout
+        record, law, effects, specimen, also=also, free_geometry=free_geometry, assume=assume, heldout=heldout
     )
     report_record(measured, setup, str(out))
     return Path(out)

@@ -50,6 +50,18 @@ def test_a_mass_is_named_and_found_where_it_is_asked_for(weighted):
     assert found.best.rmse < 1.15 * found.noise_floor and "--also" not in found.sentence
 
 
+def test_a_soft_stop_of_the_rig_is_named_with_its_place_and_stiffness(tmp_path):
+    law = Model.build("exponential_law")
+    made = make_record(Plan(44, law.law.name, unknown=Secret("rub", "end_stop", 3.0)))
+    write_case(tmp_path, made)
+    found = diagnose(law, read_record(tmp_path / "record.csv"), also=("end_contact",))
+    hidden = made.hidden[0]
+    assert found.verdict == "missing_effect" and found.labels == ("end_contact",)
+    assert found.best.values["end_contact.e_c"] == pytest.approx(hidden.settings["from"], abs=0.002)
+    stiffness = hidden.size / 0.01 / made.course.length_mm
+    assert found.best.values["end_contact.K"] == pytest.approx(stiffness, rel=0.03)
+
+
 def test_a_ladder_climbs_to_it(weighted):
     rungs = climb(LAW, thinned(weighted[0], 2000), also=("moving_mass",), detail=False).rungs
     assert rungs[-1].effects == ("moving_mass",)
