@@ -41,6 +41,8 @@ SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
+WORTH_TRYING = 0.1
+"""Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
 
 
 def one_speed(record: Record) -> bool:
@@ -259,18 +261,18 @@ def _memory(noise: Array) -> float:
 
 
 def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:
-    """A sentence, with a blank before it, on those of some effects that follow what most of a fit's error follows;
-    empty where there is none. `found` are the shares of that error, `others` effects that were not tried, of which none
-    with a warning is proposed."""
-    most = next((one for one in found if one.what not in ("noise", "repeats") and one.share >= 0.01), None)
-    model, inputs = fit.model, fit.record.inputs
-    fitting = [e for e in others if most and most.what in e.follows and not (e.warning or e.missing(inputs))]
-    names = [e.name for e in fitting if e.name not in model.effect_names]
-    if most is None or not names:
-        return ""
-    are = "is" if len(names) == 1 else "are"
-    how = " ".join(f"--also {name}" for name in names)
-    return f" It follows {most.text}: {' and '.join(names)} {are} in the catalogue and can be tried with {how}."
+    """A sentence, with a blank before it, on those of some effects that follow what a fit's error follows; empty where
+    there is none. `found` are the shares of that error, `others` effects that were not tried, of which none with a
+    warning is proposed."""
+    inputs, held = fit.record.inputs, fit.model.effect_names
+    free = [e for e in others if not (e.warning or e.name in held or e.missing(inputs))]
+    for one in found:
+        names = [e.name for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
+        if names:
+            are = "is" if len(names) == 1 else "are"
+            how = " ".join(f"--also {name}" for name in names)
+            return f" It follows {one.text}: {' and '.join(names)} {are} in the catalogue and can be tried with {how}."
+    return ""
 
 
 def told(found: Sequence[Follows]) -> str:

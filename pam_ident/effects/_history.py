@@ -166,21 +166,24 @@ def runs(inputs: Inputs) -> list[slice]:
     return [slice(begin, end) for begin, end in itertools.pairwise(bounds)]
 
 
-def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False, least: float = -1.0) -> Array:
+def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False, least: Array | float = -1.0) -> Array:
     """Deflection of an elastic element that slips at ±width, divided by the width, shape (n,), within ±1.
 
     Prandtl's stop operator driven by the displacement; the element starts at rest, `rested` each segment anew. Below 0
-    it slips at `least` times the width.
+    it slips at `least`, a number or (n,), times the width.
     """
     if inputs.live is not None:
         return _moved_live(inputs.live, inputs, lambda z, dx: inputs.xp.clip(z + dx / width_mm, least, 1.0))
     way = _one_way(inputs)
     states = []
     state = 0.0
-    for jump, length, begins in way.steps:
-        state = 0.0 if rested and begins else min(max(state + jump / width_mm, least), 1.0)
+    limits = np.broadcast_to(least, len(way.run))
+    begin = np.flatnonzero(np.diff(way.run, prepend=-1))
+    first, last = limits[begin].tolist(), limits[np.r_[begin[1:] - 1, len(way.run) - 1]].tolist()
+    for (jump, length, begins), low, lower in zip(way.steps, first, last, strict=True):
+        state = 0.0 if rested and begins else min(max(state + jump / width_mm, low), 1.0)
         states.append(state)
-        state = min(max(state + length / width_mm, least), 1.0)
+        state = min(max(state + length / width_mm, lower), 1.0)
     return np.clip(np.array(states)[way.run] + way.travel / width_mm, least, 1.0)
 
 

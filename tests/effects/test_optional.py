@@ -67,10 +67,10 @@ def test_live_the_acceleration_is_half_a_step_behind(step):
 # --- nonlocal hysteresis -----------------------------------------------------------------------------------------
 
 
-def by_steps(x, width, least):
+def by_steps(x, width, growth=0.0):
     z, out = 0.0, [0.0]
-    for dx in np.diff(x):
-        z = min(max(z + dx / width, -least), 1.0)
+    for before, now in pairwise(x):
+        z = min(max(z + (now - before) / width, -(1.0 + growth * now / 200.0)), 1.0)
         out.append(z)
     return np.array(out)
 
@@ -81,22 +81,42 @@ def legs(*turns, step=0.25):
     return np.concatenate([*parts, turns[-1:]])
 
 
-@pytest.mark.parametrize("ratio", [0.4, 1.0, 2.5])
-def test_its_operators_yield_at_other_forces_on_each_branch(ratio):
-    x = legs(0.0, 40.0, 10.0, 25.0, 15.0, 35.0, 0.0)
-    got = columns("nonlocal_hysteresis", inputs(x), r=8.0, w=ratio)
+@pytest.mark.parametrize("growth", [-1.0, 0.0, 6.0])
+def test_its_operators_yield_at_a_force_that_grows_on_the_extension_branch(growth):
+    x = legs(0.0, 40.0, 10.0, 25.0, 15.0, 35.0, 5.0)
+    got = columns("nonlocal_hysteresis", inputs(x), r=8.0, q=growth)
     for column, width in zip(got.T, (2.0, 4.0, 8.0), strict=True):
-        np.testing.assert_allclose(column, -by_steps(x, width, ratio), atol=1e-12)
-    assert got[-1] == pytest.approx([ratio] * 3)
-    growing = columns("nonlocal_hysteresis:growing", inputs(x), r=8.0, w=ratio)
-    np.testing.assert_allclose(growing, np.hstack([got, got * x[:, None] / 200.0]))
+        np.testing.assert_allclose(column, -by_steps(x, width, growth), atol=1e-12)
+    assert got[-1] == pytest.approx([1.0 + growth * 5.0 / 200.0] * 3)
+
+
+def test_an_asymmetry_that_is_the_same_everywhere_would_be_a_constant_force():
+    """Why it grows along the stroke: once slid, limits of −0.4 and 1 are those of ±0.7 and 0.3 more."""
+    x = legs(0.0, 40.0, 10.0, 25.0, 15.0, 35.0, 0.0)
+
+    def limited(low, high, width):
+        z, out = 0.0, [0.0]
+        for before, now in pairwise(x):
+            z = min(max(z + (now - before) / width, low), high)
+            out.append(z)
+        return np.array(out)
+
+    slid = 40
+    np.testing.assert_allclose(limited(-0.4, 1.0, 4.0)[slid:], 0.3 + limited(-0.7, 0.7, 4.0)[slid:], atol=1e-12)
+
+
+def test_the_growing_form_is_symmetric_and_grows_with_contraction():
+    x = legs(0.0, 40.0, 10.0, 25.0, 0.0)
+    got = columns("nonlocal_hysteresis:growing", inputs(x), r=8.0)
+    expected = -np.column_stack([by_steps(x, width) for width in (2.0, 4.0, 8.0)])
+    np.testing.assert_allclose(got, np.hstack([expected, expected * x[:, None] / 200.0]), atol=1e-12)
 
 
 def test_a_minor_loop_closes_and_is_wiped_out():
     """Back where a smaller loop began, the force is that of before, and goes on as if there had been no loop."""
     x, without = legs(0.0, 40.0, 20.0, 23.0, 20.0, 0.0), legs(0.0, 40.0, 0.0)
     for name in ("nonlocal_hysteresis", "nonlocal_hysteresis:curved"):
-        shape = {"r": 12.0, "w": 0.6} if name == "nonlocal_hysteresis" else {"r": 12.0}
+        shape = {"r": 12.0, "q": 4.0} if name == "nonlocal_hysteresis" else {"r": 12.0}
         loop, plain = (columns(name, inputs(way), **shape) for way in (x, without))
         at, back = (int(k) for k in np.flatnonzero(x == 20.0)[1:])
         np.testing.assert_allclose(loop[back], loop[at], atol=1e-12)
@@ -107,7 +127,7 @@ def test_a_minor_loop_closes_and_is_wiped_out():
 def test_its_curve_has_parts_of_their_own_near_full_force():
     x = legs(0.0, 40.0, 0.0)
     got = -columns("nonlocal_hysteresis:curved", inputs(x), r=8.0)
-    state = sum(by_steps(x, width, 1.0) for width in (2.0, 4.0, 8.0)) / 3.0
+    state = sum(by_steps(x, width) for width in (2.0, 4.0, 8.0)) / 3.0
     expected = np.column_stack(
         [state, np.where(state > 0.5, state - 0.5, 0.0), np.where(state < -0.5, state + 0.5, 0.0)]
     )
