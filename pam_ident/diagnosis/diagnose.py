@@ -10,7 +10,7 @@ import numpy as np
 from ..core import UsageError
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit
-from ..fitting.estimate import impossible
+from ..fitting.estimate import Estimate, impossible
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
@@ -111,7 +111,7 @@ def diagnose(
         pattern = lacking.pattern()
     else:
         pattern = _pattern(selection, fitted if patterns else selection.refit(named, fitted.values))
-    said = _impossible(base, best, ruled_out)
+    said = _impossible(base, best, fitted, ruled_out)
     pattern = said if said and (pattern is None or pattern.kind == said.kind) else pattern
     follows = following.shares()
     selected = tuple(t.effect.name for t in named)
@@ -222,19 +222,25 @@ def _possible(
     ruled_out: dict[str, Fit] = {}
     while True:
         best, after, named = _confirmed(base, heldout, named, fitted)
-        wrong = {e.name.partition(".")[0] for e in best.impossible} & {t.effect.name for t in named}
+        wrong = {e.name.partition(".")[0] for e in _wrong(best, fitted)} & {t.effect.name for t in named}
         if not wrong:
             return best, after, named, ruled_out
         ruled_out |= dict.fromkeys(sorted(wrong), best)
         named = [t for t in named if t.effect.name not in wrong]
 
 
-def _impossible(base: Fit, best: Fit, ruled_out: Mapping[str, Fit]) -> Pattern | None:
+def _wrong(fit: Fit, fitted: FittedSet) -> list[Estimate]:
+    """Estimates that nature does not allow, nor their value by the steady inputs: a noisy gauge bends an estimate."""
+    steady = fitted.values
+    return [e for e in fit.impossible if e.range and not e.range.low <= steady.get(e.name, math.inf) <= e.range.high]
+
+
+def _impossible(base: Fit, best: Fit, fitted: FittedSet, ruled_out: Mapping[str, Fit]) -> Pattern | None:
     """What only values that nature does not allow would explain, and those of the model itself."""
-    said = {e.name: impossible(e) for e in best.impossible}
+    said = {e.name: impossible(e) for e in _wrong(best, fitted)}
     share = 0.0
     for name, one in ruled_out.items():
-        said |= {e.name: impossible(e) for e in one.impossible if e.name.startswith(f"{name}.")}
+        said |= {e.name: impossible(e) for e in _wrong(one, fitted) if e.name.startswith(f"{name}.")}
         share = max(share, (best.rmse**2 - one.rmse**2) / max(base.rmse**2, 1e-18))
     return Pattern("other", "contraction", None, "", share, "; ".join(said.values())) if said else None
 

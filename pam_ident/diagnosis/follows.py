@@ -128,8 +128,11 @@ class Following:
         each = EQUAL + 2.0 * math.log(max(len(self.surfaces.names), 1))
         return gain / (self.variance * self.memory) - penalty - each * count
 
-    def likeliest(self, without: Collection[str] = (), start: frozenset[int] = frozenset()) -> frozenset[int]:
-        """The set of groups, at most one a driver, that nothing added, dropped or exchanged makes likelier.
+    def likeliest(
+        self, without: Collection[str] = (), start: frozenset[int] = frozenset(), kept: frozenset[int] = frozenset()
+    ) -> frozenset[int]:
+        """The set of groups, at most one a driver, that nothing added, dropped (but what is `kept`) or exchanged makes
+        likelier.
 
         The place of one may be another's: what relaxes slowly is nearly the clock.
         """
@@ -137,7 +140,7 @@ class Following:
         freedom = np.array([len(columns) for columns in surfaces.columns])
         while True:
             best, most = chosen, self.evidence(chosen)
-            for rest in (chosen, *(chosen - {k} for k in chosen)):
+            for rest in (chosen, *(chosen - {k} for k in chosen - kept)):
                 if self.evidence(rest) > most:
                     best, most = rest, self.evidence(rest)
                 taken = {surfaces.names[k] for k in rest}.union(without)
@@ -189,13 +192,20 @@ class Following:
             for name, other in without.items()
         }
 
+    def _beside(self, name: str) -> float:
+        """What is lost by a further driver beside the likeliest, in its best detail, the others in theirs."""
+        groups = [k for k, other in enumerate(self.surfaces.names) if other == name]
+        best = max((self.best | {k} for k in groups), key=self.evidence)
+        return self.evidence(self.best) - self.evidence(self.likeliest(start=best, kept=best - self.best))
+
     @cached_property
     def drivers(self) -> frozenset[str]:
-        """The likeliest drivers, and those that could stand in the place of one at odds that are as good.
+        """The likeliest drivers, and those that could stand in the place of one, or beside them, at odds as good.
 
         With one speed alone the speed and the direction of motion are one.
         """
         found = self.chosen.union(*(others for loss, others in self._instead.values() if loss < EQUAL))
+        found |= {name for name in set(self.surfaces.names) - found if self.best and self._beside(name) < EQUAL}
         same = {"speed", "direction"}
         return found | same if one_speed(self.record) and found & same else found
 
@@ -214,9 +224,12 @@ class Following:
         covered = {name for effect in effects for name in effect.follows}
         return tuple(name for name in self.needed if name not in covered)
 
-    def supports(self, follows: Collection[str]) -> bool:
-        """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may."""
-        return not follows or self.record.inputs.time is None or not self.drivers.isdisjoint(follows)
+    def supports(self, follows: Sequence[str]) -> bool:
+        """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may.
+
+        The first of them is what tells it from others: friction whose speed does not matter is no Stribeck friction.
+        """
+        return not follows or self.record.inputs.time is None or follows[0] in self.drivers
 
     def shares(self) -> tuple[Follows, ...]:
         """As `what_it_follows` gives them."""

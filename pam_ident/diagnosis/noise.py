@@ -21,6 +21,8 @@ Array = np.ndarray
 SMALL, SMALL_COLOURED = 0.04, 0.1
 """Share of the noise's variance that is too small to matter, because for less a wrong name is worse; and what is added
 where all noise is coloured: no noise has the colour it is given exactly."""
+UNREAD = 1e12
+"""Variance, over the noise's, of a sample that says nothing: an outlier, which no filter must take for a zero."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour scanned to the same answer."""
 
@@ -87,7 +89,7 @@ class Noise:
     def volume(self) -> float:
         """What is added to the squares of its innovations for minus twice the log likelihood, up to a constant."""
         shared = self.shared.volume if self.shared else 0.0
-        return 2.0 * float(np.sum(np.log(self.sigma * self.spread))) + shared
+        return 2.0 * float(np.sum(np.log(self.sigma * self.spread[~self.outlier]))) + shared
 
     @cached_property
     def _weight(self) -> Array:
@@ -131,24 +133,35 @@ def estimate_noise(
     extra = np.zeros(n)
     if record.inputs.time is not None:
         extra = (noise_around(record.inputs.displacement_mm, record.inputs.time) * slope / middle) ** 2
+    unread = np.where(outlier, UNREAD, extra)
     own = without_repeats(record, residual, ~outlier)
     z = np.where(outlier, 0.0, own / middle)
-    share, memory, clock, decay = (0.0, 0.0, "samples", np.zeros(n)) if white else _colour(record, z, extra)
-    gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share]), extra))
-    left = innovations(z[:, None], decay, gain)[:, 0] / spread
+    share, memory, clock, decay = (0.0, 0.0, "samples", np.zeros(n)) if white else _colour(record, z, unread)
+    gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share]), unread))
+    spread = np.where(outlier, 1.0, spread)
+    left = np.where(outlier, 0.0, innovations(z[:, None], decay, gain)[:, 0] / spread)
     # The scale is profiled out: innovations of a coloured residual need not have unit variance.
     sigma = max(middle * float(np.sqrt(np.sum(left**2) / max((~outlier).sum() - parameters, 1))), 1e-9)
-    deviance = 2.0 * n * np.log(sigma) + 2.0 * float(np.sum(np.log(spread)))
+    deviance = 2.0 * float(np.sum(~outlier)) * np.log(sigma) + 2.0 * float(np.sum(np.log(spread)))
     if own is not residual:
         whole = innovations(np.where(outlier, 0.0, residual / middle)[:, None], decay, gain)[:, 0] / spread
+        whole = np.where(outlier, 0.0, whole)
         deviance += float(whole @ whole - left @ left) * (middle / sigma) ** 2
     if shared:
         deviance += shared.volume
     if share > 0.0:
-        deviance -= likelier_colour(z / np.sqrt(1.0 + extra))
+        deviance -= likelier_colour(_filled(z, outlier) / np.sqrt(1.0 + extra))
     more = (float(np.mean(extra[~outlier])) if not outlier.all() else 0.0) + (shared.mean if shared else 0.0)
     whole = sigma * math.sqrt(1.0 + more)
     return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance, shared)
+
+
+def _filled(z: Array, gaps: Array) -> Array:
+    """A series with straight lines across its gaps."""
+    if gaps.all():
+        return z
+    rows = np.arange(len(z))
+    return np.interp(rows, rows[~gaps], z[~gaps])
 
 
 def _middle(residual: Array) -> float:
@@ -185,7 +198,10 @@ def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, 
         return white
     step = np.diff(inputs.time, prepend=inputs.time[0])
     unit = float(np.median(step[1:]))
-    best, least = white, n * float(np.log(square)) + float(np.sum(np.log(1.0 + extra))) - 12.0
+    best, least = (
+        white,
+        float(np.sum(extra < UNREAD)) * float(np.log(square)) + float(np.sum(np.log(1.0 + extra))) - 12.0,
+    )
     for clock, advance, seconds in (("samples", np.ones(n), 1.0), ("seconds", step / unit, unit)):
         (k, j), criterion = _most_likely(advance, z, extra)
         if criterion < least:
@@ -222,7 +238,7 @@ def _deviances(places: Sequence[tuple[int, int]], advance: Array, z: Array, extr
     decay[0] = 0.0
     gain, spread = filter_gains(decay, share, extra)
     left = [innovations(z[:, None], d, g)[:, 0] for d, g in zip(decay.T, gain.T, strict=True)]
-    logs = 2.0 * np.sum(np.log(spread), axis=0)
+    logs, read = 2.0 * np.sum(np.log(spread), axis=0), float(np.sum(extra < UNREAD))
     return [
-        len(z) * float(np.log(np.mean((e / s) ** 2))) + float(c) for e, s, c in zip(left, spread.T, logs, strict=True)
+        read * float(np.log(np.mean((e / s) ** 2))) + float(c) for e, s, c in zip(left, spread.T, logs, strict=True)
     ]

@@ -22,8 +22,8 @@ PATTERN_MORE = 0.06
 FAINT = 1.2
 """Squares that the law alone may leave, over those that an answer leaves, for it to be slow noise after all."""
 SURE = 500.0
-"""Cost by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it had
-lost by 160 at most."""
+"""Criterion by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it
+had lost by 160 at most."""
 UNEXPLAINED, EXPLAINED = 10.0, 3.0
 """Whitened squares beyond their number, in standard deviations: something is left; nothing is."""
 CLOSE, RIVALS = 100.0, 3
@@ -32,8 +32,8 @@ are refined."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 NEAR, BENT = 30.0, 0.005
-"""Cost within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is to
-be explained, because the law bends."""
+"""Criterion within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is
+to be explained, because the law bends."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
 adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or

@@ -1,4 +1,4 @@
-"""What a diagnosis selects from: a record, a fitted base model, the candidates' signatures and the noise they are judged against."""
+"""What a diagnosis selects from: a record, a fitted base model, candidates with their signatures, and the noise."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence

@@ -1,5 +1,7 @@
 """The load cell's zero wanders with time."""
 
+from dataclasses import replace
+
 from ..core import Inputs, Param, Range
 from ._history import since_first
 from .base import AddsForce, Array, Effect, Values, one
@@ -12,6 +14,8 @@ SWING = (
     Param("F_sin", "N", "sine part of a swing", -5000.0, 5000.0, scale=10.0),
     Param("F_cos", "N", "cosine part of a swing", -5000.0, 5000.0, scale=10.0),
 )
+SOON = replace(TAU, lower=40.0, upper=300.0, start=100.0, grid=(60.0, 200.0))
+"""What settles more slowly is what powers of the time follow; faster, and one stroke alone would show it."""
 FREE = tuple(Param(f"F_{k}", "N", f"coefficient of (t/10 min)^{k}", scale=10.0) for k in (1, 2, 3))
 PERIOD = Param("T", "s", "period of the swing", 120.0, 1e5, start=1800.0, grid=(450.0, 900.0, 1800.0, 3600.0, 7200.0))
 
@@ -61,7 +65,7 @@ EFFECT = Effect(
         AddsForce("logarithmic", "+F_d ln(1 + t/τ)", (LEVEL,), _logarithmic, (TAU,)),
         AddsForce("settling_on", "+F_d (1 − exp(−t/τ)) + rate · t", (LEVEL, RATE), _settling_on, (TAU,)),
         AddsForce("swinging", "+F_sin sin(2πt/T) + F_cos (1 − cos(2πt/T))", SWING, _swinging, (PERIOD,)),
-        AddsForce("free", "+F_d (1 − exp(−t/τ)) + Σ F_k (t/10 min)^k, k = 1, 2, 3", (LEVEL, *FREE), _smooth, (TAU,)),
+        AddsForce("free", "+F_d (1 − exp(−t/τ)) + Σ F_k (t/10 min)^k, k = 1, 2, 3", (LEVEL, *FREE), _smooth, (SOON,)),
     ),
     follows=("clock",),
     test="tare before and after; pressures in random order",

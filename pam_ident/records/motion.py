@@ -17,6 +17,9 @@ NORMAL_MEDIAN = 0.6745
 """Median magnitude of a standard normal number."""
 NOISE_ONLY = 1.25
 """Ratio to the sensor's noise up to which what a curve misses of a stroke is noise alone."""
+FEWEST, SLOW_ORDERS = 12, 12
+"""Samples of a stroke that a polynomial is fitted to, and its highest order where a drive may turn slowly: enough for a
+sine, too few for a corner."""
 SLOPE_NOISE = 0.01
 """Share of a stroke's speed that the sensor's noise may make of the speed at a sample."""
 
@@ -156,6 +159,8 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     direction, moving, stroke, speed = into.direction, into.moving, into.stroke, into.stroke_speed
     turns = without_spikes(x, pivots(x, reversal(noise, span)), span) if span else [0, len(x) - 1]
     held = thinned_holds(time, x, turns, noise, span)
+    if held.any() and (middles := _slow_turns(time, x, turns, held, noise)):
+        turns, held = middles, np.zeros(len(x), bool)
     for begin, end in pairwise(turns):
         inside = np.arange(begin, end + 1)
         inside = inside[~held[begin : end + 1] & ~moving[begin : end + 1]]
@@ -170,6 +175,35 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     _carry(direction, moving, stroke, speed)
     _smooth_holds(into.position, x, np.flatnonzero(~moving), noise)
     return count
+
+
+def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, noise: float) -> list[int]:
+    """The middles of the rests at all turning points, if a smooth stroke runs from each to the next: then nothing
+    rests, and the drive turns so slowly that the sensor cannot see it. Empty where something rests."""
+    edges = np.flatnonzero(np.diff(held, prepend=False, append=False))
+    middles = []
+    for turn in turns:
+        begin, end = turn, turn
+        if held[turn]:
+            after = int(np.searchsorted(edges, turn, side="right"))
+            begin, end = int(edges[after - 1]), int(edges[after]) - 1
+        middles.append(begin if turn == turns[0] else end if turn == turns[-1] else (begin + end) // 2)
+    missed, rests, scatter = [], [], []
+    for begin, end in pairwise(middles):
+        t, rows = time[begin : end + 1], slice(begin, end + 1)
+        if len(t) < FEWEST or t[-1] <= t[0]:
+            return []
+        even = np.linspace(t[0], t[-1], len(t))  # between few rows at rest a curve could do as it likes
+        way, still = np.interp(even, t, x[rows]), np.interp(even, t, held[rows].astype(float)) > 0.0
+        waves = _waves(even, min(SLOW_ORDERS, len(t) // 3))
+        missed.append(way - waves @ np.linalg.lstsq(waves, way, rcond=None)[0])
+        rests.append(still)
+        scatter.append(roughness(way)[np.convolve(still, np.ones(5), "valid") == 0.0])
+    off, still = np.concatenate(missed), np.concatenate(rests)
+    # Of the moving rows, too: there a jittering clock's noise grows with the speed.
+    whole = np.sqrt(np.mean(np.concatenate([[noise], *scatter]) ** 2))
+    smooth = np.std(off) < NOISE_ONLY * whole and np.std(off[still]) < NOISE_ONLY * noise
+    return middles if smooth else []
 
 
 def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: float) -> Array:
@@ -232,7 +266,7 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
     n, width = len(x), float(np.ptp(time))
     if width <= 0.0:
         return x, np.zeros(n)
-    if n >= 12:
+    if n >= FEWEST:
         waves = smooth_basis(time, n)
         few = waves[:, : min(7, n // 6) + 1]  # of more, a slope would swing at the ends of a stroke
         curve = np.linalg.lstsq(few, x, rcond=None)[0]
@@ -252,7 +286,11 @@ def smooth_basis(time: Array, n: int) -> Array:
 
     As many as samples allow: what an order too few leaves out is the same in every stroke, and passes for an effect.
     """
-    return chebyshev.chebvander(2.0 * (time - time[0]) / float(np.ptp(time)) - 1.0, min(7, n // 3))
+    return _waves(time, min(7, n // 3))
+
+
+def _waves(time: Array, orders: int) -> Array:
+    return chebyshev.chebvander(2.0 * (time - time[0]) / float(np.ptp(time)) - 1.0, orders)
 
 
 def _local_slopes(time: Array, x: Array, noise: float) -> Array:

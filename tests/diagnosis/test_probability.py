@@ -80,13 +80,13 @@ def test_honest_statements_lie_on_the_diagonal():
 def test_a_set_fitted_against_another_noise_is_weighed_with_what_it_costs_against_this_one():
     time = np.arange(900) * 0.1
     x = 20.0 - 20.0 * np.cos(2.0 * np.pi * time / 30.0)
-    force = 400.0 - 5.0 * x - 4.0 * np.sign(np.sin(2.0 * np.pi * time / 30.0))
+    force = 400.0 - 5.0 * x - (2.0 + 0.2 * x) * np.sign(np.sin(2.0 * np.pi * time / 30.0))
     force += np.random.default_rng(1).standard_normal(900)
     pressure = np.where(time < 45.0, 0.3, 0.4)
     record = build_record("loop", Specimen("bench", 200.0, 10.0, 25.4, 1.5), pressure, x / 200.0, force, time=time)
     base, friction = fit(Model.build("polynomial"), record), catalogue()["coulomb_friction"]
     first = Selection(base, [friction])
-    plain, richer = ([Term(friction, form)] for form in friction.forms[:2])
+    plain, richer = ([Term(friction, form)] for form in (friction.forms[0], friction.forms[2]))
     first.refit(richer)
     there = first.refit(plain)
     selection = Selection(base, [friction], noise=replace(first.noise, sigma=2.0 * first.noise.sigma), before=first)
