@@ -110,18 +110,24 @@ def cycles_of_test(inputs: Inputs) -> Array:
 
 
 def acceleration(inputs: Inputs) -> Array:
-    """Rate of the velocity in mm/s² within a motion, 0 in a hold and at its corners, shape (n,).
+    """Rate of the velocity in mm/s² within each stroke, 0 in a hold and where a stroke meets one, shape (n,).
 
-    Along a record it is central; live it is that since the last instant, which is half a step behind.
+    Along a record it is central, and one-sided at a turn, because each stroke is smoothed by itself; live it is that
+    since the last instant, which is half a step behind.
     """
     assert inputs.velocity is not None and inputs.time is not None
     v, now, moving = inputs.velocity, inputs.time, slip(inputs)[0] != 0.0
     if inputs.live is not None:
         return _acceleration_live(inputs, inputs.live, v, now, moving)
-    if len(v) < 3:
-        return np.zeros(len(v))
-    within = moving & np.roll(moving, 1) & np.roll(moving, -1)
-    return np.where(within, np.gradient(v) / np.maximum(np.gradient(now), 1e-9), 0.0)
+    both = moving[1:] & moving[:-1]
+    one_way = both & (np.diff(inputs.direction) == 0.0)
+    if inputs.segment is not None:
+        gap = np.diff(inputs.segment) != 0
+        both, one_way = both & ~gap, one_way & ~gap
+    before, behind = np.r_[False, one_way], np.r_[one_way, False]
+    first, last = np.arange(len(v)) - before, np.arange(len(v)) + behind
+    within = np.r_[False, both] & np.r_[both, False] & (first < last)
+    return np.where(within, (v[last] - v[first]) / np.maximum(now[last] - now[first], 1e-9), 0.0)
 
 
 def _acceleration_live(inputs: Inputs, live: Live, v: Array, now: Array, moving: Array) -> Array:

@@ -51,6 +51,18 @@ def test_a_kilogram_that_is_accelerated_is_newtons_the_other_way():
     np.testing.assert_allclose(2.0 * columns("moving_mass", stopped)[:, 0], [-0.0, -3.0, -3.0, 0.0, 0.0, 0.0])
 
 
+def test_a_turn_without_a_hold_is_no_blow():
+    """To and fro at constant speeds that differ: what lies between is over within a sample, and not in a record."""
+    time = np.arange(12.0) / 10.0
+    speed = np.where(time < 0.55, 100.0, -80.0)
+    given = inputs(10.0 * np.cumsum(speed) / 100.0, time=time, velocity=speed, direction=np.sign(speed))
+    assert not columns("moving_mass", given).any()
+    swing = swinging(0.02)
+    turn = int(np.flatnonzero(np.diff(np.sign(swing.velocity)))[0])
+    at_turn = -1e-3 * -90.0 * np.sin(3.0 * swing.time)[turn : turn + 2]
+    np.testing.assert_allclose(columns("moving_mass", swing)[turn : turn + 2, 0], at_turn, rtol=0.01)
+
+
 @pytest.mark.parametrize("step", [0.01, 0.002])
 def test_live_the_acceleration_is_half_a_step_behind(step):
     given = swinging(step)
