@@ -55,7 +55,9 @@ def effect_page(
     parts = [f"# {effect.title}", f"`{effect.name}`", story(effect)]
     parts += [f":::{{warning}}\n{effect.warning}\n:::"] if effect.warning else []
     if not effect.candidate:
-        parts.append("The diagnosis does not propose it; it can be added by name.")
+        parts.append(
+            f"The diagnosis does not try it by itself; `diagnose --also {effect.name}` does. It can be added by name."
+        )
     parts += ["## Forms", _forms_intro(effect), *(_form(form) for form in effect.forms)]
     needs = [NEED[need] for need in effect.needs]
     parts += ["## What a record must hold", _listed(needs, "Nothing beyond pressure, contraction and force.")]

@@ -1,7 +1,7 @@
 """The verbs: each takes a record, or what one is read from, and a law and effects, by name or as objects."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 from warnings import warn
 
 from ..core.lmfit_names import from_lmfit_names
@@ -10,11 +10,21 @@ from ..fitting import fit as old_fit
 from ..model import Model
 from ..tasks.fit import FitOptions, fit_record
 from ..tasks.law_choice import AUTO, LawChoice
+from ..tasks.together import fit_records
 from .answers import ComparisonResult, DiagnosisResult, LadderResult, RecordAnswer
 from .asking import ObjectSetup, settled, setup_of
 from .fitted import FitResult
 from .record import ShownRecord, read
+from .together import SharedFitResult
 from .working import worked
+
+
+@overload
+def fit(record: Any, law: Any = ..., effects: Any = ..., *, shared: None = None, **more: Any) -> FitResult: ...
+
+
+@overload
+def fit(record: Any, law: Any = ..., effects: Any = ..., *, shared: Any, **more: Any) -> SharedFitResult: ...
 
 
 @worked
@@ -23,6 +33,7 @@ def fit(
     law: Any = AUTO,
     effects: Any = (),
     *,
+    shared: Any = None,
     specimen: Any = None,
     branch: str = "together",
     method: str = "global",
@@ -32,13 +43,15 @@ def fit(
     intervals: str = "linear",
     free_geometry: bool = False,
     **old: Any,
-) -> FitResult:
-    """Fit a law, with or without effects, to a record.
+) -> FitResult | SharedFitResult:
+    """Fit a law, with or without effects, to a record, or to several at once.
 
     Args:
         record: a Record, or what `pam.read` takes.
         law: name, Law or Model; by default the one that foretells held-out data best.
         effects: names (`creep`, `creep:prony_3`) or Effects, one or several.
+        shared: of a list of records, fitted together: the parameters that have one value for all; names, an effect's
+            for all of its own, or `all`. Any other is each record's own.
         specimen: the muscle, as `pam.read` takes it.
         branch: together, separate, contraction or extension.
         method: global; or two-stage, each isobar alone and then over pressure.
@@ -68,6 +81,9 @@ def fit(
     setup = setup_of(law, effects, free_geometry=free_geometry)
     values = from_lmfit_names(held.valuesdict()) if hasattr(held, "valuesdict") else dict(held or {})
     wishes = FitOptions(branch, method, values, weights, loss, intervals)
+    if shared is not None:
+        names = (shared,) if isinstance(shared, str) else tuple(shared)
+        return SharedFitResult(fit_records([read(one, specimen) for one in record], setup, names, wishes), setup)
     measured = read(record, specimen)
     setup, choice = settled(measured, setup)
     return FitResult(fit_record(measured, setup, wishes), setup, choice)
@@ -111,6 +127,7 @@ def diagnose(
     specimen: Any = None,
     without: Any = (),
     only: Any = (),
+    also: Any = (),
     prior: str | None = None,
     extra: Any = (),
     assume: Any = (),
@@ -124,6 +141,7 @@ def diagnose(
         record: a Record, what `pam.read` takes, or a result, whose model is asked about.
         law, effects, specimen, free_geometry: as `pam.fit` takes them.
         without, only: effects that are not tried, or the only ones that are.
+        also: effects that are tried though they are no candidates by themselves, such as `moving_mass`.
         prior: TOML file of prior odds of effects, lines such as `creep = 10`.
         extra: Effects of your own that are tried beside the known ones.
         assume: codes of grave warnings that are meant so, or `all`; they do not stop naming then.
@@ -148,6 +166,7 @@ def diagnose(
     more = {
         "without": without,
         "only": only,
+        "also": also,
         "extra": extra,
         "assume": assume,
         "free_geometry": free_geometry,
@@ -167,6 +186,7 @@ def ladder(
     specimen: Any = None,
     without: Any = (),
     only: Any = (),
+    also: Any = (),
     extra: Any = (),
     assume: Any = (),
     heldout: str = "",
@@ -175,7 +195,7 @@ def ladder(
     """Diagnose and add, down to the noise.
 
     Args:
-        record, law, effects, specimen, without, only, extra, assume, free_geometry: as `pam.diagnose` takes them.
+        record, law, effects, specimen, without, only, also, extra, assume, free_geometry: as `pam.diagnose` takes them.
         heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
 
     Raises:
@@ -191,6 +211,7 @@ def ladder(
     more = {
         "without": without,
         "only": only,
+        "also": also,
         "extra": extra,
         "assume": assume,
         "free_geometry": free_geometry,
@@ -208,6 +229,7 @@ def report(
     *,
     out: str | Path = "report.html",
     specimen: Any = None,
+    also: Any = (),
     assume: Any = (),
     heldout: str = "",
     free_geometry: bool = False,
@@ -215,7 +237,7 @@ def report(
     """Write the whole answer about a record into one file: HTML, Markdown or PDF, by its ending.
 
     Args:
-        record, law, effects, specimen, assume, free_geometry: as `pam.diagnose` takes them.
+        record, law, effects, specimen, also, assume, free_geometry: as `pam.diagnose` takes them.
         out: the file.
         heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
 
@@ -231,7 +253,7 @@ def report(
 
     check_report(str(out))
     measured, setup, _ = _asked(
-        record, law, effects, specimen, free_geometry=free_geometry, assume=assume, heldout=heldout
+        record, law, effects, specimen, also=also, free_geometry=free_geometry, assume=assume, heldout=heldout
     )
     report_record(measured, setup, str(out))
     return Path(out)

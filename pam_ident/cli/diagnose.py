@@ -27,6 +27,7 @@ def diagnose(
     only: Annotated[
         list[str] | None, options.option("--only", "NAME", "The only effect that is tried; repeatable.")
     ] = None,
+    also: options.Also = None,
     prior: Annotated[
         str | None, options.option("--prior", "FILE.toml", "Prior odds of effects, lines such as `creep = 10`.")
     ] = None,
@@ -44,7 +45,7 @@ def diagnose(
     """
     if protocol is not None:
         check_protocol(protocol, record)
-    names = {"without": tuple(without or ()), "only": tuple(only or ())}
+    names = {"without": tuple(without or ()), "only": tuple(only or ()), "also": tuple(also or ())}
     setup = replace(asked.setup(law), prior=prior, heldout=options.held_out(heldout), **names)
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json, stopped_json

@@ -60,6 +60,8 @@ def show(
     text.say(f"needs in the record: {', '.join(effect.needs) or 'nothing beyond pressure, contraction and force'}")
     if effect.levers:
         text.say(f"vary on the rig: {', '.join(effect.levers)}")
+    if not effect.candidate:
+        text.say(f"no candidate of the diagnosis by itself; tried with --also {effect.name}")
     if effect.warning:
         text.say(f"Warning: {effect.warning}")
     for form in effect.forms:

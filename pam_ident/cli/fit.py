@@ -9,7 +9,8 @@ from . import options, text
 if TYPE_CHECKING:
     from ..fitting import IsobarTable
     from ..fitting.methods import MethodRow
-    from ..tasks.fit import FitAnswer
+    from ..tasks.fit import FitAnswer, FitOptions
+    from ..tasks.setup import Setup
 
 MOST_OF_MEMORY = 1 / 8
 """Share of the free memory from which a record's text is read in chunks."""
@@ -20,8 +21,25 @@ IN_CHUNKS = (
 
 
 def fit(
-    record: options.Record,
+    record: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="RECORD...",
+            help="Record of a test rig: a file, a folder, a quoted glob, or the name of a data set that comes along; "
+            "several are fitted together.",
+            show_default=False,
+        ),
+    ],
     law: options.Law = "auto",
+    shared: Annotated[
+        list[str] | None,
+        options.option(
+            "--shared",
+            "NAME",
+            "Of several records: a parameter that has one value for all, an effect's name for all of its own, or all; "
+            "repeatable. Any other is each record's own.",
+        ),
+    ] = None,
     branch: Annotated[
         str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
     ] = "together",
@@ -61,12 +79,10 @@ def fit(
         ),
     ] = None,
 ) -> None:
-    """Fit a law: parameters with standard errors."""
-    if figures is not None:
-        from ..tasks.figures import make_folder
+    """Fit a law: parameters with standard errors.
 
-        make_folder(figures)
-    setup = asked.setup(law)
+    Several records are fitted together by one law; each takes its own specimen.toml.
+    """
     from ..core import UsageError
     from ..parallel.executor import Executor
     from ..records.files import share_of_memory
@@ -76,23 +92,57 @@ def fit(
     from ..tasks.law_choice import settle
     from ..tasks.setup import AUTO
 
+    setup, path = asked.setup(law), record[0]
     executor = Executor(workers, scheduler)
     wishes = FitOptions(branch, method, options.held(hold), weights, loss, intervals, executor=executor)
-    chunked = chunked or share_of_memory(record) > MOST_OF_MEMORY
+    if len(record) > 1 or shared:
+        if chunked or figures is not None:
+            raise UsageError("--chunked and --figures are for one record; leave them out to fit several together")
+        return _together(record, setup, tuple(shared or ()), wishes, asked.json)
+    if figures is not None:
+        from ..tasks.figures import make_folder
+
+        make_folder(figures)
+    chunked = chunked or share_of_memory(path) > MOST_OF_MEMORY
     if chunked and law == AUTO:
-        raise UsageError(f"{record}: is read in chunks, and laws are compared in memory; name one with --law")
-    measured = record if chunked else setup.read(record)
+        raise UsageError(f"{path}: is read in chunks, and laws are compared in memory; name one with --law")
+    measured = path if chunked else setup.read(path)
     setup, choice = (setup, None) if isinstance(measured, str) else settle(measured, setup)
     answer = fit_record(measured, setup, wishes)
-    options.give_json(asked.json, lambda: fit_json(record, setup.law, answer) | law_choice_json(choice))
-    text.say(text.title(record, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.chosen(choice))
+    options.give_json(asked.json, lambda: fit_json(path, setup.law, answer) | law_choice_json(choice))
+    text.say(text.title(path, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.chosen(choice))
     text.say(*text.equation(setup.model), *text.banner(answer.warnings))
     _print(answer)
     if figures is not None:
         from ..tasks.figures import paper_figures, write_figures
 
         text.say("", *(f"figure: {path}" for path in write_figures(figures, paper_figures(answer))))
-    options.stop_if_invalid(record, answer.problems)
+    options.stop_if_invalid(path, answer.problems)
+
+
+def _together(
+    records: list[str], setup: "Setup", shared: tuple[str, ...], wishes: "FitOptions", json: str | None
+) -> None:
+    from ..core.files import write_json_lines
+    from ..schema.fit import fit_json, shared_json
+    from ..tasks.together import fit_records
+
+    answers = fit_records([setup.read(path) for path in records], setup, shared, wishes)
+    if json is not None:
+        options.answered.set(True)
+        each = zip(records, answers, strict=True)
+        write_json_lines(json, [fit_json(path, setup.law, one) | shared_json(records, one) for path, one in each])
+    text.say(*text.equation(setup.model))
+    for branch, first in answers[0].fits.items():
+        if first.shared:
+            text.say("", f"{text.branch(branch)}, shared by all {len(records)} records:", *text.parameters(first, True))
+    for path, answer in zip(records, answers, strict=True):
+        text.say("", text.title(path, answer.record), *text.banner(answer.warnings))
+        for branch, one in answer.fits.items():
+            text.say(f"{text.branch(branch)}: {text.quality(one)}", *text.parameters(one, False))
+            text.say(*text.checks(answer.checks[branch]))
+    for path, answer in zip(records, answers, strict=True):
+        options.stop_if_invalid(path, answer.problems)
 
 
 def _print(answer: "FitAnswer") -> None:

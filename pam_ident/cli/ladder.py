@@ -16,10 +16,12 @@ def ladder(
     record: options.Record,
     law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
+    also: options.Also = None,
     heldout: options.Heldout = None,
 ) -> None:
     """Diagnose and add down to the noise floor."""
-    setup = replace(asked.setup(law), heldout=options.held_out(heldout))
+    setup = replace(asked.setup(law), also=tuple(also or ()), heldout=options.held_out(heldout))
+    setup.check()
     from ..core import PamError
     from ..parallel.executor import Executor
     from ..schema.diagnosis import ladder_json

@@ -81,6 +81,15 @@ Heldout = Annotated[
         "Hold each of these out whole and choose everything anew without it; tables always do.",
     ),
 ]
+Also = Annotated[
+    list[str] | None,
+    option(
+        "--also",
+        "NAME",
+        "Effect that is tried though it is no candidate by itself, such as moving_mass; repeatable.",
+        autocompletion=effect_names,
+    ),
+]
 JsonFile = Annotated[str | None, option("--json", "FILE", "Write the answer as JSON; - for stdout, alone there.")]
 Workers = Annotated[
     int | None, option("--workers", "N", "So many processes at a time; same answer. Default: the cores; for fit: 1.")
@@ -170,6 +179,7 @@ def give_refused(path: str | None, error: Exception, asked: "Mapping[str, Any]")
         from ..schema.diagnosis import refusal_json
 
         record = asked.get("record") or asked.get("at")
+        record = record if isinstance(record, str | None) else " ".join(record)
         give_json(path, lambda: refusal_json(record, asked.get("law"), error.exit_code, reasons(error)))
 
 

@@ -12,6 +12,7 @@ def report(
     law: options.Law = "auto",
     format: Annotated[str | None, options.option("--format", "html|md|pdf", "Default: what FILE ends in.")] = None,
     asked: options.Asked = options.NOTHING,
+    also: options.Also = None,
     heldout: options.Heldout = None,
 ) -> None:
     """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
@@ -23,7 +24,7 @@ def report(
     from ..tasks.law_choice import settle
     from ..tasks.report import check_report, report_record
 
-    setup = replace(asked.setup(law), heldout=options.held_out(heldout))
+    setup = replace(asked.setup(law), also=tuple(also or ()), heldout=options.held_out(heldout))
     check_report(out, format)
     choice = None
     try:

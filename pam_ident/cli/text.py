@@ -171,13 +171,15 @@ def interval_of(estimate: "Estimate") -> str:
     return f"{low} to {high}"
 
 
-def parameters(fit: "Fit") -> list[str]:
-    """A table of every parameter with standard error, interval and unit, and a line for each that is not pinned."""
-    ordered = in_order(fit.estimates)
+def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:
+    """A table of every parameter with standard error, interval and unit, and a line for each that is not pinned; of a
+    fit to several records those that are `shared`, or those that are not."""
+    ordered = [e for e in in_order(fit.estimates) if shared is None or shared == (e.name in fit.shared)]
     rows = [(e.name, value_of(e), error_of(e), interval_of(e), "" if e.unit == "1" else e.unit, e.doc) for e in ordered]
     head = ("parameter", "value", "std. error", "95 % interval", "unit", "meaning")
     notes = [f"{INDENT}{e.name}: {e.verdict.text}" for e in ordered if e.verdict.kind not in ("pinned", "held")]
-    notes += [f"{INDENT}{label} makes {newtons(share)} rms" for label, share in fit.shares.items()]
+    effects = {} if shared else fit.shares
+    notes += [f"{INDENT}{label} makes {newtons(share)} rms" for label, share in effects.items()]
     return table(head, rows, left=(0, 4, 5)) + notes
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from ..records import Record, thinned
 from .adequacy import Adequacy
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
-from .follows import ROWS, Following, steadied
+from .follows import ROWS, Following, could_be_tried, steadied
 from .heldout import heldout_nearby, heldout_rmse, in_best_forms
 from .nouns import Candidate, Diagnosis, Pattern
 from .patterns import catalogue as catalogue_of_patterns
@@ -46,6 +47,7 @@ def diagnose(
     without: tuple[str, ...] = (),
     only: tuple[str, ...] = (),
     odds: Mapping[str, float] | None = None,
+    also: tuple[str, ...] = (),
     detail: bool = True,
 ) -> Diagnosis:
     """Which effects of the catalogue a model lacks on a record, or that it lacks none, or one that is not known.
@@ -61,6 +63,7 @@ def diagnose(
         only: names of the only effects, or forms, that are tried; all where none is named.
         odds: prior odds of effects by name, above 0, over those that any other has: 10 for one that the rig is known
             to have, 0.1 for one that would surprise.
+        also: names of effects, or forms, that are tried beside the candidates; `only` may name these, too.
         detail: whether errors of every candidate and the next experiment are wanted, which choose nothing.
 
     Raises:
@@ -84,7 +87,8 @@ def diagnose(
         if not 0.0 < chance < math.inf:
             raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
     base = fit(model, record)
-    candidates = [e for e in _allowed(extra, without, only) if e.candidate and e.name not in model.effect_names]
+    allowed = _allowed(extra, without, only, also)
+    candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
     steady, unsure = steadied(record)
     alone = fit(model, steady, start=base.values, detail=False)
     following = Following(steady, model, alone.values, unsure)
@@ -129,6 +133,9 @@ def diagnose(
     left = selection.view(fitted).residual[~noise.outlier]
     floor = min(noise.whole, float(np.sqrt(np.mean(left**2))))
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
+    if pattern:
+        rest = follows if best is base else Following.of(best).shares()
+        sentence += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
     return Diagnosis(
         base,
         best,
@@ -148,12 +155,16 @@ def diagnose(
     )
 
 
-def _allowed(extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[str, ...]) -> list[Effect]:
-    """The catalogue less effects and forms (`name:form`). Raises UsageError for an unknown one."""
-    for name in (*without, *only):
+def _allowed(
+    extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[str, ...], also: tuple[str, ...]
+) -> list[Effect]:
+    """The catalogue less effects and forms (`name:form`), those asked for made candidates. Raises UsageError for an
+    unknown one."""
+    for name in (*without, *only, *also):
         get_effect(name, extra)
+    only = (*only, *also) if only else ()
     fewer = []
-    for effect in catalogue(extra).values():
+    for effect in map(partial(_asked_for, names={*only, *also}), catalogue(extra).values()):
         labels = {form: f"{effect.name}:{form.name}" for form in effect.forms}
         forms = tuple(form for form in effect.forms if not {effect.name, labels[form]} & set(without))
         if only and effect.name not in only:
@@ -161,6 +172,12 @@ def _allowed(extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[st
         if forms:
             fewer.append(replace(effect, forms=forms))
     return fewer
+
+
+def _asked_for(effect: Effect, names: set[str]) -> Effect:
+    """The effect as a candidate in the forms that are asked for, where it is none by itself."""
+    forms = tuple(f for f in effect.forms if not names.isdisjoint((effect.name, f"{effect.name}:{f.name}")))
+    return effect if effect.candidate or not forms else replace(effect, forms=forms, candidate=True)
 
 
 def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:

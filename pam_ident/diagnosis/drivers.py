@@ -7,7 +7,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ..core import Inputs
-from ..effects._history import cycles_of_test, relax, runs, since_first, time_held, way_travelled
+from ..effects._history import acceleration, cycles_of_test, relax, runs, since_first, time_held, way_travelled
 from ..effects.base import slip
 
 Array = np.ndarray
@@ -50,10 +50,7 @@ def _speed(inputs: Inputs) -> Array | None:
 def _acceleration(inputs: Inputs) -> Array | None:
     if inputs.velocity is None or inputs.time is None:
         return None
-    moving = slip(inputs)[0] != 0.0
-    within = moving & np.roll(moving, 1) & np.roll(moving, -1)
-    steps = np.maximum(np.gradient(inputs.time), 1e-9)
-    rate = np.where(within, np.gradient(inputs.velocity) / steps, 0.0)
+    rate = acceleration(inputs)
     return rate[:, None] / max(float(np.sqrt(np.mean(rate**2))), 1e-9)
 
 

@@ -41,6 +41,8 @@ SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
+WORTH_TRYING = 0.1
+"""Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
 
 
 def one_speed(record: Record) -> bool:
@@ -269,6 +271,21 @@ def _memory(noise: Array) -> float:
     correlation = np.fft.irfft(power)[: len(noise)] / max(float(noise @ noise), 1e-300)
     below = np.flatnonzero(correlation < 0.05)
     return 1.0 + 2.0 * float(np.sum(correlation[1 : below[0]])) if len(below) and below[0] > 1 else 1.0
+
+
+def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:
+    """A sentence, with a blank before it, on those of some effects that follow what a fit's error follows; empty where
+    there is none. `found` are the shares of that error, `others` effects that were not tried, of which none with a
+    warning is proposed."""
+    inputs, held = fit.record.inputs, fit.model.effect_names
+    free = [e for e in others if not (e.warning or e.name in held or e.missing(inputs))]
+    for one in found:
+        names = [e.name for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
+        if names:
+            are = "is" if len(names) == 1 else "are"
+            how = " ".join(f"--also {name}" for name in names)
+            return f" It follows {one.text}: {' and '.join(names)} {are} in the catalogue and can be tried with {how}."
+    return ""
 
 
 def told(found: Sequence[Follows]) -> str:

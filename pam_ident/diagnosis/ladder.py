@@ -29,6 +29,7 @@ def climb(
     without: tuple[str, ...] = (),
     only: tuple[str, ...] = (),
     odds: Mapping[str, float] | None = None,
+    also: tuple[str, ...] = (),
     detail: bool = True,
 ) -> Ladder:
     """Diagnose, add, and diagnose again, until nothing is missing or the error on held-out data stops falling.
@@ -40,7 +41,7 @@ def climb(
         model: the lowest rung.
         record: what it is held against.
         extra: effects of the user's own, tried beside the catalogue's.
-        without, only, odds, detail: as in `diagnose`.
+        without, only, odds, also, detail: as in `diagnose`.
 
     Raises:
         FitError, DataError: as `diagnose`.
@@ -61,7 +62,7 @@ def climb(
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]
     while True:
         with part(f"rung {len(rungs)}"):
-            found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, detail)
+            found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, also, detail)
         terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
         new = _rungs(rungs[-1], terms, model, found) if terms and len(rungs) <= MOST_RUNGS else []
         if not new:

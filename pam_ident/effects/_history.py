@@ -13,6 +13,7 @@ import numpy as np
 
 from ..core import Inputs
 from ..core.recursion import Live, Slot, decaying_sum
+from .base import slip
 
 Array = np.ndarray
 
@@ -108,6 +109,60 @@ def cycles_of_test(inputs: Inputs) -> Array:
     return np.cumsum(begins)
 
 
+def acceleration(inputs: Inputs) -> Array:
+    """Rate of the velocity in mm/s² within each stroke, 0 in a hold and where a stroke meets one, shape (n,).
+
+    Along a record it is central, and one-sided at a turn, because each stroke is smoothed by itself; live it is that
+    since the last instant, which is half a step behind.
+    """
+    assert inputs.velocity is not None and inputs.time is not None
+    v, now, moving = inputs.velocity, inputs.time, slip(inputs)[0] != 0.0
+    if inputs.live is not None:
+        return _acceleration_live(inputs, inputs.live, v, now, moving)
+    both = moving[1:] & moving[:-1]
+    one_way = both & (np.diff(inputs.direction) == 0.0)
+    if inputs.segment is not None:
+        gap = np.diff(inputs.segment) != 0
+        both, one_way = both & ~gap, one_way & ~gap
+    before, behind = np.r_[False, one_way], np.r_[one_way, False]
+    first, last = np.arange(len(v)) - before, np.arange(len(v)) + behind
+    within = np.r_[False, both] & np.r_[both, False] & (first < last)
+    return np.where(within, (v[last] - v[first]) / np.maximum(now[last] - now[first], 1e-9), 0.0)
+
+
+def _acceleration_live(inputs: Inputs, live: Live, v: Array, now: Array, moving: Array) -> Array:
+    xp, moves = inputs.xp, inputs.xp.where(moving, 1.0, 0.0)
+
+    def advance(v_before: Array, time: Array, moved: Array, rate: Array) -> Slot:
+        step = now - time
+        later = moves * moved * (v - v_before) / xp.where(step > 0.0, step, 1.0)
+        return v, now, moves, xp.where(step > 0.0, later, rate)
+
+    return live.step((v, now, moves, xp.zeros_like(v)), advance)[3]
+
+
+def in_first_stroke(inputs: Inputs, rested: bool = False) -> Array:
+    """1 from the first motion on until its direction changes, else 0, shape (n,); `rested` in each segment anew."""
+    way, moved = slip(inputs)[0], slip(inputs)[0] != 0.0
+    if inputs.live is not None:
+        xp = inputs.xp
+        now = xp.where(xp.abs(way) > 0.5, xp.sign(way), 0.0)
+
+        def advance(first: Array, gone: Array) -> Slot:
+            begun = xp.where(first != 0.0, first, now)
+            return begun, xp.maximum(gone, xp.where(now * begun < 0.0, 1.0, 0.0))
+
+        first, gone = inputs.live.step((now, xp.zeros_like(now)), advance)
+        return xp.abs(first) * (1.0 - gone)
+    assert inputs.segment is not None
+    found, new = np.zeros(len(inputs)), np.diff(inputs.segment) != 0
+    for part in np.split(np.arange(len(inputs)), np.flatnonzero(new) + 1) if rested else [np.arange(len(inputs))]:
+        begin = part[np.argmax(moved[part])]
+        turned = np.flatnonzero(inputs.direction[begin : part[-1] + 1] != inputs.direction[begin])
+        found[begin : begin + turned[0] if len(turned) else part[-1] + 1] = float(moved[begin])
+    return found
+
+
 def runs(inputs: Inputs) -> list[slice]:
     """Stretches of one direction within a segment, holds included, in order."""
     turns = np.diff(inputs.direction) != 0.0
@@ -117,21 +172,25 @@ def runs(inputs: Inputs) -> list[slice]:
     return [slice(begin, end) for begin, end in itertools.pairwise(bounds)]
 
 
-def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False) -> Array:
+def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False, least: Array | float = -1.0) -> Array:
     """Deflection of an elastic element that slips at ±width, divided by the width, shape (n,), within ±1.
 
-    Prandtl's stop operator driven by the displacement; the element starts at rest, `rested` each segment anew.
+    Prandtl's stop operator driven by the displacement; the element starts at rest, `rested` each segment anew. Below 0
+    it slips at `least`, a number or (n,), times the width.
     """
     if inputs.live is not None:
-        return _moved_live(inputs.live, inputs, lambda z, dx: inputs.xp.clip(z + dx / width_mm, -1.0, 1.0))
+        return _moved_live(inputs.live, inputs, lambda z, dx: inputs.xp.clip(z + dx / width_mm, least, 1.0))
     way = _one_way(inputs)
     states = []
     state = 0.0
-    for jump, length, begins in way.steps:
-        state = 0.0 if rested and begins else min(max(state + jump / width_mm, -1.0), 1.0)
+    limits = np.broadcast_to(least, len(way.run))
+    begin = np.flatnonzero(np.diff(way.run, prepend=-1))
+    first, last = limits[begin].tolist(), limits[np.r_[begin[1:] - 1, len(way.run) - 1]].tolist()
+    for (jump, length, begins), low, lower in zip(way.steps, first, last, strict=True):
+        state = 0.0 if rested and begins else min(max(state + jump / width_mm, low), 1.0)
         states.append(state)
-        state = min(max(state + length / width_mm, -1.0), 1.0)
-    return np.clip(np.array(states)[way.run] + way.travel / width_mm, -1.0, 1.0)
+        state = min(max(state + length / width_mm, lower), 1.0)
+    return np.clip(np.array(states)[way.run] + way.travel / width_mm, least, 1.0)
 
 
 def dahl_operator(inputs: Inputs, width_mm: float) -> Array:

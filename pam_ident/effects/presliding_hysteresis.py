@@ -32,7 +32,7 @@ THREE = tuple(
 )
 
 
-def _slipping(inputs: Inputs, width: float) -> float:
+def slipping(inputs: Inputs, width: float) -> float:
     """`width`, or what still slips in both directions: an element that never does is a spring, and the bladder's."""
     if inputs.live is not None:
         return width
@@ -40,11 +40,11 @@ def _slipping(inputs: Inputs, width: float) -> float:
 
 
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-stop_operator(inputs, _slipping(inputs, values["x_s"])))
+    return one(-stop_operator(inputs, slipping(inputs, values["x_s"])))
 
 
 def _dahl(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-dahl_operator(inputs, _slipping(inputs, values["x_s"])))
+    return one(-dahl_operator(inputs, slipping(inputs, values["x_s"])))
 
 
 def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -52,11 +52,11 @@ def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _lugre(inputs: Inputs, values: Values, force: Array) -> Array:
-    return bending(inputs, {**values, "x_s": _slipping(inputs, values["x_s"])}, force)
+    return bending(inputs, {**values, "x_s": slipping(inputs, values["x_s"])}, force)
 
 
 def _three(inputs: Inputs, values: Values, force: Array, rested: bool = False) -> Array:
-    widths = [_slipping(inputs, values["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
+    widths = [slipping(inputs, values["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
     return -inputs.xp.stack([stop_operator(inputs, width, rested) for width in widths]).T
 
 

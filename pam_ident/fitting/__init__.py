@@ -9,6 +9,7 @@ from .lmfit_bridge import from_lmfit, lmfit_result
 from .problem import Problem, Solution
 from .profile import profile
 from .solvers import LevenbergMarquardt, Lmfit, Solver, VariableProjection
+from .together import fit_together
 from .weigh import Weighing
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "fit",
     "fit_branches",
     "fit_isobars",
+    "fit_together",
     "from_lmfit",
     "lack_of_fit",
     "lmfit_result",

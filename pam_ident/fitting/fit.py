@@ -1,21 +1,21 @@
 """Fit a model to a record."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core import DataError, FitError, Inputs, Param, UsageError
+from ..core import DataError, FitError, Inputs, UsageError
 from ..core.progress import tell
 from ..model import Model
 from ..records import Record
 from . import readings
-from .covariance import Covariance, Sums, clusters, covariance_of, student, sums
-from .estimate import Estimate
-from .identifiability import AT_BOUND, HELD, ONE, PINNED, Identifiability, StandIn, flat_directions, stand_ins, verdicts
+from .covariance import Covariance, Sums, clusters, student, sums
+from .estimate import Estimate, estimates_of
+from .identifiability import StandIn, stand_ins
 from .readings import Errors, in_memory, least, on_disk, with_memory
 from .solve import Solution, jacobian, solve, table
 from .solvers import Solver
@@ -47,6 +47,7 @@ class Fit:
         sums: what errors of the parameters come from, when somebody looks at them; None where they were not asked for.
         given: estimates that were found otherwise, such as from profiles.
         of_all: of a record on disk the errors of all its rows, of which `record` and `rows` are then a sample.
+        shared, joint: parameters that were fitted to other records, too, and the covariance that all of them give.
 
     `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
 
@@ -73,6 +74,8 @@ class Fit:
     sums: Sums | None = None
     given: tuple[Estimate, ...] | None = None
     of_all: Errors | None = None
+    shared: tuple[str, ...] = ()
+    joint: Covariance | None = None
 
     @property
     def estimates(self) -> tuple[Estimate, ...]:
@@ -82,11 +85,11 @@ class Fit:
     @property
     def covariance(self) -> Covariance | None:
         """Covariance of the `free` parameters; None where no errors were asked for, or there are none to have."""
-        return self._estimated[1]
+        return self._estimated[1] if self.joint is None else self.joint
 
     @cached_property
     def _estimated(self) -> tuple[tuple[Estimate, ...], Covariance | None]:
-        return _estimates(self)
+        return estimates_of(self.model.bounded(self.record.inputs), self.values, self.held, self.sums)
 
     @cached_property
     def force(self) -> Array:
@@ -154,8 +157,9 @@ class Fit:
 
     @property
     def stand_ins(self) -> tuple[StandIn, ...]:
-        """Scales and zeros of the sensors that the fitted parameters take up without trace in this record."""
-        fitted = [k for k, e in enumerate(self.estimates) if e.name not in self.held]
+        """Scales and zeros of the sensors that the record's own fitted parameters take up without trace in it."""
+        fixed = {*self.held, *self.shared}
+        fitted = [k for k, e in enumerate(self.estimates) if e.name not in fixed]
         matrix = jacobian(self.model, self.record.inputs, self.values, self.record.force)[:, fitted]
         names = [self.estimates[k].name for k in fitted]
         return stand_ins(self.model, self.record.inputs, self.values, matrix, names)
@@ -313,13 +317,8 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
 
     Raises FitError, DataError and UsageError where `fit` does.
     """
+    check_held(model, held)
     where = record.source or record.name
-    known = {p.name: p for p in model.params}
-    for name, value in held.items():
-        if name not in known:
-            raise UsageError(f"no parameter {name!r} to hold in {model.law.name}; it has {', '.join(known)}")
-        if not known[name].lower <= value <= known[name].upper:
-            raise UsageError(f"{name} = {value:g} is outside its bounds {known[name].lower:g} to {known[name].upper:g}")
     levels = len(record.levels if rows.all() else np.unique(record.level[rows]))
     varied = np.ptp(record.inputs.pressure[rows]) > SWEPT * np.abs(record.inputs.pressure[rows]).max()
     if levels < model.law.min_levels and not varied:
@@ -332,12 +331,27 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
             f"{where}: {int(rows.sum())} samples for {len(model.params)} parameters of {model.law.name}; "
             "measure more samples or choose a law with fewer parameters"
         )
+    check_needs(model, record)
+
+
+def check_held(model: Model, held: Mapping[str, float]) -> None:
+    """Raises UsageError for a parameter to hold that is unknown or out of its bounds."""
+    known = {p.name: p for p in model.params}
+    for name, value in held.items():
+        if name not in known:
+            raise UsageError(f"no parameter {name!r} to hold in {model.law.name}; it has {', '.join(known)}")
+        if not known[name].lower <= value <= known[name].upper:
+            raise UsageError(f"{name} = {value:g} is outside its bounds {known[name].lower:g} to {known[name].upper:g}")
+
+
+def check_needs(model: Model, record: Record) -> None:
+    """Raises DataError where an effect needs what the record does not hold."""
     for term in model.terms:
         lacking = term.effect.missing(record.inputs)
         if lacking:
             raise DataError(
-                f"{where}: {term.effect.name} needs {', '.join(lacking)}, which the record does not hold; "
-                "log it on the rig, or leave the effect out"
+                f"{record.source or record.name}: {term.effect.name} needs {', '.join(lacking)}, which the record does "
+                "not hold; log it on the rig, or leave the effect out"
             )
 
 
@@ -346,55 +360,3 @@ def _sums(one: Fit, white: bool) -> Sums:
     found = table(one.model, one.record.inputs, one.values, one.record.force, picker(one.rows, one.weights))
     found[:, -1] *= math.sqrt(one.weighing.inflation(found[:, -1]))
     return sums(found, None if white else clusters(one.record, one.rows))
-
-
-def _estimates(one: Fit) -> tuple[tuple[Estimate, ...], Covariance | None]:
-    """An estimate of each parameter, in the model's order, and their covariance; what stands at a bound is taken as
-    given."""
-    params, values = one.model.bounded(one.record.inputs), one.values
-    stuck = {p.name for p in params if p.name not in one.held and at_bound(p, values[p.name])}
-    given = {p.name: HELD if p.name in one.held else AT_BOUND for p in params if p.name in one.held or p.name in stuck}
-    found: dict[str, Estimate] = {}
-    cov = None
-    if one.sums is not None and params:
-        fitted = [k for k, p in enumerate(params) if p.name not in one.held]
-        flat = flat_directions([params[k].name for k in fitted], one.sums.triangle[:, fitted])
-        free = [k for k, p in enumerate(params) if p.name not in given]
-        cov = covariance_of(one.sums.take(free))
-        found = {e.name: e for e in _determined([params[k] for k in free], values, cov, flat)}
-        given |= {name: verdict for name, verdict in flat.items() if name in stuck}
-    estimates = []
-    for p in params:
-        verdict = given.get(p.name, PINNED)
-        loose = verdict.kind in ("flat", "dead")
-        value, at_end = values[p.name], p.name in stuck
-        plain = Estimate(p.name, p.unit, p.doc, value, math.nan, at_end, not loose, verdict=verdict, range=p.range)
-        estimates.append(found.get(p.name, plain))
-    return tuple(_not_told_apart(estimates)), cov
-
-
-def _not_told_apart(estimates: list[Estimate]) -> list[Estimate]:
-    """With a law's parameter at its bound, others that take each other's part to the last digit are not identified."""
-    stuck = [e.name for e in estimates if e.at_bound and "." not in e.name]
-    tied = [e.name for e in estimates if e.verdict.kind == "traded" and e.verdict.tie >= ONE] if stuck else []
-    loose = [*stuck, *tied] if tied else []
-    return [replace(e, identified=False) if e.name in loose else e for e in estimates]
-
-
-def _determined(
-    free: list[Param], values: Mapping[str, float], cov: Covariance, flat: Mapping[str, Identifiability]
-) -> Iterator[Estimate]:
-    """Estimates of the free parameters with their intervals and verdicts."""
-    stderr, dof = cov.error(np.eye(len(free)))
-    half = student(dof) * stderr
-    for p, s, d, h, verdict in zip(free, stderr, dof, half, verdicts(free, values, cov, half), strict=True):
-        verdict = flat.get(p.name, verdict)
-        value, known = values[p.name], verdict.determined
-        s, d, h = (float(x) if known else math.nan for x in (s, d, h))
-        yield Estimate(p.name, p.unit, p.doc, value, s, False, known, value - h, value + h, d, verdict, p.range)
-
-
-def at_bound(p: Param, value: float) -> bool:
-    """Whether a value stands at a bound of its parameter."""
-    span = p.upper - p.lower if math.isfinite(p.upper - p.lower) else max(abs(value), 1.0)
-    return min(value - p.lower, p.upper - value) <= 1e-7 * span

@@ -139,9 +139,9 @@ def _half(one: Fit, groups: list[Array], what: str) -> float:
         left, out = one.rows & ~group, one.rows & group
         if np.count_nonzero(left) <= len(model.params) or not out.any():
             continue
-        pick = picker(left, one.weights)
+        pick, held = picker(left, one.weights), {**one.held, **{name: one.values[name] for name in one.shared}}
         try:
-            values = solve(model, record.inputs, record.force, pick, one.values, quick=True, held=one.held).values
+            values = solve(model, record.inputs, record.force, pick, one.values, quick=True, held=held).values
         except FitError:
             continue
         found.append(np.abs(record.force - model.force(record.inputs, values))[out])

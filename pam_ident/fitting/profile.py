@@ -8,7 +8,8 @@ import numpy as np
 
 from ..core import UsageError
 from .covariance import student
-from .fit import Fit, at_bound, picker
+from .estimate import at_bound
+from .fit import Fit, picker
 from .solve import solve
 
 Array = np.ndarray

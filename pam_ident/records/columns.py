@@ -17,7 +17,7 @@ from .spikes import impossible_rows, spike_rows
 from .table import Table, TableRows
 
 Array = np.ndarray
-SENSORS = {"time", "pressure", "pressure_set", *SHAPES, "force", "temperature", "cycle"}
+SENSORS = {"time", "pressure", "pressure_set", *SHAPES, "force", "temperature", "cycle", "torque", "angle"}
 """Quantities whose empty cells cost a row; branch and slack must be said in each."""
 FAULTS = {"frozen_sensor": frozen_rows, "impossible_value": impossible_rows, "spike": spike_rows}
 """Code of a note → what finds the rows, by quantity, that are left out for it."""
@@ -70,6 +70,7 @@ def read_pieces(
             if rows.any():
                 first.setdefault(key, block.rows[int(rows.argmax())])
         block, values = _without(table, block, sources, values, empty, "empty_cells", notes)
+        _by_lever(table, block, sources, values)
         check_ranges(table, block, sources, values, length_mm)
         for code, faults in FAULTS.items():
             block, values = _without(table, block, sources, values, faults(values), code, notes)
@@ -86,12 +87,30 @@ def read_pieces(
         raise DataError(f"{table.place}: a header but no rows of numbers; expected one row a sample")
 
 
+def _by_lever(table: Table, block: TableRows, sources: dict[str, Source], values: Values) -> None:
+    """Put force and shape in the place of torque and angle. Raises DataError where the torque tells no force."""
+    lever = sources["force"].lever
+    if lever is None:
+        return
+    torque, angle = values.pop("torque"), values.pop("angle")
+    dead = np.flatnonzero(lever.dead(angle))
+    if len(dead):
+        arm = f"{lever.arm(angle)[dead[0]]:.2g} mm"
+        raise DataError(
+            f"{place_of(table, block, dead[0], sources['angle'])}: the lever's arm is {arm} "
+            "there, from which no force can be told. Check [lever] of columns.toml, or leave such rows out"
+        )
+    values |= lever.converted(torque, angle)
+
+
 def _note_table(table: Table, sources: dict[str, Source], notes: Notes) -> None:
     """What is known before a row is read."""
     for position, cell in table.doubtful.items():
         for source in sources.values():
             if source.position == position:
                 notes.add("decimal_point", source.header, repr(cell))
+    if sources["force"].lever is not None:
+        notes.add("lever", "force", sources["force"].lever.text)
     for source in sources.values():
         if source.absolute:
             notes.add("absolute_pressure", source.header, f"{ATMOSPHERE_MPA:g} MPa")
@@ -140,7 +159,7 @@ def _column(
     if key == "branch":
         return _directions(table, block, source), empty
     cells = block.cells[source.position]
-    found = numbers_in(cells, QUANTITIES[key], table.decimal, clock)
+    found = numbers_in(cells, QUANTITIES.get(key, key), table.decimal, clock)
     finite = np.isfinite(found.values)
     if key in SENSORS:
         empty = found.empty

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..core import DataError
 from ..core.units import is_absolute, known_scale, split_header
+from .joint_lever import LeverColumns, read_lever
 from .kind import check_kind
 from .quantities import (
     BRANCHES,
@@ -31,13 +32,15 @@ ENTRY = {"column", "value", "factor", "offset"}
 class Mapping:
     """What a columns.toml says: `columns` maps a quantity with its unit (`force_N`) to an entry (empty: columns are
     found by name), `layout` is the optional table [file]: delimiter, decimal, encoding, header_row (0 for none), part
-    (a sheet or group); `runs` what differs from file to file; `kind` the kind of test, empty where it is not said."""
+    (a sheet or group); `runs` what differs from file to file; `kind` the kind of test, empty where it is not said;
+    `lever` what makes force and shape of torque and angle, if anything does."""
 
     path: str
     columns: Dict[str, Dict[str, Any]]
     layout: Dict[str, Any]
     runs: Runs
     kind: str = ""
+    lever: LeverColumns | None = None
 
     @property
     def for_all(self) -> dict[str, str]:
@@ -47,19 +50,22 @@ class Mapping:
     def known(self, header: str) -> str | None:
         """The header itself where a column is given by it; all quantities are known where columns are numbered."""
         names = [entry["column"] for entry in self.columns.values() if isinstance(entry.get("column"), str)]
-        return header if header in names else quantity_of(header) if not names else None
+        more = self.lever.names if self.lever else []
+        return header if header in (*names, *more) else quantity_of(header) if not names else None
 
     @property
     def enough(self) -> int:
         """How many names the header must hold to be taken for it."""
         names = {entry["column"] for entry in self.columns.values() if isinstance(entry.get("column"), str)}
-        return len(names) or 2
+        return len(names.union(self.lever.names if self.lever else ())) if names else 2
 
     def sources(self, table: Table, run: str = "") -> dict[str, Source]:
         """The columns that are named here, no others, and the constants of the file `run`. Raises DataError where
         one is not in the table."""
+        by_lever = self._by_lever(table)
         if not self.columns:
-            return find_sources(table, self.runs.sources(run, any(quantity_of(h) == "force" for h in table.headers)))
+            has_force = bool(by_lever) or any(quantity_of(h) == "force" for h in table.headers)
+            return find_sources(table, self.runs.sources(run, has_force) | by_lever)
         found: dict[str, Source] = {}
         for key, entry in self.columns.items():
             name, unit = split_header(key)
@@ -73,11 +79,19 @@ class Mapping:
             words = tuple((str(entry.get(word, word)).strip().lower(), sign) for word, sign in BRANCHES.items())
             header = table.headers[position] if table.headers[position] else f"column {position + 1}"
             found[name] = Source(header, position, *scale, words=words, absolute=is_absolute(unit))
+        if twice := [name for name in by_lever if name in found]:
+            raise DataError(f"{self.path}: {twice[0]} is given by [columns] and by [lever]; keep one")
+        found |= by_lever
         own = self.runs.sources(run, "force" in found)
         for name in own:
-            if name in found and found[name].position is not None:
+            if name in found and (found[name].position is not None or name in by_lever):
                 raise DataError(f"{self.path}: {name} is a column and a constant of {run!r}; keep one")
         return check_shape(found | own, f"{self.path}: [columns]")
+
+    def _by_lever(self, table: Table) -> dict[str, Source]:
+        if self.lever is None:
+            return {}
+        return self.lever.sources(table.headers, lambda key, column: self._position(table, key, column))
 
     def _check_unit(self, header: str, key: str, name: str, scale: tuple[float, float], entry: Dict[str, Any]) -> None:
         """Refuse a unit against the one that the file states, unless a factor or an offset says that it is meant."""
@@ -112,12 +126,15 @@ def read_mapping(path: str | Path) -> Mapping:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise DataError(f"{path}: not a readable TOML file ({error})") from None
     kind = check_kind(content.pop("kind", None), str(path))
-    strange = set(content) - {"columns", "file", "runs"}
+    strange = set(content) - {"columns", "file", "runs", "lever"}
+    lever = read_lever(str(path), content.get("lever"), lambda key, value: _entry(path, key, value, known=True))
     runs = read_runs(path, content.get("runs", {}))
     table, layout = content.get("columns", {}), content.get("file", {})
-    empty = not table and not runs.constants
+    empty = not table and not runs.constants and lever is None
     if strange or not isinstance(table, dict) or empty or not isinstance(layout, dict):
-        raise DataError(f"{path}: expected a table [columns], such as force_N = 'Load', and perhaps [file] and [runs]")
+        raise DataError(
+            f"{path}: expected a table [columns], such as force_N = 'Load', and perhaps [file], [runs], [lever]"
+        )
     for key, value in layout.items():
         if not isinstance(value, LAYOUT.get(key, ())) or isinstance(value, bool):
             raise DataError(f"{path}: [file] {key} = {value!r}; expected of {', '.join(LAYOUT)}, text or a row number")
@@ -129,13 +146,14 @@ def read_mapping(path: str | Path) -> Mapping:
         raise DataError(f"{path}: [columns] gives a quantity twice; keep one")
     if len(set(quantities) & set(SHAPES)) > 1:
         raise DataError(f"{path}: [columns] gives more than one of {', '.join(SHAPES)}; keep one")
-    if not runs.constants:
-        check_complete(quantities, f"{path}: [columns]", list(columns))
-    return Mapping(str(path), columns, layout, runs, kind)
+    if not runs.constants and (columns or lever is None):
+        made = ("force", lever.lever.shape) if lever else ()
+        check_complete([*quantities, *made], f"{path}: [columns]", list(columns))
+    return Mapping(str(path), columns, layout, runs, kind, lever)
 
 
-def _entry(path: str | Path, key: str, value: object) -> dict[str, Any]:
-    if quantity_of(key) is None:
+def _entry(path: str | Path, key: str, value: object, known: bool = False) -> dict[str, Any]:
+    if not known and quantity_of(key) is None:
         raise DataError(
             f"{path}: [columns] {key}: expected a quantity with its unit, such as force_N; known are "
             f"{', '.join(QUANTITIES)}"

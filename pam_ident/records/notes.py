@@ -33,6 +33,7 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
         f"{n} runs have an initial length of their own ({where}); their contraction is by it, and ways in mm are told "
         "of the specimen's"
     ),
+    "lever": lambda _, column, where: f"{column} and shape are from torque and angle by the lever: {where}",
     "rows_chosen": lambda n, column, where: f"{_rows(n)} left out: {where} does not hold there",
 }
 """Code → its text from the number of rows (or runs), the column, and the place or the cell."""

@@ -3,10 +3,14 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..core import DataError
 from ..core.units import TO_INTERNAL, conversion, is_absolute, split_header
 from .table import Table
+
+if TYPE_CHECKING:
+    from .joint_lever import JointLever
 
 QUANTITIES = {
     "time": "time",
@@ -34,7 +38,8 @@ class Source:
     """Where a quantity is from: the column at `position`, or `value` for all rows where that is None.
 
     internal = factor · cell + offset; `words` are the branches' names in lower case with their signs. `absolute`
-    pressure has the air's in its offset. A column of time whose `unit_missing` can hold clock times only.
+    pressure has the air's in its offset. A column of time whose `unit_missing` can hold clock times only. By a `lever`
+    the values are made of the torque and the angle.
     """
 
     header: str
@@ -45,6 +50,7 @@ class Source:
     words: tuple[tuple[str, float], ...] = tuple(BRANCHES.items())
     absolute: bool = False
     unit_missing: bool = False
+    lever: "JointLever | None" = None
 
 
 def quantity_of(header: str) -> str | None:

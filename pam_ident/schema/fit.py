@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 from .versions import schema, warnings_json
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..core import Inputs
     from ..fitting import Fit
     from ..fitting.fit import Estimate
@@ -80,6 +82,12 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
     found["passive"] = answer.passive
     found["warnings"] = warnings_json(answer.warnings)
     return found
+
+
+def shared_json(records: "Sequence[str]", answer: "FitAnswer") -> Json:
+    """What stands beside a fit that was made to several `records` at once."""
+    names = next(iter(answer.fits.values())).shared
+    return {"shared": {"parameters": list(names), "records": list(records)}}
 
 
 def muscle(one: "Fit") -> Json:

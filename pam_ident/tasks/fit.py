@@ -197,14 +197,14 @@ def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -
     for name, one in fits.items():
         if name not in straight and one.valid:
             fits[name], profiles[name] = _with_intervals(one, setup, wishes)
-    checks = {name: _checks(one) for name, one in fits.items()}
+    checks = {name: checks_of(one) for name, one in fits.items()}
     methods = compare_methods(record, setup.model, wishes.branch) if wishes.method == "both" else ()
     return FitAnswer(record, fits, wishes, checks, isobars, straight, profiles, methods)
 
 
 def answer_of(one: Fit) -> FitAnswer:
     """The answer that a fit of both branches together, made elsewhere, comes to."""
-    return FitAnswer(one.record, {"together": one}, FitOptions(), {"together": _checks(one)})
+    return FitAnswer(one.record, {"together": one}, FitOptions(), {"together": checks_of(one)})
 
 
 def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:
@@ -220,7 +220,8 @@ def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:
             )
 
 
-def _checks(one: Fit) -> Checks:
+def checks_of(one: Fit) -> Checks:
+    """What a fit is held against; of a record in chunks the faults of its sensors alone."""
     return Checks(*((None, None) if one.of_all else (noise_floor(one), lack_of_fit(one))), one.stand_ins)
 
 

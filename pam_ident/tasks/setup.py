@@ -46,6 +46,7 @@ class Setup:
         free_geometry: whether radius and braid angle are fitted, too.
         specimen: file of the muscle; without it each record takes the `specimen.toml` beside it.
         without, only: names of effects that a diagnosis does not try, or the only ones that it tries.
+        also: names of effects that it tries beside its candidates, such as `moving_mass`.
         prior: TOML file of prior odds of effects, over those that any other has: `creep = 10`.
         where: condition on the rows of a record that are taken, such as `pressure_MPa > 0.1`.
         assume: codes of grave doubts that are meant so (`all` for every one), which do not stop naming.
@@ -67,6 +68,7 @@ class Setup:
     specimen: str | None = None
     without: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()
     prior: str | None = None
     where: str | None = None
     assume: tuple[str, ...] = ()
@@ -79,9 +81,12 @@ class Setup:
         return load_effect_files(self.effect_files)
 
     @property
-    def tried(self) -> tuple[tuple[Effect, ...], tuple[str, ...], tuple[str, ...], Mapping[str, float]]:
-        """What a diagnosis is asked to try: effects of the user's own, names left out, the only ones, prior odds."""
-        return self.extra, self.without, self.only, self.odds
+    def tried(
+        self,
+    ) -> tuple[tuple[Effect, ...], tuple[str, ...], tuple[str, ...], Mapping[str, float], tuple[str, ...]]:
+        """What a diagnosis is asked to try: effects of the user's own, names left out, the only ones, prior odds, and
+        names beside the candidates."""
+        return self.extra, self.without, self.only, self.odds, self.also
 
     @cached_property
     def odds(self) -> Mapping[str, float]:
@@ -104,7 +109,7 @@ class Setup:
 
     def check(self) -> None:
         """Raises UsageError for an unknown law or effect, or prior odds that are none, before any record is read."""
-        for name in self.odds:
+        for name in (*self.odds, *self.also):
             get_effect(name, self.extra)
         _ = self.model if self.law != AUTO else Model.build("chou_hannaford", self.effects, self.extra)
 
@@ -142,6 +147,8 @@ class Setup:
             words += ["--where", self.where]
         if self.heldout and verb in ("diagnose", "ladder", "add", "report"):
             words += ["--heldout", self.heldout]
+        if verb in ("diagnose", "ladder", "report"):
+            words += [word for name in self.also for word in ("--also", name)]
         if verb in ("diagnose", "ladder"):
             words += [word for name in self.without for word in ("--without", name)]
             words += [word for name in self.only for word in ("--only", name)]

@@ -23,7 +23,7 @@ from ..records import Record
 
 Array = np.ndarray
 Values = dict[str, float]
-UNITS = {"1", "N", "kN", "MPa", "mm", "s", "m", "min", "K", "deg"}
+UNITS = {"1", "N", "kN", "MPa", "mm", "s", "m", "min", "K", "deg", "kg"}
 FIELDS = {
     "branch": ("direction",),
     "motion": ("velocity", "stroke_speed", "moving"),

@@ -11,7 +11,8 @@ MUSCLE = Specimen("clean", 200.0, 10.0, 25.4, 1.5)
 def clean_record(per_move: int = 20, per_hold: int = 6) -> Record:
     """Three isobars, three speeds, two cycles of each, holds, minor loops, a temperature that climbs and falls.
 
-    The force is zero. `per_move` and `per_hold` are samples of each stroke and each hold.
+    Minor loops speed up and brake all the way, the others go at one speed. The force is zero. `per_move` and
+    `per_hold` are samples of each stroke and each hold.
     """
     rows, clock = [], 0.0
     for pressure in (0.2, 0.5, 0.35):
@@ -23,7 +24,11 @@ def clean_record(per_move: int = 20, per_hold: int = 6) -> Record:
                 for begin, end in ((low, high), (high, low)):
                     took = abs(end - begin) / speed
                     share = np.arange(1, per_move + 1) / per_move
-                    rows += [(clock + took * s, pressure, begin + (end - begin) * s, cycle) for s in share]
+                    way = share if low == 0.0 else share**2 * (3.0 - 2.0 * share)
+                    rows += [
+                        (clock + took * s, pressure, begin + (end - begin) * x, cycle)
+                        for s, x in zip(share, way, strict=True)
+                    ]
                     clock += took
                     rest = 3.0 * np.arange(1, per_hold + 1) / per_hold
                     rows += [(clock + r, pressure, end, cycle) for r in rest]

@@ -4,6 +4,8 @@ Written down before the functions were, from the habits of lmfit (`result.params
 (`summary`, `predict` with intervals for mean and observation), PyBOP and pysindy (names or objects).
 """
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -103,6 +105,21 @@ def test_16_fit_a_model(record, rubbing):
     model = pam.Model("exponential_law", effects=["coulomb_friction"])
     assert pam.fit(record, model).values == pytest.approx(rubbing.values)
     assert repr(model).startswith("Model exponential_law: F = ") and len(repr(model)) < 300
+
+
+def test_16b_fit_several_records_with_what_they_share(record, tmp_path):
+    found = pam.fit([record, "nothing_hidden"], "exponential_law", shared="mu")
+    one, two = found.muscles
+    assert found.shared == ("mu",) and one.values["mu"] == two.values["mu"] and one.values["a0"] != two.values["a0"]
+    assert list(dict.fromkeys(found.params.index.get_level_values("record"))) == ["all", "made", "nothing_hidden"]
+    assert found.params.loc[("all", "mu"), "stderr"] > 0.0 and len(found.params) == 13
+    assert found.valid and "2 records share mu" in repr(found) and "nothing_hidden" in found.summary()
+    assert len(two.predict(0.3, 0.1)) == 1 and two.rmse < found.rmse < one.rmse
+    found.to_json(tmp_path / "both.json")
+    lines = (tmp_path / "both.json").read_text(encoding="utf-8").splitlines()
+    assert [json.loads(line)["shared"]["parameters"] for line in lines] == [["mu"], ["mu"]]
+    with pytest.raises(UsageError, match="name it by --law"):
+        pam.fit([record, record], shared="mu")
 
 
 def test_17_fit_from_the_path_at_once():

@@ -157,3 +157,11 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
 def test_the_ladder_of_a_good_law_has_one_rung(answer, clean):
     _, found = answer("ladder", clean, *LAW)
     assert found["verdict"] == "adequate" and [one["effects"] for one in found["rungs"]] == [[]]
+
+
+def test_an_effect_is_tried_that_is_asked_for(answer, rubbing, ask):
+    result, found = answer("diagnose", rubbing, *LAW, "--also", "end_contact")
+    assert result.exit_code == 0 and "end_contact" in {one["effect"] for one in found["ranking"]}
+    assert "--also end_contact" in ask("effects", "end_contact").stdout
+    refused = ask("ladder", rubbing, *LAW, "--also", "end_contract")
+    assert refused.exit_code == 2 and "end_contact" in refused.stderr

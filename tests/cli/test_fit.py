@@ -1,5 +1,7 @@
 """`fit` finds what is there, says in words what is not determined, and answers by the contract."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -180,3 +182,41 @@ def test_an_effect_of_the_users_own(answer, clean, tmp_path):
     result, found = answer("fit", clean, *words)
     assert result.exit_code == 0 and found["effects"] == ["ripple"]
     assert abs(found["branches"]["together"]["parameters"]["ripple.A"]["value"]) < 0.3
+
+
+def test_several_records_are_fitted_together_with_what_they_share(ask, write_record, tmp_path):
+    paths = [write_record(seed=seed, friction=friction) for seed, friction in ((5, 0.0), (6, 12.0))]
+    words = ("--law", "exponential_law", "--effect", "coulomb_friction:held", "--shared", "mu", "--shared", "b1")
+    result = ask("fit", *paths, *words, "--json", tmp_path / "both.json")
+    assert result.exit_code == 0 and "shared by all 2 records" in result.stdout
+    found = [json.loads(line) for line in (tmp_path / "both.json").read_text(encoding="utf-8").splitlines()]
+    shared = {"parameters": ["b1", "mu"], "records": [str(path) for path in paths]}
+    assert [set(one) for one in found] == [KEYS | {"shared"}] * 2 and all(one["shared"] == shared for one in found)
+    mu, friction = (
+        [one["branches"]["together"]["parameters"][name]["value"] for one in found]
+        for name in ("mu", "coulomb_friction.F_c")
+    )
+    assert mu[0] == mu[1] and friction == pytest.approx([0.0, 12.0], abs=0.3)
+    (tmp_path / "one.json").write_text(json.dumps(found[1]), encoding="utf-8")
+    assert ask("validate", tmp_path / "one.json", paths[1]).exit_code == 0
+    whole = ask("fit", *paths, "--law", "exponential_law", "--shared", "all", "--branch", "contraction")
+    assert "contraction, shared" in whole.stdout
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ((), "name it by --law"),
+        (("--law", "sarosi", "--shared", "creep"), "--shared creep: no parameter of the model; it has s1"),
+        (("--law", "sarosi", "--intervals", "profile"), "--intervals profile is for one record"),
+        (("--law", "sarosi", "--figures", "x"), "--figures are for one record"),
+    ],
+)
+def test_what_several_records_cannot_be_asked_is_refused(ask, clean, rubbing, more, words):
+    result = ask("fit", clean, rubbing, *more)
+    assert result.exit_code == 2 and words in result.stderr
+
+
+def test_one_record_shares_with_none(ask, clean):
+    result = ask("fit", clean, "--law", "sarosi", "--shared", "all")
+    assert result.exit_code == 2 and "two or more" in result.stderr

@@ -108,6 +108,9 @@ def written(root, tmp_path_factory):
             run(*words, "--json", folder / "answer.json")
             answer = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
             answers.setdefault(answer["schema"], []).append(answer)
+    run("fit", ours, "nothing_hidden", *law, "--shared", "mu", "--json", folder / "both.json")
+    lines = (folder / "both.json").read_text(encoding="utf-8").splitlines()
+    answers["pam-ident/fit/1"] += [json.loads(line) for line in lines]
     return answers | {
         "pam-ident/track/1": [made_up_track()],
         "pam-ident/refusal/1": [refused(tree / "bad.csv", folder / "refused.json")],

@@ -16,6 +16,8 @@ def public_nodes(tree):
     for node in tree.body:
         if not isinstance(node, ast.FunctionDef | ast.ClassDef) or node.name.startswith("_"):
             continue
+        if any(ast.unparse(one) == "overload" for one in node.decorator_list):  # its words are the function's
+            continue
         yield node.name, node, None
         for inner in node.body if isinstance(node, ast.ClassDef) else ():
             if not isinstance(inner, ast.FunctionDef | ast.ClassDef):

@@ -12,7 +12,9 @@ from pam_ident.leg.arrays import jax, jnp
 from pam_ident.validation.effect_contract import LAW_VALUES, model_of, plausible
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
-FORMS = [(effect, form) for effect in catalogue().values() for form in effect.forms]
+HALF_A_STEP_BEHIND = {"moving_mass"}
+"""What needs the next sample, too, which live is not there yet; held against small steps in test_optional.py."""
+FORMS = [(e, form) for e in catalogue().values() if e.name not in HALF_A_STEP_BEHIND for form in e.forms]
 EACH_FORM = pytest.mark.parametrize(("effect", "form"), FORMS, ids=[f"{e.name}:{f.name}" for e, f in FORMS])
 EACH_FORM_SLOWLY = pytest.mark.parametrize(
     ("effect", "form"),
@@ -35,10 +37,12 @@ REMEMBER = {
     ),
     *(f"coulomb_friction:{form}" for form in ("stuck", "relaxing", "free")),
     *(f"stribeck_friction:{form}" for form in ("relaxing", "bending")),
-    *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve")),
+    *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve", "free_lagging")),
     "mullins_softening:pseudo_elastic",
     "mullins_softening:travelled",
     "mullins_softening:free_travelled",
+    *(f"nonlocal_hysteresis:{form}" for form in ("textbook", "growing", "curved")),
+    *(f"first_cycle:{form}" for form in ("textbook", "shaped", "rested")),
 }
 
 
