@@ -41,7 +41,17 @@ def test_only_what_the_error_follows_is_supported(hidden_effect):
     assert "direction" in following.needed
     assert following.supports(catalogue()["pressure_friction"].follows)
     assert not following.supports(catalogue()["thermal_softening"].follows)
+    assert not following.supports(catalogue()["stribeck_friction"].follows), "one whose first driver is not followed"
     assert following.supports(()), "an effect of the user's own may follow anything"
+
+
+def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):
+    """Once the speed alone was seen here, because its surfaces come near to what the direction does."""
+    secrets = (Secret("viscous_damping", "textbook", 1.446), Secret("coulomb_friction", "textbook", 0.8204))
+    plan = Plan(220100051, EXPONENTIAL, secrets, protocol="low_stroke", gauges="noisy_length", sigma_N=1.0, tier=2)
+    write_case(tmp_path, make_record(plan))
+    following = Following.of(fit(Model.build(EXPONENTIAL), read_record(tmp_path / "record.csv")))
+    assert {"speed", "direction"} <= following.drivers
 
 
 def test_a_driver_that_no_effect_follows_is_uncovered(hidden_effect):

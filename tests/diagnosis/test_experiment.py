@@ -8,6 +8,7 @@ import pytest
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.experiment import Question, _expected, next_experiment
+from pam_ident.diagnosis.position import SharedNoise
 from pam_ident.diagnosis.possible_runs import possible_runs
 from pam_ident.diagnosis.select import investigate
 from pam_ident.diagnosis.strokes import Strokes, listed
@@ -162,7 +163,8 @@ def test_numbers_are_said_as_on_the_rig():
 @pytest.mark.parametrize("clock", ["samples", "seconds"])
 def test_noise_that_is_coloured_throughout_can_be_expected_of_any_run(rubbing, clock):
     _, record, selection, fitted = rubbing
-    slow = replace(selection.noise, share=1.0, memory=5.0, clock=clock, decay=np.full(len(record), 0.9))
+    shared = SharedNoise((), np.ones(len(record)))
+    slow = replace(selection.noise, share=1.0, memory=5.0, clock=clock, decay=np.full(len(record), 0.9), shared=shared)
     found = possible_runs(record, Model.build(CHOU), fitted.values)
     assert found
     for possible in found:

@@ -115,3 +115,12 @@ def test_the_likeliest_colour_is_that_of_the_whole_grid():
     whole = _deviances(places, advance, z, extra)
     place, least = _most_likely(advance, z, extra)
     assert place == places[int(np.argmin(whole))] and least == pytest.approx(min(whole), rel=1e-12)
+
+
+def test_samples_set_aside_leave_the_colour_as_it_is(record):
+    residual = decaying_sum(np.full(3999, 0.98), 0.2 * np.random.default_rng(7).standard_normal((3999, 1)))[:, 0]
+    none, some = np.zeros(4000, bool), np.arange(4000) % 40 == 20
+    whole = estimate_noise(record, residual, np.zeros(4000), 8, outlier=none)
+    found = estimate_noise(record, residual, np.zeros(4000), 8, outlier=some)
+    assert (found.share, found.memory) == (whole.share, whole.memory)
+    assert found.sigma == pytest.approx(whole.sigma, rel=0.05)

@@ -31,6 +31,15 @@ def trapezoid(speed, hold, per_stroke, cycles=3, in_hold=12):
     return np.array(rows).T
 
 
+def slow_turns(speed, per_stroke, cycles=3):
+    """Strokes that begin and end without speed or acceleration, so that each turn stays in the noise for a while."""
+    share = (np.arange(per_stroke) + 0.5) / per_stroke
+    way = share - np.sin(2.0 * np.pi * share) / (2.0 * np.pi)
+    t = np.arange(2 * cycles)[:, None] * TRAVEL / speed + share * TRAVEL / speed
+    x = TRAVEL * np.where(np.arange(2 * cycles)[:, None] % 2, 1.0 - way, way)
+    return t.ravel(), x.ravel(), np.repeat(np.tile([1.0, -1.0], cycles), per_stroke)
+
+
 def sine(period, per_cycle, cycles=3):
     """Contraction first; the two samples nearest to each reversal have no sure branch and are not judged."""
     t = (np.arange(per_cycle * cycles) + 0.5) / per_cycle * period
@@ -92,6 +101,18 @@ def test_three_samples_make_a_hold_where_a_stroke_would_have_gone_far(speed, noi
     found = record_of(t, x, noise).inputs
     np.testing.assert_array_equal(found.moving, moving == 1.0)
     np.testing.assert_array_equal(found.direction, direction)
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.002])
+@pytest.mark.parametrize("noise", [0.01, 0.04])
+@pytest.mark.parametrize("speed", [2.0, 20.0])
+def test_a_slow_turn_is_no_hold(speed, noise, jitter):
+    t, x, direction = slow_turns(speed, 50)
+    late = jitter * np.random.default_rng(8).standard_normal(len(t))
+    found = record_of(t + late, x, noise).inputs
+    assert found.moving.all()
+    judged = np.abs(np.arange(len(t)) % 50 - 24.5) < 24.0  # beside the turn itself either branch is as good
+    np.testing.assert_array_equal(found.direction[judged], direction[judged])
 
 
 def test_a_hold_in_which_the_drive_still_brakes_keeps_the_position_of_what_rests():
