@@ -1,5 +1,6 @@
 """What tests in several folders share: places on disk, real data, a browser."""
 
+import gc
 import os
 import shutil
 from pathlib import Path
@@ -18,6 +19,13 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if {"realdata", "nist"} & set(item.fixturenames):
             item.add_marker("long")
+
+
+def pytest_collection_finish():
+    """What is imported stays: to look it through for garbage again and again takes a tenth of the time."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 @pytest.fixture(scope="session")

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 AHEAD = 2000
 """Tasks that wait at the scheduler, more than any cluster does at a time; all of many would fill its memory."""
+ANSWER_S = 5.0
+"""How long a scheduler may take to answer."""
 
 
 def by_dask(work: Callable, tasks: Sequence, address: str, patience_s: float) -> Iterator[tuple[int, Any]]:
@@ -42,7 +44,7 @@ def _client(address: str, wait_s: float) -> "Client":
     begin = time.monotonic()
     while True:
         try:
-            return Client(address, timeout=5, set_as_default=False)
+            return Client(address, timeout=ANSWER_S, set_as_default=False)
         except (OSError, ValueError) as error:
             if isinstance(error, ValueError) or time.monotonic() - begin >= wait_s:
                 raise UsageError(

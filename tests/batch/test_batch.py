@@ -73,7 +73,7 @@ def test_the_table_has_a_row_a_record_and_branch_with_the_true_parameters(undist
 
 def test_values_and_errors_are_those_of_scipy_on_the_same_rows(tmp_path):
     tree = write_tree(tmp_path / "tree", 2)
-    run_batch(tree, SETUP, tmp_path / "out", executor=Executor(1))
+    run_batch(tree, SETUP, tmp_path / "out", executor=Executor())
     for _, row in frame(tmp_path / "out").iterrows():
         data = pd.read_csv(tree / row["record"])
         p, e = data["pressure_MPa"], data["displacement_mm"] / row["specimen_initial_length_mm"]
@@ -159,14 +159,14 @@ def test_an_answer_that_was_cut_short_is_found_anew(tree, undisturbed, tmp_path)
 
 def test_only_what_changed_is_asked_again(tmp_path):
     folder, out = write_tree(tmp_path / "tree", 4), tmp_path / "results"
-    run_batch(folder, SETUP, out, executor=Executor(1))
+    run_batch(folder, SETUP, out, executor=Executor())
     path = folder / "muscle01" / "specimen.toml"
     path.write_text(path.read_text().replace("25.4", "25.5"))
-    assert run_batch(folder, SETUP, out, executor=Executor(1)).kept == 3
+    assert run_batch(folder, SETUP, out, executor=Executor()).kept == 3
     path = folder / "muscle02" / "run.csv"
     path.write_text("\n".join(path.read_text().splitlines()[:-1]) + "\n")
-    assert run_batch(folder, SETUP, out, executor=Executor(1)).kept == 3
-    assert run_batch(folder, Setup("exponential_law", ("coulomb_friction",)), out, executor=Executor(1)).kept == 0
+    assert run_batch(folder, SETUP, out, executor=Executor()).kept == 3
+    assert run_batch(folder, Setup("exponential_law", ("coulomb_friction",)), out, executor=Executor()).kept == 0
 
 
 def test_a_worker_that_fails_ends_the_batch_with_what_is_finished(tree, tmp_path, monkeypatch):

@@ -5,13 +5,16 @@ import re
 import shutil
 from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
 from pam_ident.cli import app
-from pam_ident.rig import Plan, Secret, make_record, write_case
+from pam_ident.parallel.executor import Executor
+from pam_ident.rig import Plan, Protocol, Secret, make_record, write_case
 from pam_ident.tasks.demo import STAGES
+from pam_ident.validation.selftest import Recovery
 
 NAMED = {
     "parameters": "NAME",
@@ -24,6 +27,7 @@ NAMED = {
     "polynomial": "NAME",
     "errors": "RECORD",
 }
+SHORT = Protocol((0.2, 0.3, 0.4), (5.0, 20.0), 2, move_rows=30, hold_rows=10)
 POOR = "[protocol]\npressures_MPa = [0.3, 0.4]\nspeeds_mm_s = [10.0]\ncycles_per_speed = 4\n"
 PLAIN = {"methods[].parameters.NAME", "per_pressure[].parameters.NAME"}
 
@@ -59,56 +63,62 @@ def leaves(value, path="", under=""):
 
 
 @pytest.fixture(scope="module")
-def written(root, tmp_path_factory):
+def written(tmp_path_factory):
     """What the program wrote, objects by schema: runs that together fill every key."""
     folder = tmp_path_factory.mktemp("contract")
-    ours = root / "datasets" / "hidden_effect" / "record.csv"
+    law = ("--law", "exponential_law")
+    clean, rubbing, rub, doubtful = (folder / name / "record.csv" for name in ("clean", "rubbing", "rub", "doubtful"))
+    write_case(clean.parent, make_record(Plan(44, law[1], protocol=SHORT)))
+    write_case(rubbing.parent, make_record(Plan(44, law[1], secrets=(Secret("pressure_friction"),), protocol=SHORT)))
+    write_case(rub.parent, make_record(Plan(44, law[1], unknown=Secret("rub", "fold", 2.0))))
+    shutil.copytree(rubbing.parent, doubtful.parent)
+    table = pd.read_csv(rubbing)
+    table.assign(displacement_mm=table["displacement_mm"] - 6.0).to_csv(doubtful, index=False)  # it is stretched
     (folder / "poor.toml").write_text(POOR, encoding="utf-8")
     poor = folder / "poor" / "record.csv"
-    law = ("--law", "exponential_law")
-    write_case(folder / "rub", make_record(Plan(44, law[1], unknown=Secret("rub", "fold", 2.0))))
     run("rig", poor.parent, "--protocol", folder / "poor.toml", *law, "--effect", "viscous_damping", "--seed", 62)
     tree = folder / "tree"
     shutil.copytree(poor.parent, tree)
     (tree / "bad.csv").write_text("time_s,force_N\n0,1\n", encoding="utf-8")
     run("fit", poor, *law, "--json", folder / "fit.json")
     asked = [
-        ("fit", ours, "--method", "both"),
-        ("fit", ours, *law, "--method", "two-stage"),
-        ("compare", ours),
+        ("fit", rubbing, "--method", "both"),
+        ("fit", rubbing, *law, "--method", "two-stage"),
+        ("compare", rubbing),
         ("diagnose", poor, *law),
-        ("diagnose", folder / "rub" / "record.csv"),
-        ("add", ours, "--effect", "pressure_friction"),
-        ("ladder", "nothing_hidden"),
-        ("ladder", "nothing_hidden", *law, "--heldout", "cycle"),
-        ("against", "nothing_hidden", ours),
-        ("validate", folder / "fit.json", ours),
+        ("diagnose", rub),
+        ("add", rubbing, "--effect", "pressure_friction"),
+        ("ladder", clean),
+        ("ladder", clean, *law, "--heldout", "cycle"),
+        ("against", clean, rubbing),
+        ("validate", folder / "fit.json", rubbing),
         ("predict", folder / "fit.json", "--at", poor, "--out", folder / "force.csv"),
         ("selftest",),
-        ("challenge", "--n", 1, "--workers", 1, "--quiet"),
-        ("inspect", ours),
-        ("pack", ours, "--out", folder / "package"),
-        ("export", ours, *law, "--to", "c", "--out", folder / "muscle.h"),
+        ("challenge", "--n", 1, "--quiet"),
+        ("inspect", rubbing),
+        ("pack", rubbing, "--out", folder / "package"),
+        ("export", rubbing, *law, "--to", "c", "--out", folder / "muscle.h"),
         ("laws",),
         ("effects",),
         ("demo", "--out", folder / "demo"),
         ("rig", folder / "set", "--n", 1, "--only", "null"),
-        ("batch", tree, "--out", folder / "results", "--workers", 1),
+        ("batch", tree, "--out", folder / "results"),
     ]
-    doubtful = root / "datasets" / "festo_dmsp20_catalogue" / "catalogue.csv"  # it pushes, and is stretched
     for verb in ("fit", "compare", "diagnose", "ladder", "add", "inspect"):
         more = () if verb == "inspect" else law if verb != "add" else (*law, "--effect", "bladder_elasticity")
         asked.append((verb, doubtful, *more))
-    asked += [("validate", folder / "fit.json", doubtful), ("against", ours, doubtful, *law)]
+    asked += [("validate", folder / "fit.json", doubtful), ("against", rubbing, doubtful, *law)]
     answers = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("pam_ident.tasks.demo.STAGES", STAGES[2:])  # all three take half a minute
+        patch.setattr(Executor, "of_cores", lambda *_: Executor())  # processes of their own would load all anew
         patch.setattr("pam_ident.validation.challenge.answer_case", guess)
+        patch.setattr("pam_ident.validation.selftest._recover", lambda: Recovery(1.0, "adequate", "creep", ("creep",)))
         for words in asked:
             run(*words, "--json", folder / "answer.json")
             answer = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
             answers.setdefault(answer["schema"], []).append(answer)
-    run("fit", ours, "nothing_hidden", *law, "--shared", "mu", "--json", folder / "both.json")
+    run("fit", clean, rubbing, *law, "--shared", "mu", "--json", folder / "both.json")
     lines = (folder / "both.json").read_text(encoding="utf-8").splitlines()
     answers["pam-ident/fit/1"] += [json.loads(line) for line in lines]
     return answers | {

@@ -1,10 +1,13 @@
 """The report in a real browser, opened as a file: the whole story clicked through, and the page asks for nothing."""
 
+import io
 import json
 import re
 from itertools import pairwise
 
+import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from pam_ident.diagnosis import compare
 from pam_ident.diagnosis.nouns import Ladder, Rung
@@ -161,9 +164,26 @@ def test_a_screen_reader_is_told_the_verdict_first_and_every_figure_and_table_by
         assert table.get_by_role("columnheader").count() >= 2
 
 
-@pytest.mark.parametrize(("width", "rungs"), [(1200, (0, 2)), (380, (1,))])
-def test_axe_finds_no_fault_of_weight(opened, width, rungs):
+def test_a_dark_screen_darkens_page_and_figures_alike_and_paper_neither(unfolded):
+    figures, ground = unfolded.locator("figure svg:visible"), "getComputedStyle(document.body).backgroundColor"
+    for media, dark in (("screen", True), ("print", False)):
+        unfolded.emulate_media(media=media, color_scheme="dark")
+        paper = [int(part) for part in re.findall(r"\d+", unfolded.evaluate(ground))]
+        assert (max(paper) < 40) if dark else (paper == [255, 255, 255])
+        for k in range(3):
+            seen = imread(io.BytesIO(figures.nth(k).screenshot()), "png")[..., :3].reshape(-1, 3)
+            assert np.abs(255 * seen[0] - paper).max() <= 1.0, "a figure stands on the page, not on a card"
+            words = seen.min(1).max() if dark else seen.max(1).min()
+            assert abs(words - seen[0].mean()) > 0.6, "its words are as far from the ground as on paper"
+
+
+@pytest.mark.parametrize(
+    ("width", "rungs", "scheme"),
+    [(1200, (0, 2), "light"), (380, (1,), "light"), (1400, (2,), "dark"), (500, (0,), "dark")],
+)
+def test_axe_finds_no_fault_of_weight(opened, width, rungs, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    opened.emulate_media(color_scheme=scheme)
     opened.set_viewport_size({"width": width, "height": 900})
     assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
     opened.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")

@@ -335,3 +335,21 @@ def test_isobars_are_switched_off_one_by_one(text):
     assert [word for _, word in switches] == ["0.3 MPa", "0.5 MPa"]
     assert text.count('class="isobar-1"') == text.count('class="isobar-2"') > 2
     assert ".isobar-2 { display: none; }" in text and ".isobar-3 {" not in text
+
+
+def test_words_are_readable_on_a_dark_screen_too_and_paper_stays_light(text):
+    style = text.partition("<style>")[2].partition("</style>")[0]
+    light, dark = (dict(re.findall(r"--(\w+): (#\w{6})", rule)) for rule in re.findall(r":root \{([^}]+)\}", style))
+    assert light.keys() == dark.keys() and style.count("#") - style.count("url(#") == len(light) + len(dark)
+    assert "@media screen and (prefers-color-scheme: dark) {\n  :root" in style
+    for colours in (light, dark):
+        for words in ("ink", "soft", "blue"):
+            assert min(contrast(colours[words], colours[ground]) for ground in ("paper", "pale")) > 4.5
+
+
+def contrast(one, other):
+    """Of two colours, after the Web Content Accessibility Guidelines 2.2."""
+    parts = np.array([[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in (one, other)])
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    dark, light = sorted(linear @ [0.2126, 0.7152, 0.0722])
+    return (light + 0.05) / (dark + 0.05)

@@ -1,6 +1,7 @@
 """The page without a browser: its widgets are used as a person's clicks would use them."""
 
 import threading
+from dataclasses import replace
 
 import pytest
 
@@ -13,12 +14,18 @@ from pam_ident.workbench import Workbench  # noqa: E402
 from pam_ident.workbench.page import _found as found_of  # noqa: E402
 
 
-@pytest.fixture
-def page(folder):
+@pytest.fixture(scope="module")
+def first(folder):
     """A workbench with the record on it, its first work done."""
     made = Workbench(folder / "record.csv")
     made.wait()
     return made
+
+
+@pytest.fixture
+def page(first):
+    """The same page, loaded again."""
+    return Workbench(history=replace(first.history, steps=[*first.history.steps]))
 
 
 def buttons(page, beginning):
@@ -108,7 +115,7 @@ def test_what_is_drawn_is_the_record_also_without_a_clock(page):
 
 def test_a_grave_warning_stops_naming_until_it_is_answered_all_the_same(folder, tmp_path, monkeypatch):
     whole = tasks_diagnose.diagnose  # one candidate is enough
-    monkeypatch.setattr(tasks_diagnose, "diagnose", lambda *given: whole(*given[:3], ("coulomb_friction",)))
+    monkeypatch.setattr(tasks_diagnose, "diagnose", lambda *given: whole(*given[:2], only=("coulomb_friction",)))
     lines = (folder / "record.csv").read_text().splitlines()
     rows = [line.rpartition(",") for line in lines[1:]]
     clipped = "\n".join([lines[0], *(f"{rest},{min(float(force), 500.0)}" for rest, _, force in rows)])
