@@ -80,5 +80,5 @@ def test_the_demo_climbs_all_three_ladders(ask, tmp_path):
 
 def rungs_of(text):
     """Model, free parameters, rmse and held-out rmse of each rung printed."""
-    found = re.findall(r"^  \d+ +(.+?)  +(\d+) +([\d.]+) +([\d.]+|-)$", text, re.M)
+    found = re.findall(r"^  \d+ +(.+?)  +(\d+) +([\d.]+) +([\d.]+|-)(?: +[\d.]+)?$", text, re.M)
     return [(model, int(n), float(rmse), float(heldout)) for model, n, rmse, heldout in found]
