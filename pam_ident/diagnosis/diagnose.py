@@ -64,7 +64,8 @@ def diagnose(
         odds: prior odds of effects by name, above 0, over those that any other has: 10 for one that the rig is known
             to have, 0.1 for one that would surprise.
         also: names of effects, or forms, that are tried beside the candidates; `only` may name these, too.
-        detail: whether errors of every candidate and the next experiment are wanted, which choose nothing.
+        detail: whether errors of every candidate, the next experiment and what else to try are wanted, which choose
+            nothing.
 
     Raises:
         FitError: when the record cannot identify the law at all.
@@ -133,7 +134,7 @@ def diagnose(
     left = selection.view(fitted).residual[~noise.outlier]
     floor = min(noise.whole, float(np.sqrt(np.mean(left**2))))
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
-    if pattern:
+    if pattern and detail:
         rest = follows if best is base else Following.of(best).shares()
         sentence += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
     return Diagnosis(

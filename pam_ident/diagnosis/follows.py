@@ -128,6 +128,12 @@ class Following:
         each = EQUAL + 2.0 * math.log(max(len(self.surfaces.names), 1))
         return gain / (self.variance * self.memory) - penalty - each * count
 
+    def _adding(self, groups: frozenset[int]) -> Array:
+        """Evidence of a set with each of all groups besides, shape (groups,)."""
+        surfaces, (gain, freedom) = self.surfaces, self.surfaces.of(groups)
+        more = np.array([len(columns) for columns in surfaces.columns])
+        return self._worth(gain + surfaces.beyond(groups), freedom + more, len(groups) + 1)
+
     def likeliest(
         self, without: Collection[str] = (), start: frozenset[int] = frozenset(), kept: frozenset[int] = frozenset()
     ) -> frozenset[int]:
@@ -137,7 +143,6 @@ class Following:
         The place of one may be another's: what relaxes slowly is nearly the clock.
         """
         surfaces, chosen = self.surfaces, start
-        freedom = np.array([len(columns) for columns in surfaces.columns])
         while True:
             best, most = chosen, self.evidence(chosen)
             for rest in (chosen, *(chosen - {k} for k in chosen - kept)):
@@ -146,11 +151,10 @@ class Following:
                 taken = {surfaces.names[k] for k in rest}.union(without)
                 free = [k for k, name in enumerate(surfaces.names) if name not in taken]
                 if free:
-                    gains = surfaces.of(rest)[0] + surfaces.beyond(rest)[free]
-                    worth = self._worth(gains, freedom[free] + sum(freedom[k] for k in rest), len(rest) + 1)
-                    k = int(np.argmax(worth))
+                    worth = self._adding(rest)
+                    k = max(free, key=worth.__getitem__)
                     if worth[k] > most + 1e-6:
-                        best, most = rest | {free[k]}, float(worth[k])
+                        best, most = rest | {k}, float(worth[k])
             if best == chosen:
                 return chosen
             chosen = best
@@ -194,9 +198,10 @@ class Following:
 
     def _beside(self, name: str) -> float:
         """What is lost by a further driver beside the likeliest, in its best detail, the others in theirs."""
-        groups = [k for k, other in enumerate(self.surfaces.names) if other == name]
-        best = max((self.best | {k} for k in groups), key=self.evidence)
-        return self.evidence(self.best) - self.evidence(self.likeliest(start=best, kept=best - self.best))
+        worth = self._adding(self.best)
+        added = max((k for k, other in enumerate(self.surfaces.names) if other == name), key=worth.__getitem__)
+        best = self.likeliest(start=self.best | {added}, kept=frozenset({added}))
+        return self.evidence(self.best) - self.evidence(best)
 
     @cached_property
     def drivers(self) -> frozenset[str]:

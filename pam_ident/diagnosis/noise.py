@@ -135,25 +135,24 @@ def estimate_noise(
         extra = (noise_around(record.inputs.displacement_mm, record.inputs.time) * slope / middle) ** 2
     unread = np.where(outlier, UNREAD, extra)
     own = without_repeats(record, residual, ~outlier)
-    z = np.where(outlier, 0.0, own / middle)
+    z, whole = (np.where(outlier, 0.0, one / middle) for one in (own, residual))
     share, memory, clock, decay = (0.0, 0.0, "samples", np.zeros(n)) if white else _colour(record, z, unread)
     gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share]), unread))
     spread = np.where(outlier, 1.0, spread)
-    left = np.where(outlier, 0.0, innovations(z[:, None], decay, gain)[:, 0] / spread)
+    passed = np.where(outlier[:, None], 0.0, innovations(np.column_stack([z, whole]), decay, gain) / spread[:, None])
+    left, whole_left = np.sum(passed**2, axis=0)
     # The scale is profiled out: innovations of a coloured residual need not have unit variance.
-    sigma = max(middle * float(np.sqrt(np.sum(left**2) / max((~outlier).sum() - parameters, 1))), 1e-9)
+    sigma = max(middle * float(np.sqrt(left / max((~outlier).sum() - parameters, 1))), 1e-9)
     deviance = 2.0 * float(np.sum(~outlier)) * np.log(sigma) + 2.0 * float(np.sum(np.log(spread)))
-    if own is not residual:
-        whole = innovations(np.where(outlier, 0.0, residual / middle)[:, None], decay, gain)[:, 0] / spread
-        whole = np.where(outlier, 0.0, whole)
-        deviance += float(whole @ whole - left @ left) * (middle / sigma) ** 2
+    deviance += float(whole_left - left) * (middle / sigma) ** 2
     if shared:
         deviance += shared.volume
     if share > 0.0:
         deviance -= likelier_colour(_filled(z, outlier) / np.sqrt(1.0 + extra))
     more = (float(np.mean(extra[~outlier])) if not outlier.all() else 0.0) + (shared.mean if shared else 0.0)
-    whole = sigma * math.sqrt(1.0 + more)
-    return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance, shared)
+    return Noise(
+        sigma, sigma * math.sqrt(1.0 + more), share, memory, clock, decay, gain, spread, outlier, deviance, shared
+    )
 
 
 def _filled(z: Array, gaps: Array) -> Array:
