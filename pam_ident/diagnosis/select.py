@@ -286,13 +286,10 @@ def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) 
     more = scanned.regressor.free - known if not scanned.onto.terms else 1
     fault = not isinstance(scanned.regressor.term.form, AddsForce)
     simpler = more < 0 and _beyond_noise(selection, scanned.onto.criterion - scanned.gain) < EXPLAINED
-    tolerance = 0.0 if simpler else FAULT_TOLERANCE if fault or more <= 0 else PATTERN_TOLERANCE
-    return (
-        PATTERN_MARGIN
-        + search
-        + tolerance * selection.excess
-        + selection.penalty.per_parameter * scanned.regressor.free
-    )
+    tolerance = (FAULT_TOLERANCE if fault or more <= 0 else PATTERN_TOLERANCE) * selection.excess
+    if simpler:
+        tolerance = selection.penalty.tolerance
+    return PATTERN_MARGIN + search + tolerance + selection.penalty.per_parameter * scanned.regressor.free
 
 
 def _with_pattern(selection: Selection, scanned: Scanned, penalty: float) -> FittedSet:

@@ -1,5 +1,6 @@
 """What an effect is: a name with forms from simplest to richest, each with its role by type."""
 
+import math
 from abc import ABC
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -115,6 +116,8 @@ def free_form(
     unit: tuple[str, float] = ("N", 10.0),
     remembers: bool = False,
     name: str = "free",
+    uses_force: bool = False,
+    lower: float = -math.inf,
 ) -> Form:
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
@@ -126,7 +129,7 @@ def free_form(
     """
     orders = [(i, j) for i in range(pressure + 1) for j in range(contraction + 1)]
     linear = tuple(
-        Param(f"f_{k}{i}{j}", unit[0], f"coefficient of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", scale=unit[1])
+        Param(f"f_{k}{i}{j}", unit[0], f"coefficient of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", lower, scale=unit[1])
         for k in range(count)
         for i, j in orders
     )
@@ -137,7 +140,7 @@ def free_form(
         return (states(inputs, values, force)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
 
     formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j"
-    return role(name, formula, linear, columns, nonlinear, remembers=remembers)
+    return role(name, formula, linear, columns, nonlinear, uses_force, remembers)
 
 
 def one(values: Array) -> Array:

@@ -18,6 +18,8 @@ C20 = Param("C20", "MPa", "second Yeoh constant: softening where negative", -200
 C30 = Param("C30", "MPa", "third Yeoh constant: stiffening at large stretch", 0.0, 200.0, scale=0.05)
 J_M = Param("J_m", "1", "limit of I1 − 3 at which the rubber locks", 0.3, 100.0, start=3.0, grid=(1.0, 3.0, 12.0))
 
+RESISTS = tuple(Param(f"K_{i}", "N", f"about the resistance at ε = {0.075 * i:g}", 0.0, 1e5, scale=10.0) for i in range(1, 5))
+
 
 def wall(inputs: Inputs) -> float:
     """Wall thickness in mm; 1 mm where the specimen does not give it, so that moduli come out times thickness."""
@@ -53,6 +55,12 @@ def _spring(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-inputs.contraction)
 
 
+def _positive(inputs: Inputs, values: Values, force: Array) -> Array:
+    """Bernstein's polynomials: sums of them are the smooth curves that resist from no contraction on."""
+    share = inputs.contraction / 0.3
+    return -inputs.xp.stack([math.comb(4, i) * share**i * (1.0 - share) ** (4 - i) for i in range(1, 5)]).T
+
+
 def _mooney_rivlin(inputs: Inputs, values: Values, force: Array) -> Array:
     _, d1, d2 = invariant_slopes(inputs)
     section = 2.0 * math.pi * inputs.specimen.initial_radius_mm * wall(inputs)
@@ -83,6 +91,7 @@ EFFECT = Effect(
         AddsForce("mooney_rivlin", "−2π r0 t (C1 dI1/dε + C2 dI2/dε)", (C1, C2), _mooney_rivlin),
         AddsForce("gent", "−π r0 t G (dI1/dε)/(1 − (I1−3)/J_m)", (G,), _gent, (J_M,)),
         AddsForce("yeoh", "−2π r0 t (dI1/dε)(C10 + 2 C20 (I1−3) + 3 C30 (I1−3)²)", (C10, C20, C30), _yeoh),
+        AddsForce("free", "−Σ K_i C(4, i) (ε/0.3)^i (1 − ε/0.3)^(4−i)", RESISTS, _positive),
     ),
     follows=("map",),
     test="a sweep at low pressure, down to none: the force that is left is the bladder's",

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ..core import Inputs, Param, Range
-from .base import Array, Effect, TransformsContraction, Values, one
+from .base import Array, Effect, TransformsContraction, Values, free_form, one
 
 COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0)
 STIFF = Range(0.0, 60.0, "fixtures, as soft as a cord that gives way by 3 mm at 50 N")
@@ -34,6 +34,9 @@ EFFECT = Effect(
         TransformsContraction("textbook", "ε → ε + F/(K L0)", (CONSTANT,), _columns, uses_force=True),
         TransformsContraction(
             "stiffening", "ε → ε + F/(K L0 (1 + F/F_1))", (COMPLIANCE,), _stiffening, (F_1,), uses_force=True
+        ),
+        free_form(
+            "ε → ε + F/L0", _columns, contraction=1, role=TransformsContraction, unit=("mm/kN", 1.0), uses_force=True
         ),
         TransformsContraction("contact", "ε → ε + (F/1000 N)^n/(K L0)", (COMPLIANCE,), _contact, (N,), uses_force=True),
     ),

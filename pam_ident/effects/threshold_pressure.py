@@ -1,7 +1,7 @@
 """Pressure that is spent before the bladder touches the braid."""
 
 from ..core import Inputs, Param, Range
-from .base import Array, Effect, TransformsPressure, Values, one
+from .base import Array, Effect, TransformsPressure, Values, free_form, one
 
 SPENT = Range(-0.02, 0.15, "bladders in McKibben muscles, 0 to 0.1 MPa (Chou & Hannaford 1996), gauges to 2 % of 1 MPa")
 P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01, range=SPENT)
@@ -33,6 +33,16 @@ EFFECT = Effect(
         TransformsPressure("textbook", "p → max(p − p_th, 0)", (P_TH,), _hard),
         TransformsPressure("stretching", "p → max(p − p_th (1 + g ε), 0)", (P_TH,), _stretching, (GROWTH,)),
         TransformsPressure("soft", "p → p − p_th (1 − exp(−p/w))", (P_TH,), _soft, (WIDTH,)),
+        free_form(
+            "p → p − (1 − exp(−p/w))",
+            _soft,
+            pressure=0,
+            contraction=1,
+            nonlinear=(WIDTH,),
+            role=TransformsPressure,
+            unit=("MPa", 0.01),
+            lower=0.0,
+        ),
     ),
     follows=("map",),
     test="low pressures in small steps, and the pressure gauge against a second one",
