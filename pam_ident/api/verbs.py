@@ -196,7 +196,8 @@ def ladder(
 
     Args:
         record, law, effects, specimen, without, only, also, extra, assume, free_geometry: as `pam.diagnose` takes them.
-        heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
+        heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew;
+            `refit` to refit the parameters alone, at a quarter of the time. By default what suits the record.
 
     Raises:
         UsageError, DataError, FitError: as `pam.diagnose`.
@@ -239,7 +240,8 @@ def report(
     Args:
         record, law, effects, specimen, also, assume, free_geometry: as `pam.diagnose` takes them.
         out: the file.
-        heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew.
+        heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew;
+            `refit` to refit the parameters alone, at a quarter of the time. By default what suits the record.
 
     Raises:
         UsageError, DataError, FitError: as `pam.diagnose`, and where the file cannot be written.

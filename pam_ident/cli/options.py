@@ -77,8 +77,8 @@ Heldout = Annotated[
     str | None,
     option(
         "--heldout",
-        "length|pressure|run|cycle|muscle",
-        "Hold each of these out whole and choose everything anew without it; tables always do.",
+        "length|pressure|run|cycle|muscle|refit",
+        "Hold each of these out whole and choose everything anew without it, or only refit the parameters.",
     ),
 ]
 Also = Annotated[

@@ -33,6 +33,8 @@ OF_ALL = 0.03
 """Share of what is to be explained that it must be, too: a form that is not exactly right may leave less."""
 MOSTLY, UNDER_A_NAME = 0.5, 0.1
 """Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
+TOLD = 0.05
+"""Chance of something unknown in place of a name from which it is said."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
 HEAVY, STRUCK, LASTING = 3.0, 0.1, 0.3
@@ -94,10 +96,13 @@ def diagnose(
     alone = fit(model, steady, start=base.values, detail=False)
     following = Following(steady, model, alone.values, unsure)
     seen = [e for e in candidates if not e.missing(record.inputs)]
-    uncovered = following.uncovered([*seen, *(term.effect for term in model.terms)])
+    known = [*seen, *(term.effect for term in model.terms)]
+    uncovered = following.uncovered(known)
     tried = () if uncovered else [e.name for e in seen if following.supports(e.follows)]
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
+    rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
+    fitted = selection.refit([t for t in fitted.terms if rivals.get(t.effect.name, 0.0) < 0.5], fitted.values)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and _remainder(selection, fitted) is not None
     lacking = Adequacy.lacking(selection, fitted, remains)
@@ -121,7 +126,7 @@ def diagnose(
     if lacking:
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
-    chance = {name: chance[name] for name in chance if name not in ruled_out}
+    chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
     ranking = _ranking(base, selection, candidates, named, chance) if detail else ()
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     experiment = None
@@ -134,6 +139,9 @@ def diagnose(
     left = selection.view(fitted).residual[~noise.outlier]
     floor = min(noise.whole, float(np.sqrt(np.mean(left**2))))
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
+    for name in selected:
+        if rivals[name] >= TOLD:
+            sentence += f" With a chance of {rivals[name]:.0%} it is, instead of {name}, something that nobody knows."
     if pattern and detail:
         rest = follows if best is base else Following.of(best).shares()
         sentence += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
@@ -182,16 +190,18 @@ def _asked_for(effect: Effect, names: set[str]) -> Effect:
 
 
 def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:
-    """The set without what is likelier out than in, all fits weighed; the likeliest name stays."""
+    """The set without what is likelier out than in, all fits weighed, or needless beside the drivers of the others; the
+    likeliest name stays."""
     named = [t for t in fitted.terms if t.effect.candidate]
     if len(named) < 2:
         return fitted
     chance = probabilities(selection, groups(selection, fitted))
-    doubtful = sorted((t for t in named if chance[t.effect.name] < 0.5), key=lambda t: chance[t.effect.name])
-    if len(doubtful) == len(named):
-        doubtful = doubtful[:-1]
-    kept = [t for t in fitted.terms if t not in doubtful]
-    return selection.refit(kept, fitted.values) if doubtful else fitted
+    kept = list(fitted.terms)
+    for term in sorted(named, key=lambda t: chance[t.effect.name])[:-1]:
+        others = [t.effect for t in kept if t.effect.candidate and t is not term]
+        if chance[term.effect.name] < 0.5 or selection.following.needless(term.effect, others):
+            kept.remove(term)
+    return selection.refit(kept, fitted.values) if len(kept) < len(fitted.terms) else fitted
 
 
 def _confirmed(base: Fit, heldout: float, named: list[Term], fitted: FittedSet) -> tuple[Fit, float, list[Term]]:

@@ -16,6 +16,7 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
+from scipy.special import expit
 
 from ..effects.base import Effect
 from ..fitting import Fit
@@ -27,7 +28,7 @@ from .drivers import DRIVERS
 from .nouns import Follows
 from .position import PositionError, SharedNoise
 from .repeats import comes_back
-from .search import orthonormal
+from .search import TEMPER, orthonormal
 from .surfaces import Surfaces
 
 Array = np.ndarray
@@ -228,6 +229,25 @@ class Following:
             return ()
         covered = {name for effect in effects for name in effect.follows}
         return tuple(name for name in self.needed if name not in covered)
+
+    def needless(self, effect: Effect, others: Iterable[Effect]) -> bool:
+        """Whether what others follow explains as much without what an effect first follows."""
+        if not effect.follows or self.record.inputs.time is None:
+            return False
+        loss, instead = self._instead.get(effect.follows[0], (0.0, self.chosen))
+        return loss < EQUAL and instead <= {name for other in others for name in other.follows}
+
+    def unknown_instead(self, effect: Effect, known: Iterable[Effect]) -> float:
+        """Chance that the force follows, in place of what an effect follows first, what none of the `known` follows."""
+        if not effect.follows or self.record.inputs.time is None:
+            return 0.0
+        open_ = set(self.surfaces.names).difference(name for one in known for name in one.follows)
+        loss, instead = self._instead.get(effect.follows[0], (-math.inf, self.chosen))
+        if open_.isdisjoint(instead):
+            return 0.0
+        if loss < 0.0:
+            loss = self.evidence(self.likeliest(open_)) - self.evidence(self.best)
+        return float(expit(-loss / (2.0 * TEMPER)))
 
     def supports(self, follows: Sequence[str]) -> bool:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may.

@@ -110,7 +110,7 @@ def free_form(
     states: Columns,
     count: int = 1,
     pressure: int = 1,
-    contraction: int = 2,
+    contraction: int = 3,
     nonlinear: tuple[Param, ...] = (),
     role: type[Form] = AddsForce,
     unit: tuple[str, float] = ("N", 10.0),
@@ -122,14 +122,12 @@ def free_form(
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
 
-    Static effects have none, because all of them follow the same: only their written forms tell them apart.
-
     `pressure` and `contraction` are the surface's orders; `text` says the states in the formula, `unit` that of the
-    coefficients with their usual size.
+    coefficients with their usual size, `lower` what nature forbids them to fall below.
     """
     orders = [(i, j) for i in range(pressure + 1) for j in range(contraction + 1)]
     linear = tuple(
-        Param(f"f_{k}{i}{j}", unit[0], f"coefficient of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", lower, scale=unit[1])
+        Param(f"f_{k}{i}{j}", unit[0], f"of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", lower, scale=unit[1])
         for k in range(count)
         for i, j in orders
     )

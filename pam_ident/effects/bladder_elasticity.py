@@ -18,7 +18,7 @@ C20 = Param("C20", "MPa", "second Yeoh constant: softening where negative", -200
 C30 = Param("C30", "MPa", "third Yeoh constant: stiffening at large stretch", 0.0, 200.0, scale=0.05)
 J_M = Param("J_m", "1", "limit of I1 − 3 at which the rubber locks", 0.3, 100.0, start=3.0, grid=(1.0, 3.0, 12.0))
 
-RESISTS = tuple(Param(f"K_{i}", "N", f"about the resistance at ε = {0.075 * i:g}", 0.0, 1e5, scale=10.0) for i in range(1, 5))
+RESISTS = tuple(Param(f"K_{i}", "N", f"resistance around ε = {0.075 * i:g}", 0.0, 1e5, scale=10.0) for i in range(1, 5))
 
 
 def wall(inputs: Inputs) -> float:

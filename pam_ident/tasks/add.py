@@ -35,6 +35,6 @@ def add_effects(record: Record, setup: Setup) -> Addition:
     with computing(record):
         after = fit(model, record)
         before = fit(alone, record)
-        masks = masks_of(record, setup.heldout) if setup.heldout else None
+        masks = masks_of(record, setup.held_out) if setup.held_out else None
         errors = [heldout_rmse(one, record, masks=masks) for one in (alone, model)]
         return Addition(before, after, errors[0], errors[1], warnings_of(after))

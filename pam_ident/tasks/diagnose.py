@@ -45,7 +45,7 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
         may_name(record, setup.model, setup.assume)
         found = diagnose(setup.model, record, *setup.tried)
         check_completed(found.best, setup.assume)
-        return _nested(found, record, setup) if setup.heldout else found
+        return _nested(found, record, setup) if setup.held_out else found
 
 
 def _nested(found: Diagnosis, record: Record, setup: Setup) -> Diagnosis:
@@ -55,7 +55,7 @@ def _nested(found: Diagnosis, record: Record, setup: Setup) -> Diagnosis:
         other = diagnose(setup.model, part, *setup.tried, detail=False)
         return other.base, other.best
 
-    before, after = anew(record, masks_of(record, setup.heldout), again, 2)
+    before, after = anew(record, masks_of(record, setup.held_out), again, 2)
     return replace(found, heldout_rmse=float(before), heldout_rmse_after=float(after), heldout="nested")
 
 

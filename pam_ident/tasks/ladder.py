@@ -14,13 +14,13 @@ from ..parallel.executor import Executor
 from ..records import Record
 from .gate import admit, check_completed, computing, may_name
 from .law_choice import settle
-from .setup import AUTO, Setup
+from .setup import AUTO, REFIT, Setup
 
 
 def climb_ladder(record: Record, setup: Setup, executor: Executor = HERE) -> Ladder:
     """The ladder from `setup.model` up: diagnose, add, diagnose again.
 
-    Of a table, and where `setup.heldout` says so, its held-out error is nested, and it ends where that stops falling.
+    Its held-out error is nested, and it ends where that stops falling, unless `setup.heldout` asks for refits.
 
     Args:
         record: what the model is held against.
@@ -43,14 +43,14 @@ def climb_ladder(record: Record, setup: Setup, executor: Executor = HERE) -> Lad
     with computing(record):
         may_name(record, setup.model, setup.assume)
         found = climb(setup.model, record, *setup.tried)
-        if setup.heldout or record.inputs.time is None:
+        if setup.heldout != REFIT:
             found = _nested(found, record, setup, executor)
         check_completed(found.rungs[-1].fit, setup.assume)
         return found
 
 
 def _nested(found: Ladder, record: Record, setup: Setup, executor: Executor) -> Ladder:
-    """The ladder with its nested error; as it is where nobody asked and the table is too small."""
+    """The ladder with its nested error; as it is where nobody asked and the record is too small."""
 
     def ended(model: Model) -> Diagnosis:
         return diagnose(model, record, *setup.tried)
@@ -58,9 +58,9 @@ def _nested(found: Ladder, record: Record, setup: Setup, executor: Executor) -> 
     # Effects of the user's own could not be looked up by another process.
     who, again = (HERE, partial(_again, setup)) if setup.extra else (executor, partial(_again, setup.bare()))
     try:
-        return nested(found, again, ended, setup.heldout, who)
+        return nested(found, again, ended, setup.held_out, who)
     except (FitError, UsageError):
-        if setup.heldout:
+        if setup.held_out:
             raise
         return found
 

@@ -18,14 +18,16 @@ from ..records.where import rows_where
 
 AUTO = "auto"
 """In place of a law: take the one that foretells best what it has not seen."""
+REFIT = "refit"
+"""In place of what is held out: fit only the parameters anew."""
 MOST_OF_MEMORY = 0.5
 """Share of the free memory from which a record's text will not fit into it as numbers."""
 
 
 def check_heldout(word: str) -> None:
     """Raises UsageError for what nobody holds out."""
-    if word not in BLOCKS:
-        raise UsageError(f"--heldout {word}: expected one of {', '.join(BLOCKS)}")
+    if word not in (*BLOCKS, REFIT):
+        raise UsageError(f"--heldout {word}: expected one of {', '.join((*BLOCKS, REFIT))}")
 
 
 def load(record: str | Path, specimen: str | Path | Specimen | None = None, where: str | None = None) -> Record:
@@ -50,8 +52,8 @@ class Setup:
         prior: TOML file of prior odds of effects, over those that any other has: `creep = 10`.
         where: condition on the rows of a record that are taken, such as `pressure_MPa > 0.1`.
         assume: codes of grave doubts that are meant so (`all` for every one), which do not stop naming.
-        heldout: what is held out whole while everything is chosen anew: length, pressure, run, cycle or muscle; by
-            default, and of tables alone, what suits them.
+        heldout: what is held out whole while everything is chosen anew: length, pressure, run, cycle or muscle;
+            `refit` to fit only the parameters anew. By default what suits the record, and `refit` for a diagnosis.
         chosen: whether the law was chosen by the record.
 
     Example:
@@ -79,6 +81,11 @@ class Setup:
     def extra(self) -> tuple[Effect, ...]:
         """The effects of the user's own files. Raises UsageError where one cannot be loaded."""
         return load_effect_files(self.effect_files)
+
+    @property
+    def held_out(self) -> str:
+        """What is held out whole while everything is chosen anew; empty where nobody says."""
+        return "" if self.heldout == REFIT else self.heldout
 
     @property
     def tried(
