@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..effects import Effect
 from .follows import EQUAL, Following
 from .noise import Noise
 from .nouns import Pattern
@@ -130,3 +131,14 @@ class Adequacy:
         size = math.sqrt(max(beyond, self.comes_back)) * self.free.noise.whole
         text = f"about {size:.3g} N rms that no name explains{f'; it follows {first.text}' if first else ''}"
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)
+
+
+def needless(selection: Selection, effect: Effect, others: FittedSet) -> bool:
+    """Whether nothing speaks for an effect beside others: without what it follows first their drivers explain as much,
+    or they follow that, too, and the free model does not beat them."""
+    if not effect.follows or selection.record.inputs.time is None:
+        return False
+    first, followed = effect.follows[0], {name for term in others.terms for name in term.effect.follows}
+    if first in followed:
+        return FreeModel.of(selection).odds(selection, others) < EQUAL
+    return selection.following.enough(followed, first)

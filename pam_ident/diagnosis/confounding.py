@@ -7,12 +7,10 @@ import numpy as np
 from ..effects import Effect
 from ..model import Term
 from .follows import one_speed
-from .search import Choice
+from .search import CLOSE, Choice
 from .selection import FittedSet, Selection
 
 Array = np.ndarray
-CLOSE = 18.0
-"""Criterion by which two effects may differ and not be told apart: odds of 10, tempered (`search.TEMPER`)."""
 
 
 def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ...]:

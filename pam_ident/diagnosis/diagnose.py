@@ -15,7 +15,7 @@ from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
-from .adequacy import Adequacy
+from .adequacy import Adequacy, needless
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
 from .follows import ROWS, Following, could_be_tried, steadied
@@ -196,12 +196,11 @@ def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:
     if len(named) < 2:
         return fitted
     chance = probabilities(selection, groups(selection, fitted))
-    kept = list(fitted.terms)
     for term in sorted(named, key=lambda t: chance[t.effect.name])[:-1]:
-        others = [t.effect for t in kept if t.effect.candidate and t is not term]
-        if chance[term.effect.name] < 0.5 or selection.following.needless(term.effect, others):
-            kept.remove(term)
-    return selection.refit(kept, fitted.values) if len(kept) < len(fitted.terms) else fitted
+        rest = selection.in_best_forms(selection.refit(fitted.without(term), fitted.values))
+        if chance[term.effect.name] < 0.5 or needless(selection, term.effect, rest):
+            fitted = rest
+    return fitted
 
 
 def _confirmed(base: Fit, heldout: float, named: list[Term], fitted: FittedSet) -> tuple[Fit, float, list[Term]]:

@@ -230,12 +230,10 @@ class Following:
         covered = {name for effect in effects for name in effect.follows}
         return tuple(name for name in self.needed if name not in covered)
 
-    def needless(self, effect: Effect, others: Iterable[Effect]) -> bool:
-        """Whether what others follow explains as much without what an effect first follows."""
-        if not effect.follows or self.record.inputs.time is None:
-            return False
-        loss, instead = self._instead.get(effect.follows[0], (0.0, self.chosen))
-        return loss < EQUAL and instead <= {name for other in others for name in other.follows}
+    def enough(self, drivers: Collection[str], without: str) -> bool:
+        """Whether some drivers explain as much as the likeliest do, without a certain one."""
+        loss, instead = self._instead.get(without, (0.0, self.chosen))
+        return loss < EQUAL and instead.issubset(drivers)
 
     def unknown_instead(self, effect: Effect, known: Iterable[Effect]) -> float:
         """Chance that the force follows, in place of what an effect follows first, what none of the `known` follows."""

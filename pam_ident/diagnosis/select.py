@@ -13,7 +13,7 @@ from .follows import Following
 from .noise import Noise
 from .patterns import patterns
 from .scan import Remainder, Scanned, scan
-from .search import Choice, beam_search
+from .search import CLOSE, Choice, beam_search
 from .selection import FittedSet, Selection, labels
 from .spectrum import beats
 
@@ -26,7 +26,7 @@ SURE = 500.0
 had lost by 160 at most."""
 UNEXPLAINED, EXPLAINED = 10.0, 3.0
 """Whitened squares beyond their number, in standard deviations: something is left; nothing is."""
-CLOSE, RIVALS = 100.0, 3
+RIVAL, RIVALS = 100.0, 3
 """Criterion within which a rival of other names is refined, and tried against the noise that it leaves; and how many
 are refined."""
 EXACT = 500
@@ -78,12 +78,12 @@ def investigate(
     last, answer = selections[-1]
     if not any(answer.labels == found.labels for selection, found in selections if selection is not last):
         select_again(last.noise_left_by(answer))
-    (least, noise, found), *others = _compared(selections)
-    close = [own for criterion, own, rival in others if criterion < least + CLOSE and rival.names != found.names]
+    (least, _, found), *others = _compared(selections)
+    close = [own for criterion, own, rival in others if criterion < least + RIVAL and rival.names != found.names]
     untried = [own for own in close if not tried_against(own)]
     if untried:
         select_again(untried[0])
-        _, noise, found = _compared(selections)[0]
+    noise, found = _told_from_noise(_compared(selections))
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _without_small(final, final.refit(seen, found.values))
@@ -106,6 +106,13 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
     fits = [_likeliest([selection for selection, _ in selections], terms, start) for terms, start in sets.values()]
     return sorted(((*full_criterion(selection, found), found) for selection, found in fits), key=lambda item: item[0])
+
+
+def _told_from_noise(compared: Sequence[tuple[float, Noise, FittedSet]]) -> tuple[Noise, FittedSet]:
+    """The noise and the set of the least full criterion, less what more noise in its place explains nearly as well."""
+    least, _, best = compared[0]
+    close = [(noise, v) for criterion, noise, v in compared if criterion < least + CLOSE and v.labels <= best.labels]
+    return min(close, key=lambda item: len(item[1].terms))
 
 
 def _sure(selection: Selection, fitted: FittedSet) -> bool:
@@ -177,7 +184,7 @@ def refined(selection: Selection, leaders: Sequence[FittedSet], most: int) -> Fi
     """The best set that the first leaders can be made into: the next, and those that come close."""
     first, *others = *leaders, selection.empty
     best = _refine(selection, first, most)
-    rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + CLOSE]
+    rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + RIVAL]
     for rival in rivals[:RIVALS]:
         if (
             not first.terms or not first.exclusion_groups <= rival.exclusion_groups

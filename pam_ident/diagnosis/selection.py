@@ -198,6 +198,10 @@ class Selection:
             self.known.setdefault(key, fitted)
         return fitted
 
+    def in_best_forms(self, fitted: FittedSet) -> FittedSet:
+        """The best set of the same names that was fitted."""
+        return min((v for v in self.cache.values() if v.names == fitted.names), key=lambda v: v.criterion)
+
     def weighed(self) -> list[FittedSet]:
         """All sets that were fitted, those of candidates against another noise with the values they had there.
 

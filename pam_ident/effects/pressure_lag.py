@@ -104,6 +104,12 @@ def _valve(inputs: Inputs, values: Values, force: Array) -> Array:
     return _through_valve(inputs, values["tau"], inputs.xp.where(inputs.direction > 0.0, 1.0, values["w"]))
 
 
+def _choking(inputs: Inputs, values: Values, force: Array) -> Array:
+    """An orifice lets the less through per difference of pressure, the more that is: τ grows with the flow."""
+    flow = inputs.xp.maximum(inputs.xp.abs(_widening(inputs)) / 0.3, 1e-3)
+    return _through_valve(inputs, values["tau"], flow ** (values["n"] - 1.0))
+
+
 def _to_the_power(inputs: Inputs, rate: Array, n: float, unit: float) -> Array:
     """A rate (n,) whose size, in units of `unit`, is raised to the n-th power."""
     xp = inputs.xp
@@ -159,6 +165,14 @@ EFFECT = Effect(
             (KAPPA,),
             _valve,
             (TAU, VENTING),
+            remembers=True,
+        ),
+        TransformsPressure(
+            "choking",
+            "p → p − κ p_abs q, τ V/V0 |V̇/V|^(n−1) for τ",
+            (KAPPA,),
+            _choking,
+            (TAU, N),
             remembers=True,
         ),
         TransformsPressure("orifice", "p → p − T_p |p_abs V̇/V|^n sgn(V̇)", (LAG,), _orifice, (N,)),

@@ -136,7 +136,7 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     assert result.exit_code == 0
     keys = {"schema", "record", "law", "specimen", "free_geometry", "range", "rungs", "noise_floor_N", "verdict"}
     keys |= {"warnings", "heldout", "nested"}
-    assert set(found) == keys and found["heldout"] == "refit" and found["free_geometry"] is False
+    assert set(found) == keys and found["heldout"] == "nested" and found["free_geometry"] is False
     assert found["schema"] == "pam-ident/ladder/1" and found["verdict"] == "adequate"
     assert found["rungs"][0]["effects"] == [] and len(found["rungs"]) == 2
     for one in found["rungs"]:
