@@ -103,6 +103,8 @@ def diagnose(
     fitted = _likely(selection, fitted)
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     fitted = selection.refit([t for t in fitted.terms if rivals.get(t.effect.name, 0.0) < 0.5], fitted.values)
+    if any(not t.effect.candidate for t in fitted.terms):
+        fitted = selection.refit([t for t in fitted.terms if not t.form.free], fitted.values)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and _remainder(selection, fitted) is not None
     lacking = Adequacy.lacking(selection, fitted, remains)

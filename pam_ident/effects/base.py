@@ -33,6 +33,11 @@ class Form(ABC):
     remembers: bool = False
 
     @property
+    def free(self) -> bool:
+        """Whether its dependence on pressure and contraction is left free."""
+        return self.name.startswith("free")
+
+    @property
     def params(self) -> tuple[Param, ...]:
         """Linear, then nonlinear."""
         return self.linear + self.nonlinear
