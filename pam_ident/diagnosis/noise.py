@@ -12,7 +12,6 @@ from ..core import Inputs
 from ..records import Record
 from ..records.motion import noise_around
 from .noises import likelier_colour
-from .noises.first_order import MEMORY_SAMPLES, SHARES
 from .position import PositionError, SharedNoise
 from .repeats import without_repeats
 from .whitening import BlockFilter, filter_gains, innovations
@@ -23,6 +22,9 @@ SMALL, SMALL_COLOURED = 0.04, 0.1
 where all noise is coloured: no noise has the colour it is given exactly."""
 UNREAD = 1e12
 """Variance, over the noise's, of a sample that says nothing: an outlier, which no filter must take for a zero."""
+SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
+MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, *40.0 * 2.0 ** np.arange(6)])
+"""Up to a wander over minutes: noise that is slower than any here passes for a drift."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour scanned to the same answer."""
 
@@ -148,7 +150,8 @@ def estimate_noise(
     if shared:
         deviance += shared.volume
     if share > 0.0:
-        deviance -= likelier_colour(_filled(z, outlier) / np.sqrt(1.0 + extra))
+        even = _filled(z, outlier) / np.sqrt(1.0 + extra)
+        deviance -= likelier_colour(even, tuple(advance for _, advance, _ in _clocks(record.inputs)), decay, share)
     more = (float(np.mean(extra[~outlier])) if not outlier.all() else 0.0) + (shared.mean if shared else 0.0)
     return Noise(
         sigma, sigma * math.sqrt(1.0 + more), share, memory, clock, decay, gain, spread, outlier, deviance, shared
@@ -195,19 +198,25 @@ def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, 
     lags = [float(np.mean(z[:-k] * z[k:])) / square for k in (1, 2, 3, 4)]
     if max(lags[0], 0.5 * sum(lags)) < 3.0 / np.sqrt(n):
         return white
-    step = np.diff(inputs.time, prepend=inputs.time[0])
-    unit = float(np.median(step[1:]))
     best, least = (
         white,
         float(np.sum(extra < UNREAD)) * float(np.log(square)) + float(np.sum(np.log(1.0 + extra))) - 12.0,
     )
-    for clock, advance, seconds in (("samples", np.ones(n), 1.0), ("seconds", step / unit, unit)):
+    for clock, advance, seconds in _clocks(inputs):
         (k, j), criterion = _most_likely(advance, z, extra)
         if criterion < least:
             decay = np.exp(-advance / MEMORY_SAMPLES[k])
             decay[0] = 0.0
             best, least = (float(SHARES[j]), float(MEMORY_SAMPLES[k]) * seconds, clock, decay), criterion
     return best
+
+
+def _clocks(inputs: Inputs) -> tuple[tuple[str, Array, float], ...]:
+    """Ways to count the memory of noise: name, steps (n,) from sample to sample, and a step's length."""
+    assert inputs.time is not None
+    step = np.diff(inputs.time, prepend=inputs.time[0])
+    unit = float(np.median(step[1:]))
+    return ("samples", np.ones(len(step)), 1.0), ("seconds", step / unit, unit)
 
 
 def _most_likely(advance: Array, z: Array, extra: Array) -> tuple[tuple[int, int], float]:

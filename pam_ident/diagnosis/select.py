@@ -19,8 +19,6 @@ from .spectrum import beats
 
 PATTERN_MORE = 0.06
 """What a pattern must explain beyond an effect, as a share of the noise's variance."""
-FAINT = 1.2
-"""Squares that the law alone may leave, over those that an answer leaves, for it to be slow noise after all."""
 SURE = 500.0
 """Criterion by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it
 had lost by 160 at most."""
@@ -59,8 +57,7 @@ def investigate(
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection, most)
-    faint = selection.empty.squares < FAINT * fitted.squares and selection.noise_left_by(selection.empty).coloured
-    doubtful = selection.noise_left_by(fitted).coloured or faint
+    doubtful = selection.noise_left_by(fitted).coloured or _may_be_noise(selection, fitted)
     if not selection.noise.coloured and (not doubtful or _no_colour(selection, fitted) or _sure(selection, fitted)):
         return selection, _without_small(selection, fitted)
     selections = [(selection, fitted)]
@@ -91,6 +88,13 @@ def investigate(
         final = Selection(base, candidates, noise=final.noise_left_by(kept), before=selection)
         kept = final.refit(kept.terms, kept.values)
     return final, kept
+
+
+def _may_be_noise(selection: Selection, fitted: FittedSet) -> bool:
+    """Whether slow noise could explain all that a set does."""
+    if not selection.noise_left_by(selection.empty).coloured:
+        return False
+    return full_criterion(selection, selection.empty)[0] < full_criterion(selection, fitted)[0] + SURE
 
 
 def _no_colour(selection: Selection, fitted: FittedSet) -> bool:

@@ -1,6 +1,6 @@
 """Colours that noise may have, one a file.
 
-A file that defines NOISE takes part: where one of its spectra is likelier than all first-order processes, which the
+A file that defines NOISE takes part: where one of its mixtures is likelier than the best first-order process, which the
 estimate is made with, the noise has its likelihood.
 """
 
@@ -11,21 +11,22 @@ from functools import cache, lru_cache
 import numpy as np
 
 from ...core.discover import instances
+from ..whitening import filter_gains, innovations
 
 Array = np.ndarray
-FIRST_ORDER = "first-order process"
-TAPERS = 3
-"""Windows over which a spectrum is averaged: without one a drift leaks into all of it."""
 
 
 @dataclass(frozen=True)
 class NoiseColour:
-    """A family of spectra; `spectra` takes half the angular frequencies per sample, (m,) in (0, π/2], and gives some
-    power spectra (m,), each with a mean of about 1."""
+    """A family of mixtures of white noise with processes of the first order.
+
+    `mixtures` takes the length of a record in steps of a clock, and gives the memories of the processes in such steps,
+    (k,), and some sets of their variances, (m, k); what a set lacks of 1 is white.
+    """
 
     name: str
     source: str
-    spectra: Callable[[Array], Sequence[Array]]
+    mixtures: Callable[[float], tuple[Array, Array]]
 
 
 @cache
@@ -34,25 +35,58 @@ def catalogue() -> dict[str, NoiseColour]:
     return {one.name: one for one in instances(__name__, __path__, NoiseColour)}
 
 
-def likelier_colour(z: Array) -> float:
-    """By how much the deviance of z (n,) falls if its noise has the best of these colours, not of the first order.
+def likelier_colour(z: Array, clocks: Sequence[Array], decay: Array, share: float) -> float:
+    """By how much the deviance of z (n,), about of unit variance, falls if its noise has the best of these colours.
 
-    All by Whittle's likelihood over the frequencies (Whittle 1953, Arkiv för Matematik 2, 423–434) of a spectrum by
-    sine tapers (Riedel & Sidorenko 1995, IEEE Trans. Signal Processing 43, 188–195). It is the best first-order process
-    by that likelihood that a colour is held against: the one of the time domain knows gaps, which no spectrum does.
+    It is held against a first-order process with a `share` of the variance and the memory `decay` (n,) from sample to
+    sample; `clocks` are the steps (n,) from sample to sample, in samples or as time goes.
     """
-    tapers = np.sin(np.outer(np.arange(1, TAPERS + 1), np.linspace(0.0, np.pi, len(z))))
-    power = np.mean(np.abs(np.fft.rfft(z * tapers)[:, 1:]) ** 2, axis=0)
-    best = {
-        name: float(np.min(2.0 * len(power) * np.log(inverse @ power / len(power)) + volume))
-        for name, (inverse, volume) in _spectra(len(z)).items()
-    }
-    return best[FIRST_ORDER] - min(best.values())
+    gain, spread = filter_gains(decay[:, None], np.array([share]), np.zeros(len(z)))
+    least = first = float(_deviance(innovations(z[:, None], decay, gain[:, 0]), spread)[0])
+    for name in catalogue():
+        for steps in clocks:
+            least = min(least, float(np.min(_Mixtures.of(name, steps.tobytes()).deviances(z))))
+    return first - least
 
 
-@lru_cache(maxsize=2)
-def _spectra(n: int) -> dict[str, tuple[Array, Array]]:
-    """Of n samples, by colour, all spectra's inverses (k, n // 2) and twice the sums of their logarithms, (k,)."""
-    half = np.pi * np.arange(1, n // 2 + 1) / n
-    found = {name: np.array(colour.spectra(half)) for name, colour in catalogue().items()}
-    return {name: (1.0 / spectra, 2.0 * np.sum(np.log(spectra), axis=1)) for name, spectra in found.items()}
+def _deviance(innovation: Array, spread: Array) -> Array:
+    """Minus twice the log likelihood of columns (n, m), their scale profiled out, up to a constant, shape (m,)."""
+    return len(spread) * np.log(np.mean((innovation / spread) ** 2, axis=0)) + 2.0 * np.sum(np.log(spread), axis=0)
+
+
+@dataclass(frozen=True)
+class _Mixtures:
+    """The Kalman filters of a colour's mixtures on a clock: memory from the sample before, (n, 1, k), gains (n, m, k)
+    and deviations of the innovations (n, m)."""
+
+    decay: Array
+    gain: Array
+    spread: Array
+
+    @classmethod
+    @lru_cache(maxsize=4)
+    def of(cls, name: str, clock: bytes) -> "_Mixtures":
+        """Those of a colour by its name, and of steps from sample to sample (n,) as bytes."""
+        steps = np.frombuffer(clock)
+        memory, variance = catalogue()[name].mixtures(float(np.sum(steps)))
+        decay = np.exp(-steps[:, None, None] / memory)
+        white = 1.0 - variance.sum(axis=1)
+        unit = variance[:, :, None] * np.eye(len(memory))
+        covariance, fresh = unit.copy(), unit * (1.0 - decay**2)[:, :, :, None]
+        gain, spread = np.empty((len(steps), *variance.shape)), np.empty((len(steps), len(variance)))
+        for k, (kept, new) in enumerate(zip(decay, fresh, strict=True)):
+            covariance = covariance * (kept[:, :, None] * kept[:, None, :]) + new if k else covariance
+            seen = covariance.sum(axis=2)
+            total = seen.sum(axis=1) + white
+            gain[k], spread[k] = seen / total[:, None], total
+            covariance = covariance - gain[k][:, :, None] * seen[:, None, :]
+        return cls(decay, gain, np.sqrt(spread))
+
+    def deviances(self, z: Array) -> Array:
+        """Of a series (n,), shape (m,)."""
+        state, left = np.zeros(self.gain.shape[1:]), np.empty(self.spread.shape)
+        for k, value in enumerate(z):
+            state = state * self.decay[k]
+            left[k] = value - state.sum(axis=1)
+            state += self.gain[k] * left[k][:, None]
+        return _deviance(left, self.spread)
