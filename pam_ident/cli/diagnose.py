@@ -105,7 +105,7 @@ def describe(found: "Diagnosis") -> list[str]:
     held = text.newtons(found.heldout_rmse)
     held += f" → {text.newtons(found.heldout_rmse_after)}" if found.selected else ""
     lines = [found.sentence, f"verdict {found.verdict}; on held-out data {held}"]
-    lines += [told(found.follows)]
+    lines += [*found.best.at_bounds, told(found.follows)]
     lines += [f"cannot be told apart here: {', '.join(group)}" for group in found.groups if len(group) > 1]
     rows = [
         (

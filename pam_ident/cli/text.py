@@ -1,6 +1,7 @@
 """Numbers and tables as they are printed."""
 
 import math
+import os
 import shutil
 import sys
 import textwrap
@@ -49,8 +50,8 @@ def warn(line: str) -> None:
 
 
 def columns() -> int | None:
-    """Width of the terminal in characters; None where the output goes elsewhere, to be read by a program."""
-    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    """Width of the terminal in characters, or COLUMNS; None where the output goes elsewhere, for a program to read."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() or "COLUMNS" in os.environ else None
 
 
 def _broken(line: str, width: int) -> str:

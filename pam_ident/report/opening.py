@@ -25,7 +25,7 @@ def opening(section: Section, easel: Easel) -> Part:
         _headline(section),
         (_fall(section),),
         (_trace(section, easel), *_falling(section, easel), _bar(section, easel)),
-        notes=(_sure(section), *_next(section)),
+        notes=(_sure(section), *(f"{one}." for one in (section.after or section.before).at_bounds), *_next(section)),
         badge=VERDICTS.get(diagnosis.verdict, (diagnosis.verdict, "")),
         opening=True,
     )

@@ -122,6 +122,7 @@ def verdict(bench: Bench | None) -> Markup:
     parts = [Markup('<dl class="facts">{}</dl>').format(listed), _fall(bench)]
     parts += [Markup('<p class="error">This fit is not valid: {}.</p>').format(one) for one in rung.fit.problems]
     parts += [Markup('<p class="error">{}.</p>').format(impossible(one)) for one in rung.fit.impossible]
+    parts += [Markup("<p>{}.</p>").format(one) for one in rung.fit.at_bounds]
     if bench.held:
         parts.append(Markup("<p>Parameters are held by hand. Release them to have named what is missing.</p>"))
     if found is not None:
