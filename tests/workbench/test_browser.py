@@ -283,6 +283,15 @@ def test_clicks_that_come_all_at_once_change_the_figures_too(lying):
     )
 
 
+def test_the_story_stands_on_one_screen_in_plain_names(lying):
+    lying.set_viewport_size({"width": 1400, "height": 900})
+    for one in (lying.locator("canvas").nth(0), lying.locator("canvas").nth(1), lying.locator(".card .bar").first):
+        box = one.bounding_box()
+        assert box["y"] >= 0 and box["y"] + box["height"] <= 900
+    names = lying.get_by_label("Another effect").locator("option").all_text_contents()
+    assert 15 < len(names) < 30 and not any("_" in name for name in names)
+
+
 def test_the_figures_zoom_together_and_tell_what_is_pointed_at(lying):
     ends = (
         "() => Bokeh.documents[0].get_model_by_name('traces') && [...Bokeh.documents[0]._all_models.values()]"
