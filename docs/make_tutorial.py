@@ -1,6 +1,7 @@
 """Run the commands of docs/tutorial.md and the README and write what they print beneath them:
 `python docs/make_tutorial.py`."""
 
+import os
 import re
 import subprocess
 import sys
@@ -25,7 +26,10 @@ def refreshed(text: str) -> str:
 
 def _block(command: str, folder: str) -> str:
     program = f'pam-ident() {{ "{sys.executable}" -m pam_ident "$@"; }}; set -eo pipefail; '
-    done = subprocess.run(["bash", "-c", program + command], cwd=folder, check=True, capture_output=True, text=True)
+    wide = {**os.environ, "COLUMNS": "100"}
+    done = subprocess.run(
+        ["bash", "-c", program + command], cwd=folder, env=wide, check=True, capture_output=True, text=True
+    )
     return f"```console\n$ {command}\n{done.stdout.rstrip()}\n```\n"
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import UsageError
+from ..core.digits import known_to, number
 from ..core.files import check_target, write_json
 from ..fitting import Fit
 from ..fitting.prediction import Predictor
@@ -25,6 +26,14 @@ if TYPE_CHECKING:
     import lmfit
     import pandas as pd
     from matplotlib.axes import Axes
+
+
+def told(params: "pd.DataFrame") -> str:
+    """Parameters as text, each value with the digits that its standard error leaves."""
+    columns = {"value": "value", "stderr": "std. error", "low": "95 % from", "high": "to", "unit": "unit"}
+    value, error = list(map(known_to, params["value"], params["stderr"])), [number(e, 2) for e in params["stderr"]]
+    table = params.assign(value=value, stderr=error).loc[:, list(columns)].rename(columns=columns)
+    return table.to_string(float_format="{:.5g}".format)
 
 
 class FitResult(Foretelling):
@@ -133,19 +142,14 @@ class FitResult(Foretelling):
     def summary(self) -> str:
         """The equation, how well it fits, and the parameters, as text."""
         head = self._head()
-        columns = {"value": "value", "stderr": "std. error", "low": "95 % from", "high": "to", "unit": "unit"}
-        table = self.params.loc[:, list(columns)].rename(columns=columns) if self.model.params else None
-        lines = [*head[:1], str(self.model), *head[1:]]
-        if table is not None:
-            lines.append(table.to_string(float_format="{:.5g}".format))
-        return "\n".join(lines)
+        return "\n".join([*head[:1], str(self.model), *head[1:], *([told(self.params)] if self.model.params else [])])
 
     def _head(self) -> list[str]:
-        from ..notebook.lines import fit as told
+        from ..notebook.lines import fit as line
 
         lines = []
         for branch, one in self.fits.items():
-            lines.append(told(one) if len(self.fits) == 1 else f"{branch}: {told(one)}")
+            lines.append(line(one) if len(self.fits) == 1 else f"{branch}: {line(one)}")
         if self.law_choice is not None:
             lines.append(f"law: {self.law_choice.why}")
         return [*lines, *map(str, self.warnings)]

@@ -8,7 +8,7 @@ from ..core.files import check_target, write_json_lines
 from ..schema.fit import shared_json
 from ..tasks.fit import FitAnswer
 from .asking import ObjectSetup
-from .fitted import FitResult
+from .fitted import FitResult, told
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,9 +54,7 @@ class SharedFitResult:
 
     def summary(self) -> str:
         """How well each record is fitted, and the parameters, as text."""
-        columns = {"value": "value", "stderr": "std. error", "low": "95 % from", "high": "to", "unit": "unit"}
-        table = self.params.loc[:, list(columns)].rename(columns=columns)
-        return "\n".join([str(self.muscles[0].model), repr(self), table.to_string(float_format="{:.5g}".format)])
+        return "\n".join([str(self.muscles[0].model), repr(self), told(self.params)])
 
     def __repr__(self) -> str:
         said = ", ".join(self.shared) or "nothing"

@@ -74,8 +74,8 @@ def _median(column: Any) -> float:
 
 def _muscles(frame: "pd.DataFrame", listed: dict[str, str]) -> Part:
     """A row a record; of several branches the first."""
-    rows = []
-    for row in frame.drop_duplicates("record").head(MOST_MUSCLES).to_dict("records"):
+    first, rows = frame.drop_duplicates("record").head(MOST_MUSCLES), []
+    for row in first.astype(object).where(first.notna(), None).to_dict("records"):
         lacks = row["selected"]
         rows.append(
             (

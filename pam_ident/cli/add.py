@@ -35,7 +35,6 @@ def add(
 
     measured = setup.read(record)
     setup, choice = settle(measured, setup)
-    law = setup.law
     found = add_effects(measured, setup)
     options.give_json(json, lambda: addition_json(record, found) | law_choice_json(choice))
     before, after = found.before, found.after
@@ -44,17 +43,11 @@ def add(
     text.say(*text.banner(found.warnings))
     text.say(
         f"With {names} the error goes from {text.newtons(before.rmse)} to {text.newtons(after.rmse)}, on held-out data "
-        f"from {text.newtons(found.heldout_before)} to {text.newtons(found.heldout_after)}.",
+        f"from {text.newtons(found.heldout_before)} to {text.newtons(found.heldout_after)}, the largest error from "
+        f"{text.newtons(before.max_error)} to {text.newtons(after.max_error)}; {len(before.model.params)} free "
+        f"parameters become {len(after.model.params)}.",
         "",
     )
-    rows = [
-        (name, str(len(one.model.params)), *(text.number(v, 4) for v in (one.rmse, heldout, one.max_error)))
-        for name, one, heldout in (
-            (law, before, found.heldout_before),
-            (f"{law} + {names}", after, found.heldout_after),
-        )
-    ]
-    text.say(*text.table(("model", "free parameters", "rmse [N]", "held out [N]", "largest error [N]"), rows), "")
     text.say(*text.parameters(after))
     for term in after.model.terms:
         richer = [f"{term.effect.name}:{form.name}" for form in term.effect.forms if form is not term.form]

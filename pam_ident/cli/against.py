@@ -39,7 +39,7 @@ def against(
     doubts = [*warnings_of(found.fits[0]), *warnings_of(found.fits[1])]
     options.give_json(asked.json, lambda: against_json(a, b, found, doubts) | law_choice_json(choice))
     if out is not None:
-        write_whole(out, against_page(found, given, setup.command("against", a, b)))
+        write_whole(out, against_page(found, given, setup.command("against", a, b, "--out", out)))
     text.say(*(text.title(path, record) for path, record in given.items()), *text.chosen(choice), "")
     text.say(*text.banner(doubts), found.sentence)
     for one in (records_table(found), effects_table(found), parameters_table(found)):

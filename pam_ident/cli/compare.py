@@ -52,12 +52,6 @@ def compare(
 
 
 def _print(comparison: "Comparison") -> None:
-    if comparison.odd is not None:
-        text.say(
-            "",
-            f"odd in the branch {text.percent(comparison.odd)}, even {text.percent(comparison.even)}, "
-            f"neither {text.percent(comparison.rest)} of the squared error",
-        )
     for key, bins in comparison.by.items():
         rows = [(b.label, str(b.n), text.number(b.mean, 3), text.number(b.rms, 3), text.percent(b.share)) for b in bins]
         head = (HEADS.get(key, f"by {key}"), "samples", "mean [N]", "rms [N]", "share")

@@ -29,4 +29,5 @@ def demo(
 def _tell(stage: "DemoPart") -> None:
     record = stage.section.record
     text.say(f"{stage.data_set}: {stage.about}", f"  {len(record)} samples, {len(record.levels)} pressures")
-    text.say(*rungs(stage.ladder), f"  {stage.ladder.last.sentence}", "")
+    text.say(*rungs(stage.ladder), f"  {stage.ladder.last.sentence}")
+    text.say(*(f"  {one}" for one in stage.ladder.rungs[-1].fit.at_bounds), "")

@@ -102,13 +102,10 @@ def describe(found: "Diagnosis") -> list[str]:
     """A diagnosis in words, and a table of the candidates where something is missing."""
     from ..tasks.diagnose import candidates, told
 
-    lines = [
-        found.sentence,
-        f"verdict {found.verdict}: error {text.newtons(found.base.rmse)} → {text.newtons(found.best.rmse)} "
-        f"(held out {text.newtons(found.heldout_rmse)} → {text.newtons(found.heldout_rmse_after)}), "
-        f"noise floor {text.newtons(found.noise_floor)}",
-    ]
-    lines += [told(found.follows)]
+    held = text.newtons(found.heldout_rmse)
+    held += f" → {text.newtons(found.heldout_rmse_after)}" if found.selected else ""
+    lines = [found.sentence, f"verdict {found.verdict}; on held-out data {held}"]
+    lines += [*found.best.at_bounds, told(found.follows)]
     lines += [f"cannot be told apart here: {', '.join(group)}" for group in found.groups if len(group) > 1]
     rows = [
         (

@@ -60,14 +60,14 @@ def rungs(found: "Ladder") -> list[str]:
         )
         for k, rung in enumerate(found.rungs)
     ]
-    head = ("rung", "model", "free parameters", "rmse [N]")
+    head = ("rung", "model", "parameters", "rmse [N]")
     if found.nested is None:
         return [*text.table((*head, "held out [N]"), rows, left=(0, 1)), *_floor(found)]
     rows += [
-        ("", f"beside: {name}", str(count), "", "", text.number(error, 3))
+        ("beside", name, str(count), "", "", text.number(error, 3))
         for name, (count, error) in list(found.nested.beside.items())[:BESIDE]
     ]
-    lines = text.table((*head, "refitted [N]", "nested [N]"), rows, left=(0, 1))
+    lines = text.table((*head, "refitted", "nested"), rows, left=(0, 1))
     return [*lines, *_floor(found), f"  {found.nested.text}"]
 
 

@@ -1,6 +1,7 @@
 """Numbers and tables as they are printed."""
 
 import math
+import os
 import shutil
 import sys
 import textwrap
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from ..tasks.law_choice import LawChoice
 
 INDENT = "  "
-NARROWEST = 14
-"""Characters that a column of words keeps on a narrow terminal."""
 silent: ContextVar[bool] = ContextVar("silent", default=False)
 """Whether nothing is to be printed but errors."""
 unfinished: Callable[[], None] | None = None
@@ -51,8 +50,8 @@ def warn(line: str) -> None:
 
 
 def columns() -> int | None:
-    """Width of the terminal in characters; None where the output goes elsewhere, to be read by a program."""
-    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    """Width of the terminal in characters, or COLUMNS; None where the output goes elsewhere, for a program to read."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() or "COLUMNS" in os.environ else None
 
 
 def _broken(line: str, width: int) -> str:
@@ -62,27 +61,24 @@ def _broken(line: str, width: int) -> str:
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Significant digits, without a power of ten for everyday sizes; a dash for no value."""
-    if value is None or not math.isfinite(value):
-        return "-"
-    if value == 0:
-        return "0"
-    size = math.floor(math.log10(abs(value)))
-    return f"{value:.{max(digits - 1 - size, 0)}f}" if -4 <= size <= 6 else f"{value:.{digits - 1}e}"
+    """As `core.digits` has it, which waits for the first number: `--help` needs none."""
+    from ..core import digits as told
+
+    return told.number(value, digits)
 
 
 def newtons(value: float | None) -> str:
-    """A force in N with three digits, and as zero what is below a millionth of a newton."""
-    if value is not None and abs(value) < 1e-6:
-        return "0 N"
-    return f"{number(value, 3)} N"
+    """A force in N with three digits."""
+    from ..core.digits import newtons
+
+    return newtons(value)
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> list[str]:
     """Aligned columns under their heads; columns in `left` stand left, the others right.
 
-    On a narrow terminal words are broken in the columns that stand left, and what then is too wide comes in parts, the
-    first column in front of each.
+    On a narrow terminal the columns that stand left are broken between words, and what then is too wide comes in
+    parts, the first column in front of each.
     """
     if not rows:
         return []
@@ -90,9 +86,9 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int
     widths = [max(len(row[k]) for row in cells) for k in range(len(head))]
     room = columns()
     if room is not None:
-        words = [k for k in left if k > 0]
-        while _total(widths) > room and any(widths[k] > NARROWEST for k in words):
-            widths[max(words, key=lambda k: widths[k])] -= 1
+        least = {k: max(len(word) for row in cells for word in ["", *row[k].split()]) for k in left if k > 0}
+        while _total(widths) > room and (wide := [k for k in least if widths[k] > least[k]]):
+            widths[max(wide, key=lambda k: widths[k])] -= 1
         if _total(widths) > room and len(head) > 2:
             return _in_parts(head, rows, left, widths, room)
     return [line for row in cells for line in _lines(row, widths, left)]
@@ -137,19 +133,10 @@ def _lines(row: Sequence[str], widths: Sequence[int], left: Sequence[int]) -> li
 
 
 def value_of(estimate: "Estimate") -> str:
-    """A parameter's value to the place of its standard error's second digit, at most eight digits; six without one."""
-    value, error = estimate.value, estimate.stderr
-    if estimate.at_bound or not (error > 0 and math.isfinite(error)) or value == 0:
-        return number(value, 6)
-    places = 1 - _size(error)
-    if not -2 <= places <= 8 or _size(value) > 6 or _size(value) + places >= 8:
-        return number(value, min(max(_size(value) + places + 1, 1), 8))
-    return f"{value:.{max(places, 0)}f}"
+    """A parameter's value with the digits that its standard error leaves."""
+    from ..core.digits import known_to
 
-
-def _size(value: float) -> int:
-    """The power of ten of the first of two digits."""
-    return int(f"{abs(value):.1e}".partition("e")[2])
+    return known_to(estimate.value, math.nan if estimate.at_bound else estimate.stderr)
 
 
 def error_of(estimate: "Estimate") -> str:
@@ -218,9 +205,9 @@ def percent(share: float | None) -> str:
 
 def probability(share: float) -> str:
     """A probability in per cent; nothing is certain."""
-    if share > 0.99:
-        return "> 99 %"
-    return "< 1 %" if share < 0.01 else f"{100 * share:.0f} %"
+    from ..core.digits import probability
+
+    return probability(share)
 
 
 def chosen(choice: "LawChoice | None") -> list[str]:

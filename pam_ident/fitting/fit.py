@@ -140,6 +140,12 @@ class Fit:
         """The fitted parameters whose values nature does not allow."""
         return tuple(e for e in self.estimates if e.name not in self.held and e.possible is False)
 
+    @property
+    def at_bounds(self) -> list[str]:
+        """In words, which parameters stand at a bound."""
+        found = (e for e in self.estimates if e.verdict.kind == "at_bound")
+        return [f"{e.name} = {e.value:g}{'' if e.unit == '1' else f' {e.unit}'} stands {e.verdict.text}" for e in found]
+
     @cached_property
     def shares(self) -> dict[str, float]:
         """Root mean square force in N that each effect makes over the fitted rows, by label."""

@@ -7,7 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..core.digits import probability
 from ..diagnosis.nouns import Diagnosis
+from ..schema.diagnosis import candidates as likeliest
 from .style import BEHIND, BLUE, GREY, INK, SKY, VERMILION, canvas, styled
 
 WORDS = {
@@ -40,10 +42,10 @@ class CandidatesData:
 
 def data(diagnosis: Diagnosis, limit: int = 16) -> CandidatesData:
     """At most `limit` candidates, then all that are absorbed or not excited."""
-    candidates = sorted((s for s in diagnosis.ranking if s.status == "candidate"), key=lambda s: -s.probability)[:limit]
+    likely = likeliest(diagnosis)[:limit]
     others = [s for s in diagnosis.ranking if s.status != "candidate"]
     bars = []
-    for candidate in (*candidates, *others):
+    for candidate in (*likely, *others):
         known = candidate.rmse_after is not None and candidate.status == "candidate"
         bars.append(
             Bar(
@@ -81,7 +83,7 @@ def draw(diagnosis: Diagnosis, limit: int = 16) -> Figure:
         axes.text(
             1.02,
             i,
-            f"{bar.probability:.0%}",
+            probability(bar.probability),
             transform=axes.get_yaxis_transform(),
             va="center",
             fontsize=8.5,

@@ -4,13 +4,13 @@ import math
 from collections.abc import Mapping
 
 from .. import plot
-from ..diagnosis.against import Against
+from ..diagnosis.against import Against, ParameterDifference
 from ..diagnosis.follows import told
 from .easel import Easel, Part
 from .render import environment
 from .tables import PageTable
 from .tables import provenance as provenance_table
-from .words import VERDICTS, likely, newtons, number, titles, unit
+from .words import VERDICTS, known_to, likely, newtons, titles, unit, with_error
 
 
 def render_against(found: Against, provenance: Mapping[str, object]) -> str:
@@ -82,16 +82,23 @@ def _chance(probability: float | None) -> str:
     return "cannot be seen" if probability is None else likely(probability)
 
 
+def _apart(one: ParameterDifference) -> tuple[str, str]:
+    """The difference and its interval, to the same place."""
+    if not math.isfinite(one.low):
+        return "–", "not determined"
+    told = [known_to(value, (one.high - one.low) / 4.0) for value in (one.difference, one.low, one.high)]
+    return told[0], f"{told[1]} to {told[2]}"
+
+
 def parameters_table(found: Against) -> PageTable:
     """Every parameter in both, with the interval of the difference."""
     rows = tuple(
         (
             one.name,
             unit(one.unit),
-            f"{number(one.a)} ± {number(one.a_stderr, 2)}",
-            f"{number(one.b)} ± {number(one.b_stderr, 2)}",
-            number(one.difference, 3),
-            f"{number(one.low, 3)} to {number(one.high, 3)}" if math.isfinite(one.low) else "not determined",
+            with_error(one.a, one.a_stderr),
+            with_error(one.b, one.b_stderr),
+            *_apart(one),
             "differs" if one.differs else "could be chance" if math.isfinite(one.p) else "–",
         )
         for one in found.parameters

@@ -6,7 +6,7 @@ from .. import plot
 from ..diagnosis.follows import told
 from .easel import Easel, Part, Picture
 from .story import Section
-from .words import VERDICTS, groups, likely, newtons, titles
+from .words import VERDICTS, groups, heldout, likely, newtons, titles
 
 HERO, BESIDE = 6.4, 5.0
 """Widths of the figures in inches; they are shown narrower than a page, and their words must stay readable."""
@@ -25,7 +25,7 @@ def opening(section: Section, easel: Easel) -> Part:
         _headline(section),
         (_fall(section),),
         (_trace(section, easel), *_falling(section, easel), _bar(section, easel)),
-        notes=(_sure(section), *_next(section)),
+        notes=(_sure(section), *(f"{one}." for one in (section.after or section.before).at_bounds), *_next(section)),
         badge=VERDICTS.get(diagnosis.verdict, (diagnosis.verdict, "")),
         opening=True,
     )
@@ -105,10 +105,13 @@ def _sure(section: Section) -> str:
     diagnosis, known = section.diagnosis, titles(section.diagnosis.best.model)
     chances = {one.effect: one.probability for one in diagnosis.ranking}
     said = [f"{known.get(name, name)} {likely(chances[name])}" for name in diagnosis.selected if name in chances]
-    held = f"error on data held out of the fit {newtons(diagnosis.heldout_rmse)}"
-    if diagnosis.selected:
-        held += f" → {newtons(diagnosis.heldout_rmse_after)}"
-    return f"How sure: {'; '.join([*said, held])}."
+    if section.ladder is None:
+        what, errors = "held-out error", [diagnosis.heldout_rmse, diagnosis.heldout_rmse_after]
+    else:
+        ends = section.ladder.rungs[0], section.ladder.rungs[-1]
+        what, errors = heldout(ends[1]), [rung.heldout_rmse for rung in ends]
+    fall = " → ".join(dict.fromkeys(map(newtons, errors)))
+    return f"How sure: {'; '.join([*said, f'{what}: {fall}'])}."
 
 
 def _next(section: Section) -> tuple[str, ...]:

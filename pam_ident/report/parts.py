@@ -34,15 +34,12 @@ def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
 
 
 def _numbers(section: Section, easel: Easel) -> Part:
-    diagnosis, after = section.diagnosis, section.after
-    facts = [("law", section.before.model.law.name), ("error of the law", newtons(section.before.rmse) + " rms")]
-    if after is not None:
-        facts.append(("error after", newtons(after.rmse) + " rms"))
+    diagnosis = section.diagnosis
     heldout = newtons(diagnosis.heldout_rmse)
     if diagnosis.selected:
         heldout += f" → {newtons(diagnosis.heldout_rmse_after)}"
-    facts += [
-        ("noise floor", newtons(diagnosis.noise_floor) + " rms"),
+    facts = [
+        ("law", section.before.model.law.name),
         ("held-out error", heldout),
         ("record", f"{len(section.record)} samples, {len(section.record.levels)} isobars"),
     ]

@@ -4,7 +4,7 @@ from .. import plot
 from ..diagnosis.nouns import Ladder, Rung
 from . import tables
 from .easel import Easel, Part
-from .words import equation, named, newtons, titles
+from .words import equation, heldout, likely, named, newtons, titles
 
 SHARE = 4
 """A rung's figure shows this part of the points of the others: there are many rungs."""
@@ -29,7 +29,7 @@ def _first(rung: Rung, easel: Easel) -> Part:
         tables=tables.fitted(rung.fit, "rung 0"),
         facts=(
             ("error", newtons(rung.fit.rmse) + " rms"),
-            ("held-out error", newtons(rung.heldout_rmse) + " rms"),
+            (heldout(rung), newtons(rung.heldout_rmse) + " rms"),
             ("largest error", newtons(rung.fit.max_error)),
             ("free parameters", str(len(model.params))),
         ),
@@ -45,14 +45,14 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
     what = ", ".join(named(label, known) for label in new) or "nothing"
     facts = [
         ("error", f"{newtons(before.rmse)} → {newtons(after.rmse)} rms"),
-        ("held-out error", f"{newtons(below.heldout_rmse)} → {newtons(rung.heldout_rmse)} rms"),
+        (heldout(rung), f"{newtons(below.heldout_rmse)} → {newtons(rung.heldout_rmse)} rms"),
         ("explained of the squared error", f"{1.0 - (after.rmse / before.rmse) ** 2:.1%}".replace("-", "−")),
         ("free parameters", f"{len(before.model.params)} → {len(after.model.params)}"),
     ]
     if why is not None:
         chances = {candidate.effect: candidate.probability for candidate in why.ranking}
         facts += [
-            (f"probability of {name}", f"{chances[name]:.0%}")
+            (f"probability of {name}", likely(chances[name]))
             for name in dict.fromkeys(label.partition(":")[0] for label in new)
             if name in chances
         ]

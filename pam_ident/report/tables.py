@@ -10,8 +10,9 @@ from ..plot.failure_map import Cell
 from ..plot.ladder import added
 from ..records import Record
 from ..records.package import told
+from ..schema.diagnosis import candidates as likeliest
 from .story import Section
-from .words import STATUS, named, newtons, number, standing, stderr, titles, unit
+from .words import STATUS, heldout, likely, named, newtons, number, standing, stderr, titles, unit, value_of
 
 
 @dataclass(frozen=True)
@@ -32,18 +33,18 @@ class PageTable:
 
 
 def candidates(diagnosis: Diagnosis) -> PageTable:
-    """Every effect that was tried, in the order of the ranking."""
+    """The candidates, the most probable first, then what the record cannot show."""
     known = titles(diagnosis.best.model)
     rows = tuple(
         (
             named(s.label or s.effect, known),
             "selected" if s.effect in diagnosis.selected else STATUS.get(s.status, s.status),
-            f"{s.probability:.0%}" if s.status == "candidate" else "–",
+            likely(s.probability) if s.status == "candidate" else "–",
             number(s.rmse_after, 3),
             number(s.heldout_rmse_after, 3),
             s.why,
         )
-        for s in diagnosis.ranking
+        for s in (*likeliest(diagnosis), *(s for s in diagnosis.ranking if s.status != "candidate"))
     )
     head = ("effect", "standing", "probability", "error after (N rms)", "held-out error after (N rms)", "why")
     return PageTable("Candidates, and the error that is left with each", head, rows, (2, 3, 4))
@@ -64,7 +65,8 @@ def ladder(steps: Ladder) -> PageTable:
         )
         for i, (name, rung) in enumerate(zip(names, steps.rungs, strict=True))
     )
-    head = ("rung", "model", "free parameters", "rms error (N)", "held-out rms error (N)", "largest error (N)", "why")
+    held = f"{heldout(steps.rungs[-1])} (N rms)"
+    head = ("rung", "model", "free parameters", "error (N rms)", held, "largest error (N)", "why")
     return PageTable(f"The ladder down to the noise floor of {newtons(steps.noise_floor)}", head, rows, (2, 3, 4, 5))
 
 
@@ -101,9 +103,7 @@ def fitted(fit: Fit, which: str) -> tuple[PageTable, ...]:
 
 def parameters(fit: Fit, which: str) -> PageTable:
     """Every fitted parameter with unit, standard error and, in words, whether the record determines it."""
-    rows = tuple(
-        (e.name, number(e.value, 5), stderr(e), unit(e.unit), standing(e), e.doc) for e in _in_order(fit.estimates)
-    )
+    rows = tuple((e.name, value_of(e), stderr(e), unit(e.unit), standing(e), e.doc) for e in _in_order(fit.estimates))
     head = ("parameter", "value", "standard error", "unit", "standing", "meaning")
     return PageTable(f"Parameters of {which}: {fit.model.law.name}{_plus(fit)}", head, rows, (1, 2))
 

@@ -3,7 +3,8 @@
 import math
 import re
 
-from ..diagnosis.nouns import Diagnosis
+from ..core import digits
+from ..diagnosis.nouns import Diagnosis, Rung
 from ..effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure, catalogue
 from ..fitting.fit import Estimate
 from ..model import Model
@@ -41,25 +42,42 @@ def plain(text: str) -> str:
     return UNSEEN.sub("\ufffd", text)
 
 
-def number(value: float | None, digits: int = 4) -> str:
+def number(value: float | None, places: int = 4) -> str:
     """Significant digits without a power of ten for everyday sizes, a true minus sign, a dash for no value."""
-    if value is None or not math.isfinite(value):
-        return "–"
-    if value == 0:
-        return "0"
-    size = math.floor(math.log10(abs(value)))
-    text = f"{value:.{max(digits - 1 - size, 0)}f}" if -4 <= size <= 6 else f"{value:.{digits - 1}e}"
-    return text.replace("-", "−")
+    return _set(digits.number(value, places))
 
 
 def newtons(value: float | None) -> str:
     """A force error in N with three digits."""
-    return f"{number(value, 3)} N"
+    return _set(digits.newtons(value))
 
 
-def likely(probability: float) -> str:
-    """A probability in per cent; nothing is certain."""
-    return "> 99 %" if probability > 0.99 else "< 1 %" if probability < 0.01 else f"{probability:.0%}"
+def known_to(value: float, error: float) -> str:
+    """A value with the digits that its standard error leaves."""
+    return _set(digits.known_to(value, error))
+
+
+likely = digits.probability
+
+
+def value_of(estimate: Estimate) -> str:
+    """A parameter's value with the digits that its standard error leaves."""
+    return known_to(estimate.value, math.nan if estimate.at_bound else estimate.stderr)
+
+
+def with_error(value: float, error: float) -> str:
+    """A value ± its standard error; alone where it has none."""
+    return known_to(value, error) + (f" ± {number(error, 2)}" if math.isfinite(error) else "")
+
+
+def _set(text: str) -> str:
+    """Digits as they are typeset."""
+    return text.replace("-", "−") if any(map(str.isdigit, text)) else text.replace("-", "–")
+
+
+def heldout(rung: Rung) -> str:
+    """What the error of a rung on held-out data is called."""
+    return "held-out error" + ("" if rung.refit_rmse is None else ", chosen anew")
 
 
 def titles(model: Model) -> dict[str, str]:

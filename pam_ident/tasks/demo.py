@@ -17,9 +17,9 @@ from .section import build_section
 from .setup import Setup
 
 STAGES = (
-    ("dmsp20_300", Setup("chou_hannaford", free_geometry=True), "a measured static map, from the ideal law up"),
     ("hidden_effect", Setup("exponential_law"), "a simulated record with a hidden effect"),
     ("nothing_hidden", Setup("exponential_law"), "its twin with nothing hidden"),
+    ("dmsp20_300", Setup("chou_hannaford", free_geometry=True), "a measured static map, from the ideal law up"),
 )
 """Data set, what is asked of it, and what it is."""
 

@@ -22,7 +22,7 @@ from .cards import Cards
 from .draft import Draft
 from .drafting import Drafting
 from .history import History
-from .parts import LOOK, Page, html
+from .parts import LOOK, Page, html, in_turn
 from .side import Side
 from .view import Views
 from .work import Work
@@ -298,11 +298,11 @@ class Workbench(Viewer):
         if self.history.go(int(key) if at is None else at) and self.bench is not None:
             self.setup = self.bench.setup
             self.error.visible = False
-            self._show()
+            in_turn(self._show)
 
     def _on_pin(self) -> None:
         self.history.pinned = self.bench
-        self._show()
+        in_turn(self._show)
 
     def _kept(self, make: Callable[[Bench], str]) -> io.BytesIO | None:
         try:

@@ -1,6 +1,7 @@
 """Parts of the page: text as HTML, and the column that is all of it."""
 
 import threading
+from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
 
@@ -14,6 +15,12 @@ LOOK: dict[str, Any] = {"stylesheets": [STYLE]}
 def html(text: str = "", **options: Any) -> pn.pane.HTML:
     """A pane in the style of the workbench, as wide as there is room."""
     return pn.pane.HTML(str(text), stylesheets=[STYLE], **({"sizing_mode": "stretch_width"} | options))
+
+
+def in_turn(change: Callable[[], None]) -> None:
+    """Change figures after a click. Where other clicks wait to be heard, Bokeh's lock on them is not held before the
+    next turn; without a server at once."""
+    pn.state.execute(change, schedule=True)
 
 
 class Page(pn.Column):

@@ -44,6 +44,7 @@ def serve(
     address = f"http://{HOST}:{port}"
     pn.extension(loading_indicator=False)
     logging.setLogRecordFactory(_in_one_line(logging.getLogRecordFactory()))
+    logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)  # a tab that was closed is no fault
     kept = Kept()
     secret, hosts = secrets.token_urlsafe(32), [f"{HOST}:{port}", f"localhost:{port}"]
     server = get_server(

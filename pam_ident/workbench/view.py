@@ -13,7 +13,7 @@ from bokeh.transform import linear_cmap
 
 from ..fitting import Fit
 from .bench import Bench
-from .parts import STYLE
+from .parts import STYLE, in_turn
 
 Array = np.ndarray
 MOST_POINTS = 6000
@@ -86,7 +86,7 @@ class Views:
             one.legend.orientation, one.legend.location, one.legend.padding = "horizontal", "top_right", 3
             one.legend.label_text_font_size = "12px"
         self.along = pn.widgets.Select(label="Along", options=["time"], width=140, stylesheets=[STYLE])
-        self.along.param.watch(lambda _: self._place(), "value")
+        self.along.param.watch(lambda _: in_turn(self._place), "value")
         self.maps = [self._map(), self._map()]
         fit: dict[str, Any] = {"sizing_mode": "stretch_width"}
         self.figures = pn.Column(pn.pane.Bokeh(self.force, **fit), pn.pane.Bokeh(self.error, **fit), **fit)
@@ -132,6 +132,7 @@ class Views:
             ways = {name: along for along, name in ALONG.items() if along != "time" or record.inputs.time is not None}
             self.along.param.update(options=ways, value="sample" if record.inputs.time is None else "time")
             _span(self.force.y_range, record.force)
+        pinned = pinned if pinned is not None and pinned.record is record else None
         rows, inputs = self._rows, record.inputs
         words = np.array(["extension", "no branch", "contraction"])
         nothing = np.full(len(rows), np.nan)
@@ -142,7 +143,7 @@ class Views:
             "pressure": inputs.pressure[rows], "contraction": inputs.contraction[rows],
             "branch": words[1 + np.sign(inputs.direction[rows]).astype(int)],
             "seconds": nothing if inputs.time is None else inputs.time[rows],
-            "pinned": pinned.residual[rows] if pinned is not None and pinned.record is record else nothing,
+            "pinned": nothing if pinned is None else pinned.residual[rows],
         }  # fmt: skip
         self.traces.data = {"x": self.points.data["x"]} | {one.label: one.takes[rows] for one in bench.previews}
         self.preview.data = {"x": [], "y": []}

@@ -16,7 +16,7 @@ from ..notebook.pages import table
 from ..records import Record, build_record
 from ..records.doubt import Doubt
 from ..report import tables
-from ..report.words import STATUS, VERDICTS, equation, groups, likely, newtons, number, stderr, titles, unit
+from ..report.words import STATUS, VERDICTS, equation, groups, likely, newtons, number, stderr, titles, value_of
 from ..schema.diagnosis import candidates
 from .bench import Bench
 from .draft import Draft, DraftColumn
@@ -122,6 +122,7 @@ def verdict(bench: Bench | None) -> Markup:
     parts = [Markup('<dl class="facts">{}</dl>').format(listed), _fall(bench)]
     parts += [Markup('<p class="error">This fit is not valid: {}.</p>').format(one) for one in rung.fit.problems]
     parts += [Markup('<p class="error">{}.</p>').format(impossible(one)) for one in rung.fit.impossible]
+    parts += [Markup("<p>{}.</p>").format(one) for one in rung.fit.at_bounds]
     if bench.held:
         parts.append(Markup("<p>Parameters are held by hand. Release them to have named what is missing.</p>"))
     if found is not None:
@@ -231,7 +232,9 @@ def steps(benches: list[Bench], at: int) -> list[dict[str, Any]]:
 
 def _step(before: Bench | None, now: Bench) -> str:
     """What led from one bench to the next."""
-    if before is None or before.record is not now.record or before.setup.law != now.setup.law:
+    if before is not None and before.record is not now.record:
+        return now.record.name
+    if before is None or before.setup.law != now.setup.law:
         return now.fit.model.law.title
     if before.held != now.held:
         return f"{', '.join(now.held)} held" if now.held else "released"
@@ -252,7 +255,8 @@ def against(first: Bench | None, now: Bench | None) -> Markup:
     follow = [told(b.diagnosis.follows) if b.diagnosis else "–" for b in (first, now)]
     rows.append(("what the error follows", follow[0], follow[1]))
     values = [
-        {e.name: f"{number(e.value)} ± {stderr(e)} {unit(e.unit)}" for e in b.fit.estimates} for b in (first, now)
+        {e.name: f"{value_of(e)} ± {stderr(e)} {'' if e.unit == '1' else e.unit}" for e in b.fit.estimates}
+        for b in (first, now)
     ]
     rows += [(name, *(one.get(name, "–") for one in values)) for name in dict.fromkeys([*values[0], *values[1]])]
     shown = tables.PageTable(f"A ({first.record.name}) and B ({now.record.name})", ("", "A", "B"), tuple(rows))

@@ -284,7 +284,8 @@ def test_a_diagnosis_says_what_each_record_lacks(root, tmp_path):
         "nothing_hidden/record.csv": "adequate",
     }
     assert [list(names) for names in table["selected"]] == [["pressure_friction"], []]
-    assert "lacks pressure_friction" in found.page.read_text(encoding="utf-8")
+    page = found.page.read_text(encoding="utf-8")
+    assert "lacks pressure_friction" in page and ">missing effect</td>" in page and ">error</td>" not in page
 
 
 def test_effects_of_ones_own_are_loaded_by_the_workers(root, tmp_path):

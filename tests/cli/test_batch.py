@@ -33,7 +33,8 @@ def test_a_bad_record_is_told_and_the_rest_is_done(ask, tree, tmp_path, truth):
     ]
     row = read_results(out).set_index("record").loc["record.csv"]
     assert row["mu"] == pytest.approx(truth["mu"], abs=5 * row["mu_stderr"])
-    assert "--law exponential_law --branch together" in (out / "index.html").read_text(encoding="utf-8")
+    page = (out / "index.html").read_text(encoding="utf-8")
+    assert "--law exponential_law --branch together" in page and page.count(">error</td>") == 1
 
 
 def test_nothing_but_bad_records_is_bad_data(ask, tree, tmp_path):

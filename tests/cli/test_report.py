@@ -62,8 +62,8 @@ def test_the_demo_climbs_all_three_ladders(ask, tmp_path):
     assert result.stdout.splitlines()[-1] == f"report: {page}"
     stages = dict(
         zip(
-            ("dmsp20_300", "hidden_effect", "nothing_hidden"),
-            re.split(r"^(?:hidden_effect|nothing_hidden): ", result.stdout, flags=re.M),
+            ("hidden_effect", "nothing_hidden", "dmsp20_300"),
+            re.split(r"^(?:nothing_hidden|dmsp20_300): ", result.stdout, flags=re.M),
             strict=True,
         )
     )
@@ -72,8 +72,10 @@ def test_the_demo_climbs_all_three_ladders(ask, tmp_path):
     assert parameters <= 8 and rmse <= 15 and rungs["dmsp20_300"][0][2] > 100
     assert all(heldout > 0 for _, _, _, heldout in rungs["dmsp20_300"])
     assert "pressure_friction" in rungs["hidden_effect"][-1][0] and rungs["hidden_effect"][-1][2] < 2.3
+    assert stages["hidden_effect"].startswith("hidden_effect: "), "the easier record comes first"
     assert len(rungs["nothing_hidden"]) == 1 and "adequate" in stages["nothing_hidden"]
     text = page.read_text(encoding="utf-8")
+    assert all("r0 = 11.5 mm stands at its bound" in told for told in (stages["dmsp20_300"], text))
     for name in ("DMSP-20-300", "hidden_effect", "nothing_hidden", "SHA-256", "pam-ident demo --out"):
         assert name in text, name
 

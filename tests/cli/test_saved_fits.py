@@ -135,6 +135,13 @@ def test_tables_are_no_wider_than_the_terminal(ask, monkeypatch, rubbing):
     )
 
 
+def test_a_name_stays_whole_on_a_narrow_terminal(monkeypatch):
+    monkeypatch.setattr(text, "columns", lambda: 40)
+    name = "wickramatunge_leephakpreeda"
+    lines = text.table(("rung", "model", "n"), [("0", f"{name} + {name}", "7")], left=(0, 1))
+    assert max(map(len, lines)) <= 40 and sum(name in line for line in lines) == 2
+
+
 @pytest.mark.parametrize(
     ("share", "said"), [(0.995, "> 99 %"), (1.0, "> 99 %"), (0.99, "99 %"), (0.5, "50 %"), (0.004, "< 1 %")]
 )
@@ -161,3 +168,4 @@ def test_digits_are_those_of_the_standard_error():
 
     assert told(0.95707, 0.060) == "0.957" and told(-185.7058, 0.7146) == "-185.71" and told(5506.1, 27.0) == "5506"
     assert json.loads(told(1613.228, 11.28)) == 1613 and told(12.0, 0.00995) == "12.000"
+    assert told(-0.0105, 0.8) == "-0.01" and told(-0.3, 11.0) == "0"

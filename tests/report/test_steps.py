@@ -41,7 +41,7 @@ def test_each_rung_tells_the_errors_before_and_after_and_what_convinced(tall, di
     assert facts["error"] == f"{base:.2f} N → {best:.3f} N rms"
     assert facts["held-out error"] == "8.30 N → 0.550 N rms"
     assert facts["explained of the squared error"] == f"{100 - 100 * (best / base) ** 2:.1f}%"
-    assert facts["probability of coulomb_friction"] == "97%"
+    assert facts["probability of coulomb_friction"] == "97 %"
     assert facts["free parameters"] == "3 → 4"
     assert second.text == (f"Why it was added: {diagnosis.sentence}",)
     assert second.heading == "Rung 1: + Coulomb friction (coulomb_friction)"

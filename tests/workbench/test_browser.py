@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import urllib.request
+from itertools import combinations
 
 import pytest
 
@@ -33,7 +34,8 @@ def address(root, tmp_path_factory):
         yield re.search(r"http://127\.0\.0\.1:\d+", process.stdout.readline()).group()
         process.send_signal(signal.SIGINT)
         assert process.wait(20) in (0, 130)
-    assert "Traceback" not in (place / "errors.txt").read_text() and list(place.iterdir()) == [place / "errors.txt"]
+    told = (place / "errors.txt").read_text()
+    assert not re.search("Traceback|Exception|closed", told) and list(place.iterdir()) == [place / "errors.txt"]
 
 
 @pytest.fixture
@@ -116,6 +118,14 @@ def error_now(page):
     return float(re.match(r"[\d.]+", fact.text_content()).group())
 
 
+def overlap(one, other):
+    """Whether two boxes lie over each other by more than a pixel."""
+    return all(
+        min(one[k] + one[d], other[k] + other[d]) - max(one[k], other[k]) > 1
+        for k, d in (("x", "width"), ("y", "height"))
+    )
+
+
 def specimen(page):
     """Type in the muscle where the draft asks for it."""
     for label, value in (("Initial length (mm)", "200"), ("Initial radius (mm)", "10"), ("Braid angle (°)", "25.4")):
@@ -179,6 +189,9 @@ def test_a_unit_slip_names_nothing(opened, folder, foreign):
 def test_a_foreign_file_goes_from_drop_to_named_effect_by_mouse(name, opened, foreign, tmp_path):
     drop(opened, foreign, name)
     opened.get_by_text("What was dropped").wait_for()
+    opened.get_by_label(re.compile("^Offset of (LoadCell|Kraft)")).wait_for()
+    labels = [one.bounding_box() for one in opened.locator(".draft label").all()]
+    assert len(labels) > 16 and not any(overlap(a, b) for a, b in combinations(labels, 2))
     specimen(opened)
     opened.get_by_role("button", name="Open with these columns").click()
     opened.get_by_text("Effect missing").wait_for()
@@ -255,6 +268,28 @@ def test_steps_are_undone_and_redone_and_outlive_a_reload(lying):
     lying.get_by_role("button", name="Redo").click()
     lying.get_by_text("Adequate").wait_for()
     assert error_now(lying) == pytest.approx(1.0, rel=0.1)
+
+
+def test_clicks_that_come_all_at_once_change_the_figures_too(lying):
+    lying.get_by_role("button", name=re.compile("^Coulomb friction")).click()
+    lying.get_by_text("Adequate").wait_for()
+    tabs = [lying.locator(".bk-tab", has_text=name).element_handle() for name in ("Parameters", "A against B")]
+    undo = lying.get_by_role("button", name="Undo").element_handle()
+    lying.evaluate("(all) => all.forEach((one) => one.click())", [*tabs, undo])
+    lying.get_by_text("Effect missing").wait_for()
+    lying.wait_for_function(
+        "() => [...Bokeh.documents[0]._all_models.values()].some((one) => "
+        "one.type === 'ColumnDataSource' && Math.max(...(one.get_column('error') ?? [0])) > 10)"
+    )
+
+
+def test_the_story_stands_on_one_screen_in_plain_names(lying):
+    lying.set_viewport_size({"width": 1400, "height": 900})
+    for one in (lying.locator("canvas").nth(0), lying.locator("canvas").nth(1), lying.locator(".card .bar").first):
+        box = one.bounding_box()
+        assert box["y"] >= 0 and box["y"] + box["height"] <= 900
+    names = lying.get_by_label("Another effect").locator("option").all_text_contents()
+    assert 15 < len(names) < 30 and not any("_" in name for name in names)
 
 
 def test_the_figures_zoom_together_and_tell_what_is_pointed_at(lying):

@@ -1,0 +1,42 @@
+"""Numbers as they are read, the same wherever they are shown."""
+
+import math
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Significant digits, without a power of ten for everyday sizes; a dash for no value."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    if value == 0:
+        return "0"
+    size = math.floor(math.log10(abs(value)))
+    return f"{value:.{max(digits - 1 - size, 0)}f}" if -4 <= size <= 6 else f"{value:.{digits - 1}e}"
+
+
+def newtons(value: float | None) -> str:
+    """A force in N with three digits, and as zero what is below a millionth of a newton."""
+    if value is not None and abs(value) < 1e-6:
+        return "0 N"
+    return f"{number(value, 3)} N"
+
+
+def known_to(value: float, error: float) -> str:
+    """A value to the place of its standard error's second digit, at most eight digits; six without an error."""
+    if not (error > 0 and math.isfinite(error)) or value == 0:
+        return number(value, 6)
+    places = 1 - _size(error)
+    if not -2 <= places <= 8 or _size(value) > 6 or _size(value) + places >= 8:
+        return number(value, min(max(_size(value) + places + 1, 1), 8))
+    return f"{round(value, max(places, 0)) + 0.0:.{max(places, 0)}f}"  # no −0
+
+
+def probability(share: float) -> str:
+    """A probability in per cent; nothing is certain."""
+    if share > 0.99:
+        return "> 99 %"
+    return "< 1 %" if share < 0.01 else f"{100 * share:.0f} %"
+
+
+def _size(value: float) -> int:
+    """The power of ten of the first of two digits."""
+    return int(f"{abs(value):.1e}".partition("e")[2])
