@@ -193,6 +193,38 @@ def test_channels_of_different_lengths_are_refused(folder):
     refusal(tdms(folder / "r.tdms", {"run": channels}), "'force_N'", "20", "24")
 
 
+@pytest.mark.parametrize("broken", ["first", "last", "both"])
+def test_data_that_are_not_whole_chunks_are_refused(folder, broken):
+    """A channel of half the bytes a sample, from here on others' samples are read as its own."""
+    nptdms = pytest.importorskip("nptdms")
+    path = folder / "r.tdms"
+    with nptdms.TdmsWriter(path) as writer:
+        for half in HALVES:
+            writer.write_segment([nptdms.ChannelObject("run", name, half[name]) for name in HEADERS[1:]])
+    assert len(read_record(path)) == ROWS
+    name = b"'run'/'pressure_MPa'" + (20).to_bytes(4, "little")
+    doubles, floats = name + b"\x0a", name + b"\x19"
+    head, first, last = path.read_bytes().split(doubles)
+    one, other = (floats if broken in (which, "both") else doubles for which in ("first", "last"))
+    path.write_bytes(head + one + first + other + last)
+    refusal(path, "copy it again")
+
+
+def test_a_scale_that_is_not_known_is_refused(folder):
+    nptdms = pytest.importorskip("nptdms")
+    scale = {"NI_Scaling_Status": "unscaled", "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Logarithmic"}
+    channels = [nptdms.ChannelObject("run", name, column, scale) for name, column in COLUMNS.items()]
+    with nptdms.TdmsWriter(folder / "r.tdms") as writer:
+        writer.write_segment(channels)
+    refusal(folder / "r.tdms", "Unsupported scale type")
+
+
+def test_a_run_is_one_group(folder):
+    time, *others = [(name, None, column) for name, column in COLUMNS.items()]
+    refusal(tdms(folder / "r.tdms", {"clock": [time], "run": others}), "'run'", "'clock'", "time", "one group")
+    assert_right(read_record(tdms(folder / "r.tdms", {"run": [time, *others], "slow": [("valve", None, TIME)]})))
+
+
 # --- LVM ---------------------------------------------------------------------------------------------------------
 
 
