@@ -11,6 +11,7 @@ from corpus import FORCE, HEADERS, PRESSURE, ROWS, TIME, as_text, assert_right, 
 
 from pam_ident.core import DataError, UsageError
 from pam_ident.records import read_record
+from pam_ident.records.formats.base import reading
 
 NAMES = ("time", "pressure", "displacement", "force")
 UNITS = ("s", "MPa", "mm", "N")
@@ -305,6 +306,13 @@ def test_a_missing_package_is_named_with_how_to_install_it(put, ending, package,
     monkeypatch.setattr(builtins, "__import__", without)
     content = b"MATLAB 7.3 MAT-file" if ending == "mat" else b"x"
     refusal(put(content, f"r.{ending}"), "pip install 'pam-ident[formats]'", error=UsageError)
+
+
+def test_of_what_a_package_says_of_a_broken_file_a_line_is_told(tmp_path):
+    with pytest.raises(DataError) as caught, reading(tmp_path / "r.xlsx", "openpyxl", "Excel workbook", "save it"):
+        raise ValueError("these bytes: " + 5000 * "0" + "\nand more")
+    message = str(caught.value)
+    assert "(these bytes: 0" in message and message.endswith("0); save it") and len(message) < 600
 
 
 GOOD_FILES = {
