@@ -3,6 +3,7 @@
 import json
 
 import faults
+import numpy as np
 import pytest
 
 
@@ -12,6 +13,16 @@ def test_some_of_each_class(kind, tmp_path, capsys):
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [line for line in lines if line["fault"]] == []
     assert {line["end"] for line in lines} == {"read", "refused"}
+
+
+@pytest.mark.parametrize(("kind", "stream"), [("tdms", [3855093188, 244])])
+def test_what_was_once_read_wrongly(kind, stream, tmp_path):
+    """A channel's type changed, and the group of another."""
+    (tmp_path / "specimen.toml").write_text(faults.SPECIMEN)
+    data, _ = faults.changed(kind, np.random.default_rng(stream), faults.good_binary(kind, tmp_path))
+    path = tmp_path / f"record.{kind}"
+    path.write_bytes(data)
+    assert faults.outcome(path, lambda record: "read") == ("refused", "")
 
 
 @pytest.mark.long

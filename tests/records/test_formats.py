@@ -11,6 +11,7 @@ from corpus import FORCE, HEADERS, PRESSURE, ROWS, TIME, as_text, assert_right, 
 
 from pam_ident.core import DataError, UsageError
 from pam_ident.records import read_record
+from pam_ident.records.formats.base import reading
 
 NAMES = ("time", "pressure", "displacement", "force")
 UNITS = ("s", "MPa", "mm", "N")
@@ -193,6 +194,38 @@ def test_channels_of_different_lengths_are_refused(folder):
     refusal(tdms(folder / "r.tdms", {"run": channels}), "'force_N'", "20", "24")
 
 
+@pytest.mark.parametrize("broken", ["first", "last", "both"])
+def test_data_that_are_not_whole_chunks_are_refused(folder, broken):
+    """A channel of half the bytes a sample, from here on others' samples are read as its own."""
+    nptdms = pytest.importorskip("nptdms")
+    path = folder / "r.tdms"
+    with nptdms.TdmsWriter(path) as writer:
+        for half in HALVES:
+            writer.write_segment([nptdms.ChannelObject("run", name, half[name]) for name in HEADERS[1:]])
+    assert len(read_record(path)) == ROWS
+    name = b"'run'/'pressure_MPa'" + (20).to_bytes(4, "little")
+    doubles, floats = name + b"\x0a", name + b"\x19"
+    head, first, last = path.read_bytes().split(doubles)
+    one, other = (floats if broken in (which, "both") else doubles for which in ("first", "last"))
+    path.write_bytes(head + one + first + other + last)
+    refusal(path, "copy it again")
+
+
+def test_a_scale_that_is_not_known_is_refused(folder):
+    nptdms = pytest.importorskip("nptdms")
+    scale = {"NI_Scaling_Status": "unscaled", "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Logarithmic"}
+    channels = [nptdms.ChannelObject("run", name, column, scale) for name, column in COLUMNS.items()]
+    with nptdms.TdmsWriter(folder / "r.tdms") as writer:
+        writer.write_segment(channels)
+    refusal(folder / "r.tdms", "Unsupported scale type")
+
+
+def test_a_run_is_one_group(folder):
+    time, *others = [(name, None, column) for name, column in COLUMNS.items()]
+    refusal(tdms(folder / "r.tdms", {"clock": [time], "run": others}), "'run'", "'clock'", "time", "one group")
+    assert_right(read_record(tdms(folder / "r.tdms", {"run": [time, *others], "slow": [("valve", None, TIME)]})))
+
+
 # --- LVM ---------------------------------------------------------------------------------------------------------
 
 
@@ -273,6 +306,13 @@ def test_a_missing_package_is_named_with_how_to_install_it(put, ending, package,
     monkeypatch.setattr(builtins, "__import__", without)
     content = b"MATLAB 7.3 MAT-file" if ending == "mat" else b"x"
     refusal(put(content, f"r.{ending}"), "pip install 'pam-ident[formats]'", error=UsageError)
+
+
+def test_of_what_a_package_says_of_a_broken_file_a_line_is_told(tmp_path):
+    with pytest.raises(DataError) as caught, reading(tmp_path / "r.xlsx", "openpyxl", "Excel workbook", "save it"):
+        raise ValueError("these bytes: " + 5000 * "0" + "\nand more")
+    message = str(caught.value)
+    assert "(these bytes: 0" in message and message.endswith("0); save it") and len(message) < 600
 
 
 GOOD_FILES = {

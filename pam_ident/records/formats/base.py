@@ -31,5 +31,5 @@ def reading(path: Path, package: str, kind: str, cure: str) -> Iterator[None]:
             f"{path}: reading it needs {package}; install it with: pip install 'pam-ident[formats]'"
         ) from None
     except Exception as error:
-        first = str(error).partition("\n")[0]
+        first = str(error).partition("\n")[0][:200]  # some print all the bytes that they stumbled over
         raise DataError(f"{path}: not a readable {kind} ({first}); {cure}") from None
