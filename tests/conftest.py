@@ -7,6 +7,7 @@ from pathlib import Path
 
 for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_name, "1")  # as the command line does, and before numpy is imported
+os.environ.pop("COLUMNS", None)  # a worker of pytest-xdist has it: no test's terminal is as wide as the tester's
 
 import pytest  # noqa: E402
 
