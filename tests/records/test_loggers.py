@@ -120,6 +120,7 @@ def test_a_mapping_against_an_absolute_header_is_refused(put):
     [
         ("s,MPa,mm,kN\n" + as_text(), ["'force_N'", "'kN'"]),
         ("[s],[MPa],[mm],[kN]\n" + as_text(), ["'force_N'", "'kN'"]),
+        (as_text().replace("\n", "\ns,MPa,mm,kN\n", 1), ["'force_N'", "'kN'"]),
         (column(3, "force_N", [1e308] * ROWS).replace("force_N", "force_kN"), ["row 2", "'force_kN'"]),
         (column(3, "force_N", [*FORCE[:5], 1e300, *FORCE[6:]]), ["row 7", "'force_N'", "1e+300"]),
         (column(0, "time_s", [*TIME[:-1], 1e300]), ["row 25", "'time_s'"]),
@@ -130,7 +131,7 @@ def test_a_mapping_against_an_absolute_header_is_refused(put):
         (column(3, "force_N", ["1.167" if k % 2 else "1,5" for k in range(ROWS)], sep=";"), ["'force_N'"]),
         (as_text().replace("\n0.5,", f'\n"{"1" * 140_000},",'), ["row 7"]),
     ],
-    ids=range(11),
+    ids=range(12),
 )
 def test_what_is_beyond_reason_is_refused_in_a_sentence(put, text, words):
     refusal(put(text), "record.csv", *words)
