@@ -2,11 +2,11 @@
 
     python benchmarks/faults.py [--seed N] [--share 0.1] [--only CLASS ...] [--markdown docs/validation.md]
 
-Without a seed a fresh one is drawn. A class is "files", "degenerate", "spikes", "hostile", "nulls", or one noise of
-these: what was cut off goes on with the same seed and the noises that are left. `--markdown` puts the lines into the page's table, in place of those of the same
-classes. Commands run by the program's own door, so that exit codes and stderr are the true
-ones. A failure of any class: an exit code but 0, 2, 3, 4, a traceback, an error of more than two lines, a warning of
-Python; and what the table says of each.
+Without a seed a fresh one is drawn. CLASS is one of files, degenerate, spikes, hostile, nulls, or one noise of the
+nulls: what was cut off goes on with the same seed and the noises that are left. `--markdown` puts the lines into the
+page's table, in place of those of the same classes. Commands run by the program's own door, so that exit codes and
+stderr are the true ones. A failure of any class: an exit code but 0, 2, 3, 4, a traceback, an error of more than two
+lines, a warning of Python; and what the table says of each.
 """
 
 import argparse
