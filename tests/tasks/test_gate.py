@@ -7,6 +7,7 @@ import warnings
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from degenerate import KINDS, NAMELESS, frame, good
 
@@ -140,6 +141,16 @@ def test_what_is_under_the_wrong_header_is_told_and_stops_naming(slip):
         assert code in [doubt.code for doubt in told if doubt.grave]
     with pytest.raises(GraveDoubt, match="nothing is named"):
         diagnose_record(record, SETUP)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "found"), [("nothing_hidden", ()), ("hidden_effect", ("pressure_friction",))])
+def test_a_clock_of_whole_seconds_hides_nothing_and_adds_nothing(name, found):
+    """Two or three rows a second: taken as they stand, both were of an unknown effect."""
+    table = pd.read_csv(dataset_record(name))
+    record = record_from_frame(table.assign(time_s=np.floor(table.time_s)), read_record(name).specimen)
+    assert [note.code for note in record.notes] == ["coarse_clock"]
+    assert diagnose_record(record, Setup("exponential_law")).selected == found
 
 
 def test_all_rows_but_three_slack_name_nothing():
