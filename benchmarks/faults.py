@@ -2,10 +2,11 @@
 
     python benchmarks/faults.py [--seed N] [--share 0.1] [--only CLASS ...] [--markdown docs/validation.md]
 
-Without a seed a fresh one is drawn. `--markdown` puts the lines into the page's table, in place of those of the same
-classes. Commands run by the program's own door, so that exit codes and stderr are the true
-ones. A failure of any class: an exit code but 0, 2, 3, 4, a traceback, an error of more than two lines, a warning of
-Python; and what the table says of each.
+Without a seed a fresh one is drawn. CLASS is one of files, degenerate, spikes, hostile, nulls, or one noise of the
+nulls: what was cut off goes on with the same seed and the noises that are left. `--markdown` puts the lines into the
+page's table, in place of those of the same classes. Commands run by the program's own door, so that exit codes and
+stderr are the true ones. A failure of any class: an exit code but 0, 2, 3, 4, a traceback, an error of more than two
+lines, a warning of Python; and what the table says of each.
 """
 
 import argparse
@@ -176,10 +177,10 @@ def furthest(fit: dict, clean: dict) -> float:
     return max(abs(now[p]["value"] - then[p]["value"]) / then[p]["stderr"] for p in then if then[p]["stderr"])
 
 
-def null_rows(share: float, seed: int) -> Iterator[Row]:
+def null_rows(kinds: list[str], share: float, seed: int) -> Iterator[Row]:
     """Nothing hidden: anything but `adequate`, or a refusal, is a false alarm."""
     each = -(-NULLS // len(nulls.NOISES))
-    for kind in nulls.NOISES:
+    for kind in kinds:
 
         def one(k: int, rng: np.random.Generator, folder: Path, kind: str = kind) -> Outcome:
             law = nulls.write_null(kind, folder, rng)
@@ -215,8 +216,7 @@ def rows(share: float, seed: int, only: tuple[str, ...]) -> Iterator[Row]:
         yield trials("records with spikes", asked, max(int(share * SPIKED), 6), seed, spiked_one)
     if "hostile" in only:
         yield hostile(share, seed)
-    if "nulls" in only:
-        yield from null_rows(share, seed)
+    yield from null_rows([kind for kind in nulls.NOISES if "nulls" in only or kind in only], share, seed)
 
 
 CLASSES = ("files", "degenerate", "spikes", "hostile", "nulls")
@@ -227,7 +227,7 @@ def main(words: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--seed", type=int, default=secrets.randbits(31))
     parser.add_argument("--share", type=float, default=1.0)
-    parser.add_argument("--only", nargs="+", choices=CLASSES, default=CLASSES)
+    parser.add_argument("--only", nargs="+", choices=(*CLASSES, *nulls.NOISES), default=CLASSES)
     parser.add_argument("--markdown", type=Path)
     asked = parser.parse_args(words)
     print(*HEAD, sep="\n", flush=True)

@@ -56,7 +56,7 @@ def read_pieces(
     """
     notes = Notes() if notes is None else notes
     last: dict[str, float] = {}
-    begins, seen = True, 0
+    begins, seen, now = True, 0, -np.inf
     clock, gone = Clock(), dict.fromkeys(sources, 0)
     first: dict[str, int] = {}
     _note_table(table, sources, notes)
@@ -75,16 +75,34 @@ def read_pieces(
         for code, faults in FAULTS.items():
             block, values = _without(table, block, sources, values, faults(values), code, notes)
         cuts = _cuts(table, block, sources, values, last)
+        if len(block):
+            last = {key: float(values[key][-1]) for key in ("time", "pressure_set") if key in values}
         for begin, end in pairwise([0, *cuts, len(block)]):
             begins = begins or begin in cuts
             if end > begin:
-                yield begins, {key: column[begin:end] for key, column in values.items()}
+                piece = {key: column[begin:end] for key, column in values.items()}
+                if "time" in piece:
+                    piece["time"] = spread(piece["time"], -np.inf if begins else now)
+                    now = float(piece["time"][-1])
+                    if n := int(np.count_nonzero(piece["time"] != values["time"][begin:end])):
+                        notes.add("coarse_clock", sources["time"].header, f"{table.place}, row {block.rows[begin]}", n)
+                yield begins, piece
                 begins = False
-        if len(block):
-            last = {key: float(values[key][-1]) for key in ("time", "pressure_set") if key in values}
     check_empty(table, sources, gone, first, seen)
     if begins and not last:
         raise DataError(f"{table.place}: a header but no rows of numbers; expected one row a sample")
+
+
+def spread(time: Array, before: float) -> Array:
+    """Times (n,) of which those that are alike, of a clock coarser than the rows, lie evenly within its tick; none is
+    earlier than `before`."""
+    first = np.flatnonzero(np.diff(time, prepend=np.nan))
+    steps = np.diff(time[first])
+    if len(first) == len(time) or not len(steps):
+        return time
+    alike = np.diff(np.append(first, len(time)))
+    share = (np.arange(len(time)) - np.repeat(first, alike)) / np.repeat(alike, alike)
+    return np.maximum(time + float(steps.min()) * share, before)
 
 
 def _by_lever(table: Table, block: TableRows, sources: dict[str, Source], values: Values) -> None:

@@ -25,6 +25,9 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
         f"column {column!r} is absolute pressure; the air's {where} were taken off"
     ),
     "midnight": lambda _, column, where: f"column {column!r}: the clock passes midnight at {where}; it was let run on",
+    "coarse_clock": lambda n, column, where: (
+        f"column {column!r}: several rows have one time; {_rows(n)} put evenly within the clock's tick (first {where})"
+    ),
     "one_for_all_runs": lambda n, column, where: (
         f"{column} = {where} was taken for {n} runs alike; where they differ, say so in columns.toml: "
         f"[runs.'FILE'] {column} = …"

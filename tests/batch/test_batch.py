@@ -166,6 +166,8 @@ def test_only_what_changed_is_asked_again(tmp_path):
     path = folder / "muscle02" / "run.csv"
     path.write_text("\n".join(path.read_text().splitlines()[:-1]) + "\n")
     assert run_batch(folder, SETUP, out, executor=Executor()).kept == 3
+    run_batch(folder, SETUP, tmp_path / "anew", executor=Executor())
+    assert same(out, tmp_path / "anew")
     assert run_batch(folder, Setup("exponential_law", ("coulomb_friction",)), out, executor=Executor()).kept == 0
 
 

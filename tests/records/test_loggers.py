@@ -10,6 +10,7 @@ from corpus import DISPLACEMENT, FORCE, HEADERS, PRESSURE, ROWS, TIME, as_text, 
 from pam_ident.core import DataError
 from pam_ident.core.units import split_header
 from pam_ident.records import read_record
+from pam_ident.records.columns import spread
 from pam_ident.records.frozen import frozen_rows
 
 
@@ -44,6 +45,23 @@ def test_clock_times_are_seconds_since_the_first(put, header, cells):
 def test_a_clock_with_a_decimal_comma(put):
     cells = [cell.replace(".", ",") for cell in CLOCK]
     assert_right(read_record(put(column(0, "time", cells, sep=";", decimal=","))))
+
+
+@pytest.mark.parametrize("tick", [1.0, 0.5, 0.2])
+def test_a_clock_coarser_than_the_rows_is_made_even(put, tick):
+    record = read_record(put(column(0, "time_s", np.floor((TIME + 1e-9) / tick) * tick)))
+    steps = np.diff(record.inputs.time)
+    assert np.abs(record.inputs.time - TIME).max() < tick and steps.min() > 0.0
+    np.testing.assert_allclose(steps[: round(tick / 0.1) - 1], 0.1)
+    (note,) = record.notes
+    assert note.code == "coarse_clock" and note.rows == 0 and "'time_s'" in note.text
+
+
+def test_a_coarse_clock_goes_on_over_the_pieces_of_a_file():
+    """A second of three rows, two of them in the next piece, and a clock that stands."""
+    assert spread(np.r_[1.0, 2.0, 2.0, 3.0], -np.inf).tolist() == [1.0, 2.0, 2.5, 3.0]
+    assert spread(np.r_[3.0, 3.0, 4.0, 9.0, 9.0], 3.2).tolist() == [3.2, 3.5, 4.0, 9.0, 9.5]
+    assert spread(np.r_[7.0, 7.0, 7.0], 7.0).tolist() == [7.0, 7.0, 7.0]
 
 
 @pytest.mark.parametrize(
@@ -120,6 +138,7 @@ def test_a_mapping_against_an_absolute_header_is_refused(put):
     [
         ("s,MPa,mm,kN\n" + as_text(), ["'force_N'", "'kN'"]),
         ("[s],[MPa],[mm],[kN]\n" + as_text(), ["'force_N'", "'kN'"]),
+        (as_text().replace("\n", "\ns,MPa,mm,kN\n", 1), ["'force_N'", "'kN'"]),
         (column(3, "force_N", [1e308] * ROWS).replace("force_N", "force_kN"), ["row 2", "'force_kN'"]),
         (column(3, "force_N", [*FORCE[:5], 1e300, *FORCE[6:]]), ["row 7", "'force_N'", "1e+300"]),
         (column(0, "time_s", [*TIME[:-1], 1e300]), ["row 25", "'time_s'"]),
@@ -130,7 +149,7 @@ def test_a_mapping_against_an_absolute_header_is_refused(put):
         (column(3, "force_N", ["1.167" if k % 2 else "1,5" for k in range(ROWS)], sep=";"), ["'force_N'"]),
         (as_text().replace("\n0.5,", f'\n"{"1" * 140_000},",'), ["row 7"]),
     ],
-    ids=range(11),
+    ids=range(12),
 )
 def test_what_is_beyond_reason_is_refused_in_a_sentence(put, text, words):
     refusal(put(text), "record.csv", *words)

@@ -7,6 +7,7 @@ import warnings
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from degenerate import KINDS, NAMELESS, frame, good
 
@@ -122,6 +123,43 @@ def test_a_slip_is_grave_and_stops_naming_until_it_is_assumed(fine, slip):
         may_name(record, SETUP.model)
     assert stopped.value.exit_code == 4 and f"--assume {code}" in str(stopped.value)
     assert [d.grave for d in stopped.value.doubts] == sorted((d.grave for d in stopped.value.doubts), reverse=True)
+
+
+HEADED = {
+    "kelvin": (lambda t: t.assign(temperature_C=296.15), "temperature_scale"),
+    "epoch milliseconds": (lambda t: t.assign(time_s=1.7e12 + 1e3 * t.time_s), "clock_scale"),
+    "ratios": (lambda t: t.assign(contraction_pct=t.pop("displacement_mm") / 200.0), "displacement_scale"),
+    "absolute bar": (lambda t: t.assign(pressure_bar=10.0 * t.pop("pressure_MPa") + 1.01325), "pressure_absolute"),
+}
+
+
+@pytest.mark.parametrize("slip", HEADED)
+def test_what_is_under_the_wrong_header_is_told_and_stops_naming(slip):
+    change, code = HEADED[slip]
+    record = record_from_frame(change(frame(good(np.random.default_rng(3)))), MUSCLE)
+    for told in (inspect_record(record).doubts, fit_record(record, SETUP).warnings):
+        assert code in [doubt.code for doubt in told if doubt.grave]
+    with pytest.raises(GraveDoubt, match="nothing is named"):
+        diagnose_record(record, SETUP)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "found"), [("nothing_hidden", ()), ("hidden_effect", ("pressure_friction",))])
+def test_a_clock_of_whole_seconds_hides_nothing_and_adds_nothing(name, found):
+    """Two or three rows a second: taken as they stand, both were of an unknown effect."""
+    table = pd.read_csv(dataset_record(name))
+    record = record_from_frame(table.assign(time_s=np.floor(table.time_s)), read_record(name).specimen)
+    assert [note.code for note in record.notes] == ["coarse_clock"]
+    assert diagnose_record(record, Setup("exponential_law")).selected == found
+
+
+def test_all_rows_but_three_slack_name_nothing():
+    table = frame(good(np.random.default_rng(3)))
+    record = record_from_frame(table.assign(slack=(np.arange(len(table)) > 2) * 1.0), MUSCLE)
+    assert len(record) == 3
+    with pytest.raises(PamError, match="3 rows, and the least") as refused:
+        diagnose_record(record, SETUP)
+    assert refused.value.exit_code == 3
 
 
 def test_what_is_assumed_does_not_stop():
