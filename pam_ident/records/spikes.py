@@ -11,8 +11,9 @@ RARE = 0.01
 """Share of the rows (one at least) up to which such readings are faults; more are the muscle's or the noise's."""
 BEYOND = 5.0
 """How many times the largest of the other readings no muscle reaches."""
-REACH, THIRD = 12, 3
-"""How far to both sides of a reading others are looked at, the third largest of how far those are off."""
+REACH, FIFTH = 12, 5
+"""How far to both sides of a reading others are looked at, the fifth largest of how far those are off: of two spikes
+side by side but for a row or two, what lies between is off, too, and none may hide the other."""
 TIMES, SHARE = 4.0, 0.02
 """How many times that a reading is off (some ten standard deviations of white noise), and the share of the largest
 force that it is off: a smaller one decides nothing."""
@@ -43,7 +44,7 @@ def spike_rows(values: Mapping[str, Array]) -> dict[str, Array]:
     bend = np.abs(force - [2.0 * near[:, 1] - near[:, 0], 2.0 * near[:, 3] - near[:, 4]]).min(axis=0)
     off = np.minimum(bend, np.abs(force - middle))
     far = np.flatnonzero(off > SHARE * np.partition(np.abs(force), -most - 1)[-most - 1])
-    usual = np.partition(_windows(bend, REACH)[far], -THIRD, axis=1)[:, -THIRD]
+    usual = np.partition(_windows(bend, REACH)[far], -FIFTH, axis=1)[:, -FIFTH]
     lone = far[off[far] > TIMES * usual]
     return {"force": np.isin(np.arange(len(force)), lone)} if 0 < len(lone) <= most else {}
 

@@ -102,6 +102,15 @@ def test_what_muscles_and_rigs_do_is_no_spike(shape, noise):
     assert np.flatnonzero(found).tolist() == [300]
 
 
+@pytest.mark.parametrize("apart", [(2,), (3,), (4,), (6, 11), (1, 11), (12, 24)])
+def test_spikes_close_together_do_not_hide_one_another(apart):
+    force = 300.0 + np.random.default_rng(3).normal(0.0, 2.0, len(TIME))
+    at = np.r_[200, 200 + np.array(apart)]
+    force[at] += 200.0 * (-0.7) ** np.arange(len(at))
+    (found,) = spike_rows({"time": TIME, "force": force}).values()
+    assert np.flatnonzero(found).tolist() == at.tolist()
+
+
 def test_few_rows_and_many_such_readings_are_taken_as_they_are():
     rng = np.random.default_rng(5)
     short = {"time": TIME[:19], "force": np.where(TIME[:19] == 9, 900.0, 300.0)}
