@@ -92,6 +92,8 @@ def diagnose(
     base = fit(model, record)
     allowed = _allowed(extra, without, only, also)
     candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
+    if record.inputs.time is None:
+        candidates = [replace(effect, forms=effect.written) for effect in candidates if effect.written]
     steady, unsure = steadied(record)
     alone = fit(model, steady, start=base.values, detail=False)
     following = Following(steady, model, alone.values, unsure)

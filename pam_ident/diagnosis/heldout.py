@@ -68,7 +68,7 @@ def in_best_forms(base: Fit, terms: Sequence[Term]) -> list[Term]:
         except FitError:
             return math.inf  # too few samples for so rich a form
 
-    choices = list(product(*([Term(t.effect, form) for form in t.effect.forms] for t in terms)))
+    choices = list(product(*([Term(t.effect, form) for form in t.effect.written] for t in terms)))
     errors = [heldout(choice) for choice in choices]
     alike = [choice for choice, error in zip(choices, errors, strict=True) if error <= ALIKE * min(errors)]
     return list(min(alike, key=lambda choice: sum(len(t.form.params) for t in choice)))

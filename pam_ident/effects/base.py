@@ -105,6 +105,11 @@ class Effect:
         """The effect that this is a special case of, or itself: of one such group a model needs one."""
         return self.special_case_of or self.name
 
+    @property
+    def written(self) -> tuple[Form, ...]:
+        """The forms that are not free; a table has too few rows for those."""
+        return tuple(form for form in self.forms if not form.free)
+
     def missing(self, inputs: Inputs) -> list[str]:
         """What the record lacks for this effect to be computed at all."""
         return [need for need in self.needs if not inputs.has(need)]

@@ -51,8 +51,7 @@ def forms_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:
         f"{effect.name}:{form.name}"
         for effect in effects
         for form in effect.forms
-        if not form.free
-        and fit(model.adding(Term(effect, form)), clean_record, detail=False).rmse < SAME * alone
+        if not form.free and fit(model.adding(Term(effect, form)), clean_record, detail=False).rmse < SAME * alone
     )
 
 
