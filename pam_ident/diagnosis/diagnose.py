@@ -201,7 +201,8 @@ def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:
         return fitted
     chance = probabilities(selection, groups(selection, fitted))
     for term in sorted(named, key=lambda t: chance[t.effect.name])[:-1]:
-        rest = selection.in_best_forms(selection.refit(fitted.without(term), fitted.values))
+        others = [t for t in fitted.terms if t.effect is not term.effect]
+        rest = selection.in_best_forms(selection.refit(others, fitted.values))
         if chance[term.effect.name] < 0.5 or needless(selection, term.effect, rest):
             fitted = rest
     return fitted
