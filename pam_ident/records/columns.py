@@ -84,8 +84,10 @@ def read_pieces(
                 if "time" in piece:
                     piece["time"] = spread(piece["time"], -np.inf if begins else now)
                     now = float(piece["time"][-1])
-                    if n := int(np.count_nonzero(piece["time"] != values["time"][begin:end])):
-                        notes.add("coarse_clock", sources["time"].header, f"{table.place}, row {block.rows[begin]}", n)
+                    put = np.flatnonzero(piece["time"] != values["time"][begin:end])
+                    if len(put):
+                        where = f"{table.place}, row {block.rows[begin + put[0]]}"
+                        notes.add("coarse_clock", sources["time"].header, where, len(put))
                 yield begins, piece
                 begins = False
     check_empty(table, sources, gone, first, seen)

@@ -54,7 +54,7 @@ def test_a_clock_coarser_than_the_rows_is_made_even(put, tick):
     assert np.abs(record.inputs.time - TIME).max() < tick and steps.min() > 0.0
     np.testing.assert_allclose(steps[: round(tick / 0.1) - 1], 0.1)
     (note,) = record.notes
-    assert note.code == "coarse_clock" and note.rows == 0 and "'time_s'" in note.text
+    assert note.code == "coarse_clock" and note.rows == 0 and "'time_s'" in note.text and "row 3)" in note.text
 
 
 def test_a_coarse_clock_goes_on_over_the_pieces_of_a_file():
