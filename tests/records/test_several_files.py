@@ -94,13 +94,17 @@ def test_raw_logger_files_without_a_header(realdata, mapped, root):
         record = mapped(file, "psu_logger", "psu")
         assert len(record) == 29000 and np.all(record.inputs.contraction == 0.0)
     mapping = read_mapping(root / "tests" / "records" / "mappings" / "psu_logger.toml")
+    spikes = [322, 1833, 3599, 4191, 5134, 12193, 12897, 13000, 23262]  # single readings 9 N and more off the others
     for file in files:
         raw = np.genfromtxt(file, delimiter=",")
+        raw = np.delete(raw, spikes, axis=0) if "Test9" in file.name else raw
         (table,) = read_text(file, mapping)
         (run,) = read_columns(table, mapping.sources(table), 274.0)
         np.testing.assert_allclose(run["force"], raw[:, 0], rtol=1e-12)
         np.testing.assert_allclose(run["pressure"], raw[:, 1] * 1e-3, rtol=1e-12)
-        np.testing.assert_array_equal(run["time"], raw[:, 2])
+        first = np.diff(raw[:, 2], prepend=-1.0) > 0.0  # a reading of the clock that is repeated is spread to the next
+        np.testing.assert_array_equal(run["time"][first], raw[first, 2])
+        assert np.all(np.diff(run["time"]) > 0.0)
 
 
 def test_plateaus_and_sines_of_a_hand_made_muscle(realdata, mapped):
