@@ -147,7 +147,8 @@ def clocks(rng):
 
     def judge(record):
         time = record.inputs.time - record.inputs.time[0]
-        steps = np.abs(np.diff(time) / 0.1 - np.round(np.diff(time) / 0.1)).max()
+        tick = 0.05 if len({row[0] for row in rows}) < ROWS else 0.1  # a reading that is repeated is put into its tick
+        steps = np.abs(np.diff(time) / tick - np.round(np.diff(time) / tick)).max()
         wrong = steps > 1e-3 or time[-1] > 2.31
         return f"times {time[:3]} …" if wrong or len(record) < ROWS - touched else ""
 
