@@ -84,11 +84,12 @@ class PositionError:
     """How far the position of a record's steady inputs may be off, in mm.
 
     `blocks` are rows (m,) that were smoothed together, with the columns (m, k) of their common errors; `alone` (n,) is
-    the standard deviation of each other row.
+    the standard deviation of each other row, and `sensor` that of a reading.
     """
 
     blocks: tuple[Block, ...]
     alone: Array
+    sensor: float
 
     @classmethod
     def of(cls, record: Record, whole: Record) -> "PositionError | None":
@@ -109,7 +110,7 @@ class PositionError:
                 basis = smooth_basis(raw.time[group], m) if moving else np.ones((len(group), 1))
                 basis = np.linalg.qr(basis)[0] * np.sqrt(len(group) / m)
                 blocks.append((group, off[group, None] * basis))
-        return cls(tuple(blocks), np.where(smoothed, 0.0, off))
+        return cls(tuple(blocks), np.where(smoothed, 0.0, off), float(np.sqrt(np.mean(off**2))))
 
     def in_force(self, slope: Array, size: float, every: bool = False) -> SharedNoise | None:
         """In a force with a slope (n,) in N/mm and white noise of a `size` in N; None where it is negligible.

@@ -279,7 +279,8 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
     lines = (
         [] if time is None else [period for remainder in remainders for period in beats(time, remainder.view.residual)]
     )
-    for effect in patterns(selection.record.inputs, lines):
+    unsure = selection.following.unsure
+    for effect in patterns(selection.record.inputs, lines, unsure.sensor if unsure else 0.0):
         for scanned in scan(effect, remainders):
             penalty = _pattern_penalty(selection, scanned, fitted)
             scans.append((scanned.onto.criterion - scanned.gain + penalty, penalty, scanned))

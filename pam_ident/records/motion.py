@@ -8,7 +8,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from . import turning
-from .turning import pivots, quantile, thinned_holds, without_spikes
+from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
 Array = np.ndarray
 Read = Callable[[int, int], tuple[Array, Array, Array]]
@@ -20,6 +20,8 @@ NOISE_ONLY = 1.25
 FEWEST, SLOW_ORDERS = 12, 12
 """Samples of a stroke that a polynomial is fitted to, and its highest order where a drive may turn slowly: enough for a
 sine, too few for a corner."""
+LARGEST = 4.0
+"""Standard deviations that a sample of noise alone is off at most."""
 SLOPE_NOISE = 0.01
 """Share of a stroke's speed that the sensor's noise may make of the speed at a sample."""
 
@@ -159,11 +161,14 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     direction, moving, stroke, speed = into.direction, into.moving, into.stroke, into.stroke_speed
     turns = without_spikes(x, pivots(x, reversal(noise, span)), span) if span else [0, len(x) - 1]
     held = thinned_holds(time, x, turns, noise, span)
-    if held.any() and (middles := _slow_turns(time, x, turns, held, noise)):
-        turns, held = middles, np.zeros(len(x), bool)
+    if held.any():
+        sharp = with_corners(time, x, held, noise)
+        middles = _slow_turns(time, x, turns, held, sharp, noise)
+        turns, held = (middles, np.zeros(len(x), bool)) if middles else (turns, sharp)
     for begin, end in pairwise(turns):
         inside = np.arange(begin, end + 1)
         inside = inside[~held[begin : end + 1] & ~moving[begin : end + 1]]
+        inside = max(np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1), key=len)  # a rest may end at its turn
         if len(inside) < 2:
             continue
         count += 1
@@ -177,9 +182,10 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     return count
 
 
-def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, noise: float) -> list[int]:
-    """The middles of the rests at all turning points, if a smooth stroke runs from each to the next: then nothing
-    rests, and the drive turns so slowly that the sensor cannot see it. Empty where something rests."""
+def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Array, noise: float) -> list[int]:
+    """The middles of the rests at all turning points, if a smooth stroke runs from each to the next, and describes the
+    track better than rests and strokes between them: then nothing rests, and the drive turns so slowly that the sensor
+    cannot see it. Empty where something rests."""
     edges = np.flatnonzero(np.diff(held, prepend=False, append=False))
     middles = []
     for turn in turns:
@@ -188,7 +194,7 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, noise: flo
             after = int(np.searchsorted(edges, turn, side="right"))
             begin, end = int(edges[after - 1]), int(edges[after]) - 1
         middles.append(begin if turn == turns[0] else end if turn == turns[-1] else (begin + end) // 2)
-    missed, rests, scatter = [], [], []
+    missed, rests, scatter, by_rests, freedom = [], [], [], 0.0, np.zeros(2)
     for begin, end in pairwise(middles):
         t, rows = time[begin : end + 1], slice(begin, end + 1)
         if len(t) < FEWEST or t[-1] <= t[0]:
@@ -196,14 +202,26 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, noise: flo
         even = np.linspace(t[0], t[-1], len(t))  # between few rows at rest a curve could do as it likes
         way, still = np.interp(even, t, x[rows]), np.interp(even, t, held[rows].astype(float)) > 0.0
         waves = _waves(even, min(SLOW_ORDERS, len(t) // 3))
-        missed.append(way - waves @ np.linalg.lstsq(waves, way, rcond=None)[0])
+        missed.append(_less(way, waves))
+        resting = np.interp(even, t, sharp[rows].astype(float)) > 0.5
+        for part in np.split(np.arange(len(t)), np.flatnonzero(np.diff(resting)) + 1):
+            basis = np.ones((len(part), 1)) if resting[part[0]] or len(part) < 4 else smooth_basis(even[part], len(part))
+            by_rests += float(np.sum(_less(way[part], basis) ** 2))
+            freedom[1] += len(part) - basis.shape[1]
+        freedom[0] += len(t) - waves.shape[1]
         rests.append(still)
         scatter.append(roughness(way)[np.convolve(still, np.ones(5), "valid") == 0.0])
     off, still = np.concatenate(missed), np.concatenate(rests)
     # Of the moving rows, too: there a jittering clock's noise grows with the speed.
     whole = np.sqrt(np.mean(np.concatenate([[noise], *scatter]) ** 2))
     smooth = np.std(off) < NOISE_ONLY * whole and np.std(off[still]) < NOISE_ONLY * noise
-    return middles if smooth else []
+    better = np.sum(off**2) * freedom[1] < by_rests * freedom[0]  # each over what it leaves free
+    return middles if smooth and better else []
+
+
+def _less(values: Array, basis: Array) -> Array:
+    """What a basis (n, k) cannot follow of values (n,)."""
+    return values - basis @ np.linalg.lstsq(basis, values, rcond=None)[0]
 
 
 def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: float) -> Array:
@@ -271,13 +289,17 @@ def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
         few = waves[:, : min(7, n // 6) + 1]  # of more, a slope would swing at the ends of a stroke
         curve = np.linalg.lstsq(few, x, rcond=None)[0]
         missed = np.std(x - few @ curve)
-        slope = few[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
-        # A curve that misses more than noise is off at the ends of every stroke alike, which comes out as friction or
-        # creep: then the position stays as measured, and only the slope is the curve's.
-        if missed < NOISE_ONLY * noise:
-            return waves @ np.linalg.lstsq(waves, x, rcond=None)[0], slope
+        basis = np.linalg.qr(waves)[0]
+        off, spread = x - basis @ (basis.T @ x), 1.0 - np.sum(basis**2, axis=1)
+        # A curve that misses more than noise, of all samples or of one at an end, is off at the ends of every stroke
+        # alike, which comes out as friction or creep: then the position stays as measured.
+        free = n - waves.shape[1]
+        whole = off @ off < max(NOISE_ONLY**2, 1.0 + 3.0 * np.sqrt(2.0 / free)) * noise**2 * free
+        smooth = whole and np.all(off**2 <= (LARGEST * noise) ** 2 * spread)
+        position = x - off if smooth else x
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
-            return x, slope
+            return position, few[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
+        return position, _local_slopes(time, x, noise)
     return x, _local_slopes(time, x, noise)
 
 

@@ -12,6 +12,9 @@ PIECE = 1 << 20
 """Samples of a run that are looked at together at most; a longer run is parted at a turn past its half."""
 SPIKE = 0.1
 """Share of the range below which a way of one step is no stroke."""
+NEAR, FAR_STEP = 8, 8.0
+"""Samples on either side of a rest's end among which it is looked for, and the step of a stroke in standard deviations
+of the noise that needs no such search."""
 FEW, FAR = 3, 20.0
 """Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
 
@@ -112,6 +115,37 @@ def _holds(time: Array, x: Array, turns: list[int], band: float) -> Array:
         else:
             start += 1
     return held
+
+
+def with_corners(time: Array, x: Array, held: Array, noise: float) -> Array:
+    """A mask of rests (n,) whose ends lie where a level and a parabola beside it describe the track best.
+
+    The noise's band holds some samples of the stroke, too, and lacks some of the rest. Where one step of the stroke is
+    far beyond the noise its own line tells, and nothing is changed here.
+    """
+    sharp = held.copy()
+    edges = np.r_[0, np.flatnonzero(np.diff(held)) + 1, len(held)].tolist()
+    for before, edge, after in zip(edges, edges[1:], edges[2:], strict=False):
+        rest, stroke = np.arange(before, edge)[::-1], np.arange(edge, after)
+        rest, stroke = (rest, stroke) if held[before] else (stroke, rest)
+        near, far = min(len(rest) // 2, NEAR), min(len(stroke) // 3, NEAR)
+        rows = np.r_[rest[::-1][-2 * NEAR :], stroke[: 3 * far]]
+        first = min(len(rest), 2 * NEAR) - near
+        if near < 2 or far < 2 or np.median(np.abs(np.diff(x[stroke[: far + 1]]))) > FAR_STEP * noise:
+            continue
+        missed = [_missed(time[rows], x[rows], k) for k in range(first, first + near + far + 1)]
+        best = first + int(np.argmin(missed))
+        sharp[rows[first:]] = False
+        sharp[rows[first:best]] = True
+    return sharp
+
+
+def _missed(time: Array, x: Array, k: int) -> float:
+    """Sum of squares that a level of the first k samples and a parabola through the others leave."""
+    t = (time[k:] - time[k]) / (time[-1] - time[0])
+    basis = np.vander(t, 3)
+    off = x[k:] - basis @ np.linalg.lstsq(basis, x[k:], rcond=None)[0]
+    return float(np.sum((x[:k] - x[:k].mean()) ** 2) + off @ off)
 
 
 def _mean(total: Array, begin: int, end: int) -> float:

@@ -25,15 +25,16 @@ def catalogue() -> dict[str, PatternShape]:
     return {one.name: one for one in instances(__name__, __path__, PatternShape)}
 
 
-def patterns(inputs: Inputs, beats: Sequence[float] = ()) -> tuple[Effect, ...]:
+def patterns(inputs: Inputs, beats: Sequence[float] = (), error_mm: float = 0.0) -> tuple[Effect, ...]:
     """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask.
 
-    `beats` are periods in s that a spectrum shows, tried beside the slow ones. A table of few lengths shows no pattern:
+    `beats` are periods in s that a spectrum shows, tried beside the slow ones; nothing is looked for over displacement
+    that is finer than the position's error in mm lets it be seen. A table of few lengths shows no pattern:
     any curve over contraction passes through its lengths.
     """
     if len(np.unique(np.round(inputs.displacement_mm, 3))) < LENGTHS:
         return ()
-    span = Extent.of(inputs, tuple(beats))
+    span = Extent.of(inputs, tuple(beats), error_mm)
     return tuple(
         Effect(one.name, one.title, SOURCE, tuple(one.forms(span)), test="", candidate=False)
         for one in catalogue().values()

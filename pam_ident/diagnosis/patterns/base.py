@@ -14,6 +14,9 @@ from ...core import Inputs, Param
 from ...effects import Form
 from ...effects.base import Array, Values
 
+BLURRED = 6.0
+"""Standard deviations of the position's error within which a shape over displacement is the sensor's: rows that rest at
+one place are seen beside it, each with the force that its own error makes."""
 FAR = 8.0
 """Standard deviations at which a bell's tail stays what it is, 1e-14."""
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
@@ -25,7 +28,8 @@ WAVE = (Param("cosine", "N", "cosine part", scale=10.0), Param("sine", "N", "sin
 @dataclass(frozen=True)
 class Extent:
     """What a record covers: displacement from `low` over `stroke` (mm), time from `first` over `duration` (s, 0 without
-    time), and the periods in s, `beats`, that a spectrum of what is left shows."""
+    time), the periods in s, `beats`, that a spectrum of what is left shows, and below how many mm the position is
+    `blurred`."""
 
     inputs: Inputs
     low: float
@@ -33,18 +37,20 @@ class Extent:
     first: float
     duration: float
     beats: tuple[float, ...] = ()
+    blurred: float = 0.0
 
     @classmethod
-    def of(cls, inputs: Inputs, beats: tuple[float, ...] = ()) -> "Extent":
-        """The span of a record's inputs."""
+    def of(cls, inputs: Inputs, beats: tuple[float, ...] = (), error_mm: float = 0.0) -> "Extent":
+        """The span of a record's inputs, whose position has an error."""
         x, time = inputs.displacement_mm, inputs.time
         first, duration = (0.0, 0.0) if time is None else (float(time[0]), max(float(np.ptp(time)), 1e-9))
-        return cls(inputs, float(x.min()), max(float(np.ptp(x)), 1e-9), first, duration, beats)
+        stroke = max(float(np.ptp(x)), 1e-9)
+        return cls(inputs, float(x.min()), stroke, first, duration, beats, min(BLURRED * error_mm, 0.25 * stroke))
 
     def place(self, count: int = 40) -> Param:
-        """Somewhere along the stroke, looked for at so many places."""
-        grid = steps(self.low, self.stroke, count)
-        return Param("place", "mm", "where", self.low, self.low + self.stroke, self.low + self.stroke / 2, grid=grid)
+        """Somewhere along the stroke but for its blurred ends, looked for at so many places."""
+        low, span = self.low + self.blurred, self.stroke - 2.0 * self.blurred
+        return Param("place", "mm", "where", low, low + span, low + span / 2, grid=steps(low, span, count))
 
     def moment(self, count: int = 150) -> Param:
         """Some time of the record, looked for at so many moments."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -49,33 +50,34 @@ def _two_bumps(inputs: Inputs, values: Values, force: Array) -> Array:
     return np.hstack([_bump(inputs, values, force), _bump(inputs, other, force)])
 
 
-def _box(inputs: Inputs, values: Values, force: Array) -> Array:
-    """Constant within the width, with soft edges a fifth of it wide, so that place and width can be searched."""
+def _box(inputs: Inputs, values: Values, force: Array, soft: float = 0.0) -> Array:
+    """Constant within the width, with soft edges a fifth of it wide or more, so that place and width can be searched."""
     off, width = np.abs(_beyond(inputs, values)), like(inputs, values["width"])
-    return 0.5 - 0.5 * np.tanh((off - width) / (0.2 * width))
+    return 0.5 - 0.5 * np.tanh((off - width) / np.maximum(0.2 * width, like(inputs, soft)))
 
 
-def _odd_box(inputs: Inputs, values: Values, force: Array) -> Array:
-    return -_box(inputs, values, force) * slip(inputs)[0][:, None]
+def _odd_box(inputs: Inputs, values: Values, force: Array, soft: float = 0.0) -> Array:
+    return -_box(inputs, values, force, soft) * slip(inputs)[0][:, None]
 
 
 def _stop(inputs: Inputs, values: Values, force: Array) -> Array:
     return np.maximum(_beyond(inputs, values), 0.0) ** like(inputs, values["power"])
 
 
-def _edge(inputs: Inputs, values: Values, force: Array) -> Array:
-    """From nothing to constant, soft by a hundredth of the stroke so that the place can be searched."""
-    soft = like(inputs, max(0.01 * float(np.ptp(inputs.displacement_mm)), 1e-9))
-    return 0.5 + 0.5 * np.tanh(_beyond(inputs, values) / soft)
+def _edge(inputs: Inputs, values: Values, force: Array, soft: float = 0.0) -> Array:
+    """From nothing to constant, soft by a hundredth of the stroke or more so that the place can be searched."""
+    soft = max(0.01 * float(np.ptp(inputs.displacement_mm)), soft, 1e-9)
+    return 0.5 + 0.5 * np.tanh(_beyond(inputs, values) / like(inputs, soft))
 
 
 def _forms(span: Extent) -> Sequence[Form]:
     stroke, place, first = span.stroke, span.place(), span.place(PLACES)
-    widths = tuple(stroke * w for w in (0.015, 0.035, 0.08))
-    width = Param("width", "mm", "half width", stroke * 0.005, stroke, start=stroke * 0.05, grid=widths)
+    least = max(0.005 * stroke, 0.5 * span.blurred)
+    widths = tuple(least + stroke * w for w in (0.01, 0.03, 0.075))
+    width = Param("width", "mm", "half width", least, stroke, start=widths[1], grid=widths)
     second = replace(first, name="second", doc="where else")
-    wide = replace(width, grid=tuple(stroke * w for w in (0.05, 0.1)))
-    at = (place, width)
+    wide = replace(width, grid=tuple(least + stroke * w for w in (0.045, 0.095)))
+    at, soft = (place, width), 0.5 * span.blurred
     return (
         AddsForce("even", "bump", (SIZE,), _bump, at),
         AddsForce("odd", "bump against motion", (SIZE,), _odd_bump, at),
@@ -83,10 +85,10 @@ def _forms(span: Extent) -> Sequence[Form]:
         AddsForce("pressed", "bump in proportion to pressure", (SIZE,), _pressed_bump, at),
         AddsForce("pressed_odd", "bump against motion, in proportion to pressure", (SIZE,), _pressed_odd_bump, at),
         AddsForce("two_places", "bumps in two places", (SIZE, AGAIN), _two_bumps, (first, second, wide)),
-        AddsForce("box", "step up and down", (SIZE,), _box, at),
-        AddsForce("odd_box", "step up and down against motion", (SIZE,), _odd_box, at),
+        AddsForce("box", "step up and down", (SIZE,), partial(_box, soft=soft), at),
+        AddsForce("odd_box", "step up and down against motion", (SIZE,), partial(_odd_box, soft=soft), at),
         AddsForce("stop", "force that grows beyond a place", (SIZE,), _stop, (place, POWER)),
-        AddsForce("edge", "force that sets in at a place", (SIZE,), _edge, (place,)),
+        AddsForce("edge", "force that sets in at a place", (SIZE,), partial(_edge, soft=soft), (place,)),
     )
 
 

@@ -23,7 +23,7 @@ def _odd_ripple(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _forms(span: Extent) -> Sequence[Form]:
-    numbers = np.arange(1.0, max(2.0, span.stroke / 1.0), 0.25)[::-1]
+    numbers = np.arange(1.0, max(2.0, span.stroke / max(1.0, 2.0 * span.blurred)), 0.25)[::-1]
     periods = [span.stroke / k for k in numbers if span.stroke / k < 0.5 * span.stroke]
     period = searched("period", "mm", "period over displacement", periods or [0.25 * span.stroke])
     return (
