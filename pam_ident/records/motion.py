@@ -205,7 +205,8 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
         missed.append(_less(way, waves))
         resting = np.interp(even, t, sharp[rows].astype(float)) > 0.5
         for part in np.split(np.arange(len(t)), np.flatnonzero(np.diff(resting)) + 1):
-            basis = np.ones((len(part), 1)) if resting[part[0]] or len(part) < 4 else smooth_basis(even[part], len(part))
+            level = resting[part[0]] or len(part) < 4
+            basis = np.ones((len(part), 1)) if level else smooth_basis(even[part], len(part))
             by_rests += float(np.sum(_less(way[part], basis) ** 2))
             freedom[1] += len(part) - basis.shape[1]
         freedom[0] += len(t) - waves.shape[1]

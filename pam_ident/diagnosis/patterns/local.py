@@ -51,7 +51,7 @@ def _two_bumps(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _box(inputs: Inputs, values: Values, force: Array, soft: float = 0.0) -> Array:
-    """Constant within the width, with soft edges a fifth of it wide or more, so that place and width can be searched."""
+    """Constant within the width; soft edges, a fifth of it wide or more, let place and width be searched."""
     off, width = np.abs(_beyond(inputs, values)), like(inputs, values["width"])
     return 0.5 - 0.5 * np.tanh((off - width) / np.maximum(0.2 * width, like(inputs, soft)))
 
