@@ -9,7 +9,7 @@ from .easel import Easel, Part
 from .opening import opening
 from .rungs import steps
 from .story import Section
-from .words import equation, groups, named, newtons, titles
+from .words import equation, groups, named, newtons, percent, titles
 
 
 def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
@@ -155,7 +155,7 @@ def _pattern(section: Section, easel: Easel) -> Part | None:
         "The mean of what the best model leaves, with a band of ± 2 standard errors. Dotted: the place, the moment or "
         "the periods that the pattern names.",
     )
-    text = f"{pattern.text} It holds {pattern.share:.0%} of the squared error that was to be explained."
+    text = f"{pattern.text} It holds {percent(pattern.share)} of the squared error that was to be explained."
     return Part(f"{easel.prefix}-pattern", "What no known effect explains", (text,), (picture,))
 
 

@@ -12,7 +12,7 @@ from ..records import Record
 from ..records.package import told
 from ..schema.diagnosis import candidates as likeliest
 from .story import Section
-from .words import STATUS, heldout, likely, named, newtons, number, standing, stderr, titles, unit, value_of
+from .words import STATUS, heldout, likely, named, newtons, number, percent, standing, stderr, titles, unit, value_of
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def cells(found: Sequence[Cell]) -> PageTable:
             str(cell.n),
             number(cell.mean, 3),
             number(cell.rms, 3),
-            f"{cell.share:.1%}",
+            percent(cell.share),
         )
         for cell in found
     )

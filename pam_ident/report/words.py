@@ -57,6 +57,11 @@ def known_to(value: float, error: float) -> str:
     return _set(digits.known_to(value, error))
 
 
+def percent(share: float | None) -> str:
+    """A share in whole per cent."""
+    return _set(digits.percent(share))
+
+
 likely = digits.probability
 
 
