@@ -126,7 +126,7 @@ def test_opens_with_what_is_missing_in_plain_words(parsed, diagnosis):
         "Before: ",
         "The error as effects are added",
         "follows the direction of motion",
-        "How sure: Coulomb friction 97 %",
+        "How sure: Coulomb friction 97\u00a0%",
         "This record cannot tell apart: Coulomb friction (coulomb_friction); ",
         "What to do next: Repeat the strokes at 0.1 MPa.",
         "Details of made up",
