@@ -93,6 +93,14 @@ def _candidates(section: Section, easel: Easel) -> Part | None:
     diagnosis = section.diagnosis
     if not diagnosis.ranking:
         return None
+    if diagnosis.verdict == "adequate":
+        table, text = (
+            tables.not_judged(diagnosis),
+            "Nothing is missing. These effects are neither likely nor ruled out.",
+        )
+        return (
+            Part(f"{easel.prefix}-candidates", "What was not judged", (text,), tables=(table,)) if table.rows else None
+        )
     caption = (
         "What each effect would leave of the error. In grey italics: effects that this "
         "record cannot show or that the law already imitates; they are neither likely nor ruled out."

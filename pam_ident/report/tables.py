@@ -50,6 +50,14 @@ def candidates(diagnosis: Diagnosis) -> PageTable:
     return PageTable("Candidates, and the error that is left with each", head, rows, (2, 3, 4))
 
 
+def not_judged(diagnosis: Diagnosis) -> PageTable:
+    """The effects that the record cannot show, and why."""
+    known = titles(diagnosis.best.model)
+    left = [s for s in diagnosis.ranking if s.status != "candidate"]
+    rows = tuple((named(s.label or s.effect, known), STATUS.get(s.status, s.status), s.why) for s in left)
+    return PageTable("Effects that this record and this law cannot show", ("effect", "standing", "why"), rows)
+
+
 def ladder(steps: Ladder) -> PageTable:
     """The falling errors, rung by rung."""
     names = added([(step.fit.model.law.name, step.effects) for step in steps.rungs])
