@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import UsageError
+from ..core.digits import three
 from ..core.files import check_target, write_json
 from ..fitting import Fit
 from ..records.doubt import Doubt
@@ -166,7 +167,7 @@ class ComparisonResult(RecordAnswer):
         for key, bins in self.details.by.items():
             rows = [(one.label, one.n, one.mean, one.rms, one.share) for one in bins]
             frame = pd.DataFrame(rows, columns=[key, "n", "mean_N", "rms_N", "share"]).set_index(key)
-            parts.append(frame.to_string(float_format="{:.3g}".format))
+            parts.append(frame.to_string(float_format=three))
         return "\n\n".join(parts)
 
     def plot(self) -> "Axes":
@@ -251,7 +252,7 @@ class DiagnosisResult(RecordAnswer):
         """The sentence, what the error follows, the candidates and the next experiment, as text."""
         parts = [repr(self), self.follows.loc[:, ["share"]].to_string(float_format="{:.2f}".format)]
         if len(self.candidates):
-            parts.append(self.candidates.to_string(float_format="{:.3g}".format))
+            parts.append(self.candidates.to_string(float_format=three))
         if self.next_experiment:
             parts.append(f"next: {self.next_experiment}")
         return "\n\n".join(parts)
@@ -312,7 +313,7 @@ class LadderResult(RecordAnswer):
         """The sentence and the rungs, as text."""
         shown = self.rungs.loc[:, ["effects", "parameters", "rmse_N", "heldout_rmse_N"]]
         nested = self.details.nested
-        parts = [repr(self), shown.to_string(float_format="{:.3g}".format), *([nested.text] if nested else [])]
+        parts = [repr(self), shown.to_string(float_format=three), *([nested.text] if nested else [])]
         return "\n\n".join(parts)
 
     def plot(self) -> "Axes":

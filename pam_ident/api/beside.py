@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..core.digits import three
 from ..core.files import check_target, write_whole
 from ..diagnosis.against import Against
 from ..report.against import parts
@@ -57,7 +58,7 @@ class AgainstResult(ShownAnswer):
     def summary(self) -> str:
         """The sentence, the parameters, the effects and what the errors follow, as text."""
         frames = (self.params.drop(columns=["p"], errors="ignore"), self.effects, self.follows)
-        shown = [frame.to_string(float_format="{:.3g}".format) for frame in frames if len(frame)]
+        shown = [frame.to_string(float_format=three) for frame in frames if len(frame)]
         return "\n\n".join([repr(self), *shown])
 
     def plot(self) -> "Axes":

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import UsageError
+from ..core.digits import three
 from ..parallel.executor import Executor
 from ..schema.track import track_json
 from ..schema.versions import schema
@@ -40,7 +41,7 @@ class TrackResult(ShownAnswer):
 
     def summary(self) -> str:
         """The sentence and the controllers, as text."""
-        return "\n\n".join([repr(self), self.controllers.to_string(float_format="{:.3g}".format)])
+        return "\n\n".join([repr(self), self.controllers.to_string(float_format=three)])
 
     def plot(self) -> "Axes":
         """Angles wanted and reached, and the error of each controller."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import DataError, Specimen, UsageError
+from ..core.digits import newtons
 from ..core.files import check_target, write_json
 from ..fitting.prediction import Predictor
 from ..records import Record
@@ -111,7 +112,7 @@ class SavedResult(Foretelling):
 
     def __repr__(self) -> str:
         names = " + ".join([self.law, *self.effects])
-        errors = ", ".join(f"{one['rmse_N']:.3g} N" for one in self.content["branches"].values())
+        errors = ", ".join(newtons(one["rmse_N"]) for one in self.content["branches"].values())
         return f"{names} fitted to {self.content['record']}: {errors} rms (from {self.details.path})"
 
     def validate(self, record: Any, specimen: Any = None) -> Validation:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..core.digits import newtons
 from ..core.files import check_target, write_json_lines
 from ..schema.fit import shared_json
 from ..tasks.fit import FitAnswer
@@ -58,7 +59,8 @@ class SharedFitResult:
 
     def __repr__(self) -> str:
         said = ", ".join(self.shared) or "nothing"
-        return "\n".join([f"{len(self.muscles)} records share {said}: {self.rmse:.3g} N rms", *map(repr, self.muscles)])
+        head = f"{len(self.muscles)} records share {said}: {newtons(self.rmse)} rms"
+        return "\n".join([head, *map(repr, self.muscles)])
 
     def _repr_html_(self) -> str:
         return "".join(one._repr_html_() for one in self.muscles)

@@ -163,17 +163,10 @@ def diagnose(
     if isinstance(record, Model) or old:
         _say_old("diagnose", "pam.diagnose(record, law)", "pam_ident.diagnosis")
         return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
-    more = {
-        "without": without,
-        "only": only,
-        "also": also,
-        "extra": extra,
-        "assume": assume,
-        "free_geometry": free_geometry,
-        "heldout": heldout,
-        "prior": prior,
-    }
-    measured, setup, choice = _asked(record, law, effects, specimen, **more)
+    measured, setup, choice = _asked(
+        record, law, effects, specimen, without=without, only=only, also=also, prior=prior, extra=extra, assume=assume,
+        heldout=heldout, free_geometry=free_geometry,
+    )  # fmt: skip
     return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
 
 
@@ -209,16 +202,10 @@ def ladder(
     """
     from ..tasks.ladder import climb_ladder
 
-    more = {
-        "without": without,
-        "only": only,
-        "also": also,
-        "extra": extra,
-        "assume": assume,
-        "free_geometry": free_geometry,
-        "heldout": heldout,
-    }
-    measured, setup, choice = _asked(record, law, effects, specimen, **more)
+    measured, setup, choice = _asked(
+        record, law, effects, specimen, without=without, only=only, also=also, extra=extra, assume=assume,
+        heldout=heldout, free_geometry=free_geometry,
+    )  # fmt: skip
     return LadderResult(climb_ladder(measured, setup), setup, choice)
 
 

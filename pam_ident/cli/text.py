@@ -200,7 +200,9 @@ def banner(doubts: "Sequence[Doubt]") -> list[str]:
 
 def percent(share: float | None) -> str:
     """A share in per cent."""
-    return "-" if share is None or not math.isfinite(share) else f"{max(100 * share, 0.0):.0f} %"
+    from ..core.digits import percent
+
+    return percent(share)
 
 
 def probability(share: float) -> str:

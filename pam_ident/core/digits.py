@@ -13,11 +13,16 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{value:.{max(digits - 1 - size, 0)}f}" if -4 <= size <= 6 else f"{value:.{digits - 1}e}"
 
 
+def three(value: float | None) -> str:
+    """Three significant digits."""
+    return number(value, 3)
+
+
 def newtons(value: float | None) -> str:
     """A force in N with three digits, and as zero what is below a millionth of a newton."""
     if value is not None and abs(value) < 1e-6:
         return "0 N"
-    return f"{number(value, 3)} N"
+    return f"{three(value)} N"
 
 
 def known_to(value: float, error: float) -> str:
@@ -34,7 +39,14 @@ def probability(share: float) -> str:
     """A probability in per cent; nothing is certain."""
     if share > 0.99:
         return "> 99 %"
-    return "< 1 %" if share < 0.01 else f"{100 * share:.0f} %"
+    return "< 1 %" if share < 0.01 else percent(share)
+
+
+def percent(share: float | None) -> str:
+    """A share in whole per cent; what is not all is not 100 %, and a dash stands for no value."""
+    if share is None or not math.isfinite(share):
+        return "-"
+    return "> 99 %" if 0.995 <= share < 1.0 - 1e-9 else f"{round(100.0 * share)} %"
 
 
 def _size(value: float) -> int:

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..core.digits import newtons
 from ..effects import Effect
 from .follows import EQUAL, Following
 from .noise import Noise
@@ -129,7 +130,7 @@ class Adequacy:
         first = next((f for f in self.left.shares() if f.what != "noise"), None)
         beyond, share = self.unexplained
         size = math.sqrt(max(beyond, self.comes_back)) * self.free.noise.whole
-        text = f"about {size:.3g} N rms that no name explains{f'; it follows {first.text}' if first else ''}"
+        text = f"about {newtons(size)} rms that no name explains{f'; it follows {first.text}' if first else ''}"
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)
 
 

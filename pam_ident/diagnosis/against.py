@@ -7,6 +7,7 @@ import numpy as np
 from scipy.stats import t as student_t
 
 from ..core import FitError, Inputs
+from ..core.digits import newtons, number, percent
 from ..fitting import Fit, fit
 from ..fitting.covariance import student
 from ..fitting.solve import jacobian
@@ -209,8 +210,8 @@ def _sentence(
     if force is not None:
         more = "more" if force.mean >= 0.0 else "less"
         parts.append(
-            f"Where both were measured, {names[1]} pulls {abs(force.mean):.3g} N {more} than {names[0]} on average "
-            f"(95 %: {force.low:.3g} to {force.high:.3g} N), {force.rms:.3g} N rms"
+            f"Where both were measured, {names[1]} pulls {newtons(abs(force.mean))} {more} than {names[0]} on average "
+            f"(95 %: {number(force.low, 3)} to {newtons(force.high)}), {newtons(force.rms)} rms"
         )
     known = [one for one in parameters if math.isfinite(one.p)]
     apart = sorted((one for one in known if one.differs), key=lambda one: one.p)
@@ -225,6 +226,8 @@ def _sentence(
     moved = [(shares[1].get(w, 0.0) - shares[0].get(w, 0.0), w) for w in words if w != "noise"]
     most = max(moved, key=lambda one: abs(one[0]), default=(0.0, ""))
     if abs(most[0]) >= SHARE:
-        first, second = (f"{each.get(most[1], 0.0):.0%} in {name}" for each, name in zip(shares, names, strict=True))
+        first, second = (
+            f"{percent(each.get(most[1], 0.0))} in {name}" for each, name in zip(shares, names, strict=True)
+        )
         parts.append(f"of the law's squared error {first} and {second} follow {words[most[1]]}")
     return "; ".join(parts) + "."

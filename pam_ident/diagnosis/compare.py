@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 
+from ..core.digits import newtons, number, percent
 from ..fitting import Fit
 from .follows import told, what_it_follows
 from .nouns import Bin, Comparison, Follows, Region
@@ -117,7 +118,7 @@ def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: 
             _bin(
                 fit,
                 pace == v,
-                f"{np.median(inputs.stroke_speed[pace == v]):.3g} mm/s",
+                f"{number(float(np.median(inputs.stroke_speed[pace == v])), 3)} mm/s",
                 2 ** (v / 2 - 0.25),
                 2 ** (v / 2 + 0.25),
                 total,
@@ -159,16 +160,16 @@ def _sentence(
     top = worst[0]
     model = " + ".join([fit.model.law.name, *fit.model.labels])
     text = (
-        f"{model} misses the measurement by {fit.rmse:.3g} N rms (at most {fit.max_error:.3g} N). "
-        f"{worst_pressure.share:.0%} of the squared error lies at {worst_pressure.label}; the worst cell is "
+        f"{model} misses the measurement by {newtons(fit.rmse)} rms (at most {newtons(fit.max_error)}). "
+        f"{percent(worst_pressure.share)} of the squared error lies at {worst_pressure.label}; the worst cell is "
         f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}, {top.branch} "
-        f"({top.rms:.3g} N rms, {top.share:.0%} of the squared error, "
+        f"({newtons(top.rms)} rms, {percent(top.share)} of the squared error, "
         f"the model {'below' if top.mean > 0 else 'above'} the data)."
     )
     if odd is not None and even is not None:
         text += (
-            f" {odd:.0%} of the squared error changes sign with the branch (hysteresis: friction, damping, lag), "
-            f"{even:.0%} is the same on both branches (geometry, elasticity, pressure), "
-            f"{max(0.0, 1 - odd - even):.0%} is neither."
+            f" {percent(odd)} of the squared error changes sign with the branch (hysteresis: friction, damping, lag), "
+            f"{percent(even)} is the same on both branches (geometry, elasticity, pressure), "
+            f"{percent(max(0.0, 1 - odd - even))} is neither."
         )
     return text

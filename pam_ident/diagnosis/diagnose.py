@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from ..core import UsageError
+from ..core.digits import newtons, number, percent, probability
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
@@ -145,7 +146,8 @@ def diagnose(
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     for name in selected:
         if rivals[name] >= TOLD:
-            sentence += f" With a chance of {rivals[name]:.0%} it is, instead of {name}, something that nobody knows."
+            odd = probability(rivals[name])
+            sentence += f" With a chance of {odd} it is, instead of {name}, something that nobody knows."
     if pattern and detail:
         rest = follows if best is base else Following.of(best).shares()
         sentence += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
@@ -287,7 +289,7 @@ def _pattern(selection: Selection, fitted: FittedSet) -> Pattern | None:
     value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
     shape = catalogue_of_patterns()[name]
     along = shape.elsewhere.get(term.form.name, shape.coordinate)
-    text = f"{shape.words(at, along)} ({term.form.name}), {share:.0%} of what is left unexplained"
+    text = f"{shape.words(at, along)} ({term.form.name}), {percent(share)} of what is left unexplained"
     return Pattern(shape.kind, along, value, unit, float(share), text)
 
 
@@ -298,8 +300,9 @@ def _remainder(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < OF_ALL * all_of_it:
         return None if fitted.terms else _bursts(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
-    text = f"about {size:.3g} N rms without a shape of its own, {left / all_of_it:.0%} of what is left unexplained"
-    return Pattern("other", "contraction", None, "", min(left / all_of_it, 1.0), text)
+    share = min(left / all_of_it, 1.0)
+    text = f"about {newtons(size)} rms without a shape of its own, {percent(share)} of what is left unexplained"
+    return Pattern("other", "contraction", None, "", share, text)
 
 
 def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -326,7 +329,7 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if share < STRUCK or np.mean(lasting[far]) < LASTING:
         return None
     worst = float(time[np.argmax(np.abs(left))])
-    text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {worst:.4g} s"
+    text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {number(worst)} s"
     return Pattern("other", "time", worst, "s", share, text)
 
 
@@ -378,14 +381,14 @@ def _sentence(
     floor: float,
 ) -> str:
     law = base.model.law.name + "".join(f" + {label}" for label in base.model.labels)
-    start = f"{law} leaves {base.rmse:.3g} N rms; the noise is about {floor:.3g} N."
+    start = f"{law} leaves {newtons(base.rmse)} rms; the noise is about {newtons(floor)}."
     if outcome == "adequate":
         return f"{start} Nothing is missing that this record could show."
     parts = [start]
     if labels:
         parts.append(
             f"Missing: {', '.join(labels)}. "
-            f"With {'it' if len(labels) == 1 else 'them'} the error falls to {best.rmse:.3g} N."
+            f"With {'it' if len(labels) == 1 else 'them'} the error falls to {newtons(best.rmse)}."
         )
         if pattern is None and best.rmse > 2.0 * floor:
             parts.append("Much is left: add and diagnose again, or climb the ladder.")

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.special import expit
 
+from ..core.digits import percent
 from ..effects.base import Effect
 from ..fitting import Fit
 from ..fitting.solve import jacobian
@@ -313,8 +314,9 @@ def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit)
 
 def told(found: Sequence[Follows]) -> str:
     """The largest shares in one sentence."""
-    parts = [f"{one.share:.0%} follows {one.text}" for one in found if one.what != "noise" and one.share >= 0.01][:4]
+    shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]
+    parts = [f"{percent(one.share)} follows {one.text}" for one in shown]
     noise = next((one.share for one in found if one.what == "noise"), 0.0)
     if not parts:
-        return "None of the squared error follows anything beyond chance: it is noise."
-    return f"Of the squared error {', '.join(parts)}; {noise:.0%} is noise."
+        return "None of the squared error follows anything beyond chance."
+    return f"Of the squared error {', '.join(parts)}; {percent(noise)} is noise."

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core.digits import newtons, probability
 from ..core.progress import part
 from ..effects import Effect
 from ..fitting import Fit, fit
@@ -121,6 +122,6 @@ def _why(base: Rung, best: Fit, heldout: float, found: Diagnosis) -> str:
     term = best.model.terms[-1]
     chance = next((s.probability for s in found.ranking if s.effect == term.effect.name), math.nan)
     return (
-        f"{term.effect.title} ({term.form.name}): error {base.fit.rmse:.3g} → {best.rmse:.3g} N, held out and refitted "
-        f"{base.heldout_rmse:.3g} → {heldout:.3g} N, probability {chance:.2f}"
+        f"{term.effect.title} ({term.form.name}): error {newtons(base.fit.rmse)} → {newtons(best.rmse)}, "
+        f"held out and refitted {newtons(base.heldout_rmse)} → {newtons(heldout)}, probability {probability(chance)}"
     )

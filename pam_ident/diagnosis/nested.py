@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core import FitError, UsageError
+from ..core.digits import newtons
 from ..fitting import Fit
 from ..fitting.solve import solve
 from ..laws import listed
@@ -180,17 +181,18 @@ def _line_error(record: Record, masks: Sequence[Array]) -> float:
 
 def _told(kept: Sequence[Rung], dropped: Sequence[Rung], beside: Mapping[str, tuple[int, float]], by: str) -> str:
     own, parameters = kept[-1].heldout_rmse, len(kept[-1].fit.model.params)
-    said = [f"With each {by} held out and everything chosen anew without it the error is {own:.3g} N."]
+    said = [f"With each {by} held out and everything chosen anew without it the error is {newtons(own)}."]
     if dropped:
         names = " and ".join(dropped[-1].effects[len(kept[-1].effects) :])
-        said.append(f"{names} would make it {dropped[-1].heldout_rmse:.3g} N, and is left out.")
+        said.append(f"{names} would make it {newtons(dropped[-1].heldout_rmse)}, and is left out.")
     best, (count, error) = next(iter(beside.items()))
     simple = {name: one for name, one in beside.items() if one[0] < parameters and one[1] <= AS_WELL * own}
     if AS_WELL * error < own:
-        said.append(f"{best} ({count} parameters) alone foretells better, to {error:.3g} N: take that one to foretell.")
+        better = f"{best} ({count} parameters) alone foretells better, to {newtons(error)}"
+        said.append(f"{better}: take that one to foretell.")
     elif simple:
         name, (count, error) = next(iter(simple.items()))
-        said.append(f"{name}, with {count} parameters for {parameters}, foretells as well, to {error:.3g} N.")
+        said.append(f"{name}, with {count} parameters for {parameters}, foretells as well, to {newtons(error)}.")
     else:
         said.append("No law alone foretells as well." if error > AS_WELL * own else "")
     return " ".join(filter(None, said))

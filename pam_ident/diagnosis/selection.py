@@ -8,6 +8,7 @@ from itertools import groupby
 
 import numpy as np
 
+from ..core.digits import percent
 from ..core.progress import steps, tell
 from ..effects import Effect, Form
 from ..fitting import Fit
@@ -294,7 +295,7 @@ class Selection:
             elif left < TOO_FLAT:
                 self.excluded[effect.name] = (
                     "absorbed_by_law",
-                    f"{self.base.model.law.name} follows it to {1 - left:.0%}",
+                    f"{self.base.model.law.name} follows it to {percent(1 - left)}",
                 )
 
 

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..core.digits import probability
+from ..core.digits import newtons, probability
 from ..diagnosis.nouns import Diagnosis
 from ..schema.diagnosis import candidates as likeliest
 from .style import BEHIND, BLUE, GREY, INK, SKY, VERMILION, canvas, styled
@@ -110,6 +110,6 @@ def _handles(shown: CandidatesData) -> list[Line2D | Patch]:
         Patch(color=BLUE, label="selected"),
         Patch(color=SKY, label="other candidate"),
         Line2D([], [], marker="D", color=VERMILION, linestyle="", markersize=4.5, label="on held-out data"),
-        Line2D([], [], color=INK, linewidth=1.2, label=f"now, {shown.before:.3g} N"),
-        Line2D([], [], color=GREY, linestyle="--", linewidth=1.2, label=f"noise floor, {shown.noise_floor:.3g} N"),
+        Line2D([], [], color=INK, linewidth=1.2, label=f"now, {newtons(shown.before)}"),
+        Line2D([], [], color=GREY, linestyle="--", linewidth=1.2, label=f"noise floor, {newtons(shown.noise_floor)}"),
     ]

@@ -9,6 +9,7 @@ from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from ..core.digits import newtons, percent
 from ..diagnosis.nouns import Comparison
 from .style import BLACK, BRANCH_NAME, INK, canvas, signed, styled
 
@@ -61,8 +62,8 @@ class Cell:
         low, high = (round(end, 4) + 0.0 for end in self.contraction)
         branch = "" if self.branch == "static" else f"{self.branch}, "
         text = (
-            f"{branch}{self.pressure_MPa:.3g} MPa, ε {low:.4g} to {high:.4g}: mean error {signed(self.mean)} N, "
-            f"rms {self.rms:.3g} N, {self.share:.1%} of the squared error, n = {self.n}"
+            f"{branch}{self.pressure_MPa:.3g} MPa, ε {low:.4g} to {high:.4g}: mean error {newtons(self.mean)}, "
+            f"rms {newtons(self.rms)}, {percent(self.share)} of the squared error, n = {self.n}"
         )
         return text.replace("-", "−")
 
@@ -175,7 +176,7 @@ def _numbers(axes: Axes, shown: FailureMap, branch: int, colours: Colormap, norm
     for p, c in np.argwhere(np.isfinite(shown.mean[branch])):
         value = float(shown.mean[branch, p, c])
         mark = (branch, p, c) in shown.marked
-        text = signed(value) + (f"\n{shown.share[branch, p, c]:.0%}" if mark else "")
+        text = signed(value) + (f"\n{percent(shown.share[branch, p, c])}" if mark else "")
         red, green, blue, _ = colours(norm(value))
         dark = 0.299 * red + 0.587 * green + 0.114 * blue < 0.5
         weight = "bold" if mark else "normal"

@@ -6,6 +6,7 @@ from itertools import accumulate
 
 from matplotlib.figure import Figure
 
+from ..core.digits import percent
 from ..diagnosis.nouns import Follows
 from .style import BLACK, BLUE, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, WIDTH, YELLOW, canvas, styled
 
@@ -58,10 +59,10 @@ def draw(follows: Sequence[Follows], width: float = WIDTH) -> Figure:
     axes = figure.subplots()
     for piece in pieces:
         axes.barh(0, piece.share, left=piece.begin, color=piece.colour, edgecolor="white", linewidth=0.8,
-                  label=f"{piece.share:.0%} {piece.text}")  # fmt: skip
+                  label=f"{percent(piece.share)} {piece.text}")  # fmt: skip
         if piece.share >= WRITTEN:
             ink = "white" if piece.colour in DARK else INK
-            axes.text(piece.begin + 0.5 * piece.share, 0, f"{piece.share:.0%}", ha="center", va="center", color=ink)
+            axes.text(piece.begin + 0.5 * piece.share, 0, percent(piece.share), ha="center", va="center", color=ink)
     axes.set_xlim(0.0, 1.0)
     axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "25", "50", "75", "100"])
     axes.set_xlabel("share of the squared error (%)")

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from ..core.digits import newtons
 from ..diagnosis.nouns import Ladder
 from .style import BEHIND, BLUE, GREY, INK, VERMILION, WIDTH, canvas, styled
 
@@ -60,7 +61,7 @@ def draw(ladder: Ladder, names: Sequence[str] = (), width: float = WIDTH) -> Fig
     for i, value in enumerate(shown.rmse):
         # Below and to the left: the curves fall from the left, and the held-out error lies above.
         axes.annotate(
-            f"{value:.3g} N", (i, value), (-7, -5), textcoords="offset points", ha="right", va="top", bbox=BEHIND
+            newtons(value), (i, value), (-7, -5), textcoords="offset points", ha="right", va="top", bbox=BEHIND
         )
     axes.set_yscale("log")
     everything = np.r_[shown.rmse, shown.heldout, shown.noise_floor]
@@ -78,7 +79,7 @@ def draw(ladder: Ladder, names: Sequence[str] = (), width: float = WIDTH) -> Fig
     else:
         axes.set_xticks(x, list(shown.names))
     axes.annotate(
-        f"noise floor {shown.noise_floor:.3g} N",
+        f"noise floor {newtons(shown.noise_floor)}",
         (0.0, shown.noise_floor),
         (4, 3),
         xycoords=axes.get_yaxis_transform(),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..core.digits import newtons
 from ..fitting import Fit
 from .curves import by_isobar, model_curve, stride
 from .style import BLUE, BRANCH_NAME, GREEN, GREY, INK, ORANGE, PURPLE, VERMILION, canvas, styled
@@ -93,7 +94,7 @@ def draw(fits: Sequence[Fit], pressure_MPa: float | None = None, limit: int = 60
         )
         for law in panel.laws:
             colour, dash = styles[law.label]
-            text = f"{law.label}: {law.rmse if law.rmse > 1e-6 else 0.0:.3g} N rms"
+            text = f"{law.label}: {newtons(law.rmse)} rms"
             axes.plot(law.line, law.line_force, color=colour, linestyle=dash, linewidth=1.6, label=text)
         axes.set_xlabel("contraction ratio ε (1)")
         legend = axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), labelcolor=INK, alignment="left")

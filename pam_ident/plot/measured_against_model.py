@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..core.digits import newtons
 from ..fitting import Fit
 from .curves import CELLS, by_isobar, label_isobars, model_curve, stride
 from .style import (
@@ -106,7 +107,7 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
         zero_line(panel)
         panel.set_ylim(-reach, reach)
         panel.set_ylabel("error (N)")
-        panel.set_title(f"{title}: {one.rmse:.3g} N rms" if one else title)
+        panel.set_title(f"{title}: {newtons(one.rmse)} rms" if one else title)
     grid, half = widest(curves)
     axes[-1].fill_between(grid, -half, half, color=GREY, alpha=0.3, linewidth=0.0, label="95 % interval of the model")
     axes[-1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, labelcolor=INK)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..core.digits import number
 from ..diagnosis.nouns import Pattern
 from ..fitting import Fit
 from ..records import Record
@@ -70,7 +71,8 @@ def data(fit: Fit, pattern: Pattern, bins: int = 40) -> PatternData:
     folded = False
     if pattern.kind == "periodic" and pattern.value:
         if span / pattern.value > MAX_PERIODS:
-            axis, values, folded = f"{axis} within a period of {pattern.value:.3g} {pattern.unit}", values - low, True
+            axis = f"{axis} within a period of {number(pattern.value, 3)} {pattern.unit}"
+            values, folded = values - low, True
             values, low, span = values % pattern.value, 0.0, pattern.value
         else:
             bins = max(bins, min(int(10 * span / pattern.value), 200))
@@ -113,7 +115,7 @@ def draw(fit: Fit, pattern: Pattern, bins: int = 40) -> Figure:
         axes.text(
             shown.marks[0],
             1.01,
-            f"{shown.marks[0]:.4g} {pattern.unit}",
+            f"{number(shown.marks[0])} {pattern.unit}",
             ha="center",
             va="bottom",
             transform=axes.get_xaxis_transform(),

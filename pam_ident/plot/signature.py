@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..core.digits import newtons
 from ..fitting import Fit
 from ..records import Record
 from .style import BLUE, GREY, INK, SKY, VERMILION, WIDTH, canvas, running_mean, styled, thin, zero_line
@@ -112,13 +113,13 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
 
     top.plot(shown.x, shown.before, **dots)
     top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label=label("error before" if after else "error"))
-    top.set_title(f"{'Before' if after else 'Error'}: {before.rmse:.3g} N rms")
+    top.set_title(f"{'Before' if after else 'Error'}: {newtons(before.rmse)} rms")
     if after is not None:
         changes = "what is added" if narrow else "what the added effects change in the model"
         top.plot(shown.line, shown.effect, color=VERMILION, linewidth=1.0, label=changes)
         low.plot(shown.x, shown.after, **dots)
         low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=label("error after"))
-        low.set_title(f"After{'' if narrow else _added(before, after)}: {after.rmse:.3g} N rms")
+        low.set_title(f"After{'' if narrow else _added(before, after)}: {newtons(after.rmse)} rms")
     for axes in panels:
         zero_line(axes)
         axes.set_ylabel("error (N)")

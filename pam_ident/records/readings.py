@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..core.digits import newtons
 from .doubt import Doubt
 from .record import Record
 
@@ -39,8 +40,8 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
         more = f" (and {len(rows) - 1} more)" if len(rows) > 1 else ""
         yield Doubt(
             "impossible_value",
-            f"sample {rows[0] + 1}{more} reads a force of {force[rows[0]]:.4g} N, which this muscle cannot pull. Mend "
-            "or delete the row.",
+            f"sample {rows[0] + 1}{more} reads a force of {newtons(force[rows[0]])}, which this muscle cannot pull. "
+            "Mend or delete the row.",
             "force",
             True,
         )
@@ -50,7 +51,7 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
     if force.min() < -0.05 * abs(force.max()):
         yield Doubt(
             "force_sign",
-            f"the force goes down to {force.min():.4g} N, but a muscle pulls and cannot push. Check the zero "
+            f"the force goes down to {newtons(force.min())}, but a muscle pulls and cannot push. Check the zero "
             "of the load cell and its sign (pull is positive).",
             "force",
             bool(force.mean() < 0.0 and force.min() < -0.5 * np.abs(force).max()),
@@ -97,8 +98,8 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     if drift is not None:
         yield Doubt(
             "tare_drift",
-            f"between the first and the last tare (no pressure) the force drifts by {drift:.3g} N. Tare the load cell "
-            "before each isobar, let it warm up, and keep the tares in the record.",
+            f"between the first and the last tare (no pressure) the force drifts by {newtons(drift)}. Tare the "
+            "load cell before each isobar, let it warm up, and keep the tares in the record.",
             "force",
         )
 

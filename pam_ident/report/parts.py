@@ -9,7 +9,7 @@ from .easel import Easel, Part
 from .opening import opening
 from .rungs import steps
 from .story import Section
-from .words import equation, groups, named, newtons, titles
+from .words import equation, groups, named, newtons, percent, titles
 
 
 def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
@@ -93,6 +93,14 @@ def _candidates(section: Section, easel: Easel) -> Part | None:
     diagnosis = section.diagnosis
     if not diagnosis.ranking:
         return None
+    if diagnosis.verdict == "adequate":
+        table, text = (
+            tables.not_judged(diagnosis),
+            "Nothing is missing. These effects are neither likely nor ruled out.",
+        )
+        return (
+            Part(f"{easel.prefix}-candidates", "What was not judged", (text,), tables=(table,)) if table.rows else None
+        )
     caption = (
         "What each effect would leave of the error. In grey italics: effects that this "
         "record cannot show or that the law already imitates; they are neither likely nor ruled out."
@@ -155,7 +163,7 @@ def _pattern(section: Section, easel: Easel) -> Part | None:
         "The mean of what the best model leaves, with a band of ± 2 standard errors. Dotted: the place, the moment or "
         "the periods that the pattern names.",
     )
-    text = f"{pattern.text} It holds {pattern.share:.0%} of the squared error that was to be explained."
+    text = f"{pattern.text} It holds {percent(pattern.share)} of the squared error that was to be explained."
     return Part(f"{easel.prefix}-pattern", "What no known effect explains", (text,), (picture,))
 
 

@@ -8,7 +8,7 @@ from .easel import Part, Picture
 from .parts import parts
 from .story import Story
 from .svg import embed
-from .words import plain
+from .words import plain, together
 
 MOST_POINTS, FEWEST_POINTS = 1500, 200
 
@@ -24,7 +24,7 @@ def render(story: Story) -> str:
             title=story.title,
             records=chapters(story),
             provenance=tables.provenance(story.provenance),
-            command=story.provenance.get("command"),
+            command=Markup.escape(plain(story.provenance.get("command", ""))),  # to be copied as it is
         )
     )
 
@@ -49,7 +49,7 @@ def environment() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        finalize=lambda value: plain(value) if type(value) is str else value,
+        finalize=lambda value: together(plain(value)) if type(value) is str else value,
     )
     made.globals |= {"embed": _embed, "most_steps": _most_steps, "most_switches": _most_switches}
     return made

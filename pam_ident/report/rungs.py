@@ -4,7 +4,7 @@ from .. import plot
 from ..diagnosis.nouns import Ladder, Rung
 from . import tables
 from .easel import Easel, Part
-from .words import equation, heldout, likely, named, newtons, titles
+from .words import equation, heldout, likely, named, newtons, percent, titles
 
 SHARE = 4
 """A rung's figure shows this part of the points of the others: there are many rungs."""
@@ -46,7 +46,7 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
     facts = [
         ("error", f"{newtons(before.rmse)} → {newtons(after.rmse)} rms"),
         (heldout(rung), f"{newtons(below.heldout_rmse)} → {newtons(rung.heldout_rmse)} rms"),
-        ("explained of the squared error", f"{1.0 - (after.rmse / before.rmse) ** 2:.1%}".replace("-", "−")),
+        ("explained of the squared error", percent(1.0 - (after.rmse / before.rmse) ** 2)),
         ("free parameters", f"{len(before.model.params)} → {len(after.model.params)}"),
     ]
     if why is not None:

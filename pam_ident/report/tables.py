@@ -12,7 +12,7 @@ from ..records import Record
 from ..records.package import told
 from ..schema.diagnosis import candidates as likeliest
 from .story import Section
-from .words import STATUS, heldout, likely, named, newtons, number, standing, stderr, titles, unit, value_of
+from .words import STATUS, heldout, likely, named, newtons, number, percent, standing, stderr, titles, unit, value_of
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,14 @@ def candidates(diagnosis: Diagnosis) -> PageTable:
     return PageTable("Candidates, and the error that is left with each", head, rows, (2, 3, 4))
 
 
+def not_judged(diagnosis: Diagnosis) -> PageTable:
+    """The effects that the record cannot show, and why."""
+    known = titles(diagnosis.best.model)
+    left = [s for s in diagnosis.ranking if s.status != "candidate"]
+    rows = tuple((named(s.label or s.effect, known), STATUS.get(s.status, s.status), s.why) for s in left)
+    return PageTable("Effects that this record and this law cannot show", ("effect", "standing", "why"), rows)
+
+
 def ladder(steps: Ladder) -> PageTable:
     """The falling errors, rung by rung."""
     names = added([(step.fit.model.law.name, step.effects) for step in steps.rungs])
@@ -80,7 +88,7 @@ def cells(found: Sequence[Cell]) -> PageTable:
             str(cell.n),
             number(cell.mean, 3),
             number(cell.rms, 3),
-            f"{cell.share:.1%}",
+            percent(cell.share),
         )
         for cell in found
     )

@@ -35,11 +35,17 @@ UNSEEN = re.compile(
     r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ufffe\uffff"
     r"\ud800-\udfff]"
 )
+SHARE = re.compile(r"(\d) %")
 
 
 def plain(text: str) -> str:
     """The text with a � for each character that cannot be seen and could make it read as something else."""
     return UNSEEN.sub("\ufffd", text)
+
+
+def together(text: str) -> str:
+    """The text with each per cent sign on the line of its number."""
+    return SHARE.sub("\\1\u00a0%", text)
 
 
 def number(value: float | None, places: int = 4) -> str:
@@ -55,6 +61,11 @@ def newtons(value: float | None) -> str:
 def known_to(value: float, error: float) -> str:
     """A value with the digits that its standard error leaves."""
     return _set(digits.known_to(value, error))
+
+
+def percent(share: float | None) -> str:
+    """A share in whole per cent."""
+    return _set(digits.percent(share))
 
 
 likely = digits.probability

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..core import DataError, FitError, PamError, UsageError
+from ..core.digits import newtons, percent
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..fitting.estimate import impossible
@@ -101,7 +102,7 @@ def doubts_about(one: Fit) -> tuple[Doubt, ...]:
         return _grave_first(found)
     law = Doubt(
         "explains_nothing",
-        f"{_formula(one)} leaves {one.rmse:.3g} N rms of a force of {size:.3g} N rms: it "
+        f"{_formula(one)} leaves {newtons(one.rmse)} rms of a force of {newtons(size)} rms: it "
         "explains nothing. Check units, signs and the specimen, or take another law.",
         "force",
         True,
@@ -125,8 +126,8 @@ def _doubt_outliers(one: Fit) -> Iterator[Doubt]:
         rest = f", with {len(far) - 1} more," if len(far) > 1 else ""
         yield Doubt(
             "outlier",
-            f"sample {row + 1} reads {one.record.force[row]:.4g} N, {size[row]:.3g} N off the fit, and decides "
-            f"it{rest} by {share:.0%} of the squared error. Mend or delete the row.",
+            f"sample {row + 1} reads {newtons(one.record.force[row])}, {newtons(size[row])} off the fit, and decides "
+            f"it{rest} by {percent(share)} of the squared error. Mend or delete the row.",
             "force",
             True,
         )
@@ -149,7 +150,7 @@ def admit(record: Record, naming: bool = False) -> None:
     clock stands, and for a force beyond arithmetic."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
-        text = f"sample {row + 1} reads a force of {record.force[row]:.4g} N. Mend or delete the row"
+        text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Mend or delete the row"
         raise _refused(Refused, record, "impossible_value", text)
     time = record.inputs.time
     if time is not None and len(record) > 1 and np.ptp(time) < LEAST_STEP_S * len(record):
@@ -198,7 +199,7 @@ def _lacking(record: Record, parameters: int) -> str | None:
     if np.abs(inputs.pressure).max() < PRESSURE_MPA:
         return f"the pressure reaches {np.abs(inputs.pressure).max():.2g} MPa"
     if np.ptp(record.force) < FORCE_N:
-        return f"the force is {record.force[0]:.4g} N in every row"
+        return f"the force is {newtons(record.force[0])} in every row"
     different = len(np.unique(np.round(np.column_stack([inputs.pressure, inputs.contraction]), 5), axis=0))
     if different < states:
         return f"{different} different states of pressure and length, and the least for this law is {states}"
@@ -235,8 +236,8 @@ def check_completed(one: Fit, assume: tuple[str, ...] = ()) -> None:
     if not one.model.terms or force.std() < CONSTANT * abs(force.mean()) or one.r2 > 1.0 - MOST_LEFT:
         return
     text = (
-        f"{_formula(one)} would leave {one.rmse:.3g} N rms of a force that varies by "
-        f"{force.std():.3g} N rms: names explain little here. Check units, signs and the specimen, or take another law."
+        f"{_formula(one)} would leave {newtons(one.rmse)} rms of a force that varies by {newtons(force.std())} "
+        "rms: names explain little here. Check units, signs and the specimen, or take another law."
     )
     law = Doubt("explains_nothing", text, "force", True)
     _stop(one.record, (law, *doubts_of(one.record)), assume)

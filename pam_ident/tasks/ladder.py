@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import partial
 
 from ..core import FitError, UsageError
+from ..core.digits import newtons
 from ..diagnosis import climb, diagnose, heldout_rmse
 from ..diagnosis.nested import HERE, nested
 from ..diagnosis.nouns import Diagnosis, Ladder, Rung
@@ -93,4 +94,5 @@ def ladder_by_hand(
 def _why(rungs: list[Rung], one: Fit) -> str:
     if not rungs:
         return "the law alone"
-    return f"{one.model.terms[-1].effect.title}: error {rungs[-1].fit.rmse:.3g} → {one.rmse:.3g} N, added by hand"
+    title = one.model.terms[-1].effect.title
+    return f"{title}: error {newtons(rungs[-1].fit.rmse)} → {newtons(one.rmse)}, added by hand"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..core import DataError, FitError
+from ..core.digits import newtons
 from ..core.progress import steps
 from ..fitting import fit
 from ..fitting.solve import solve
@@ -129,10 +130,10 @@ def choose_for_all(records: Sequence[Record], setup: Setup) -> LawChoice:
     alike = [t for t in able if t.heldout_rmse <= ALIKE * able[0].heldout_rmse]
     best = min(alike, key=lambda t: (t.parameters, t.heldout_rmse))
     second = next((t for t in able if t is not best), None)
-    told = f"{best.law} ({best.parameters} parameters) errs by {best.heldout_rmse:.3g} N"
+    told = f"{best.law} ({best.parameters} parameters) errs by {newtons(best.heldout_rmse)}"
     why = f"{told} on held-out data of {len(records)} records"
     return LawChoice(
-        best.law, why + (f"; {second.law} by {second.heldout_rmse:.3g} N" if second else ""), tuple(trials)
+        best.law, why + (f"; {second.law} by {newtons(second.heldout_rmse)}" if second else ""), tuple(trials)
     )
 
 
@@ -162,12 +163,14 @@ def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list
         return float(gap.mean()) <= float(gap.std(ddof=1)) / math.sqrt(len(masks)) + nothing
 
     simplest = min((t for t in able if alike(t)), key=lambda t: (t.parameters, t.heldout_rmse))
-    said = f"{simplest.law} ({simplest.parameters} parameters) errs by {simplest.heldout_rmse:.3g} N on held-out data"
+    said = (
+        f"{simplest.law} ({simplest.parameters} parameters) errs by {newtons(simplest.heldout_rmse)} on held-out data"
+    )
     if simplest is best:
         second = next((t for t in able if t is not best), None)
-        why = said + (f"; the next, {second.law}, by {second.heldout_rmse:.3g} N" if second else "")
+        why = said + (f"; the next, {second.law}, by {newtons(second.heldout_rmse)}" if second else "")
     else:
-        why = f"{said}, as little as {best.law} ({best.parameters}, {best.heldout_rmse:.3g} N) to its standard error"
+        why = f"{said}, as little as {best.law} ({best.parameters}, {newtons(best.heldout_rmse)}) to its standard error"
     return LawChoice(simplest.law, why, trials)
 
 

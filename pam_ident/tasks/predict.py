@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..core import DataError, Inputs, Specimen, UsageError
+from ..core.digits import newtons, probability
 from ..effects import load_effect_files
 from ..fitting.prediction import Prediction, Predictor, ReadingSpread, Simpler
 from ..leg.fit_file import Answer, fitted_branches, read_answer, read_specimen_of
@@ -83,12 +84,12 @@ class Validation:
     @property
     def sentence(self) -> str:
         """The answer in words."""
-        share = "> 99" if self.coverage > 0.99 else f"{100 * self.coverage:.0f}"
-        known = "" if math.isnan(self.coverage) else f" {share} % of the readings lie in their 95 % interval."
+        share = probability(self.coverage)
+        known = "" if math.isnan(self.coverage) else f" {share} of the readings lie in their 95 % interval."
         words = {"mean_over_pressure": "the mean force over pressure", "polynomial": "a plain polynomial"}
         names = " and ".join(words[name] for name in self.as_well)
         rest = f" No better than {names}." if names else " No simpler model does as well." if self.simpler else ""
-        return f"The fit foretells {self.record.name} to {self.trial.rmse:.3g} N rms.{known}{rest}"
+        return f"The fit foretells {self.record.name} to {newtons(self.trial.rmse)} rms.{known}{rest}"
 
 
 def read_fit(path: str | Path, effect_files: tuple[str, ...] = (), specimen: Specimen | None = None) -> SavedFit:

@@ -11,6 +11,7 @@ from bokeh.palettes import RdBu11
 from bokeh.plotting import figure
 from bokeh.transform import linear_cmap
 
+from ..core.digits import newtons, percent
 from ..fitting import Fit
 from .bench import Bench
 from .parts import STYLE, in_turn
@@ -101,14 +102,16 @@ class Views:
         return made
 
     def _map(self) -> Any:
-        cells = ColumnDataSource({name: [] for name in ("left", "right", "row", "pressure", "mean", "rms", "share")})
+        cells = ColumnDataSource(
+            {name: [] for name in ("left", "right", "row", "pressure", "mean", "error", "rms", "share")}
+        )
         made = figure(height=260, width=350, x_range=Range1d(), y_range=Range1d(), x_axis_label=ALONG["contraction"],
                       y_axis_label=ALONG["pressure"], tools="", toolbar_location=None)  # fmt: skip
         drawn = made.hbar(
             y="row", left="left", right="right", height=1.0, source=cells, line_color=None,
             fill_color=linear_cmap("mean", RdBu11, -1.0, 1.0),
         )  # fmt: skip
-        tips = [("mean error", "@mean{0.00} N"), ("rms", "@rms{0.00} N"), ("share of the squared error", "@share{0 %}")]
+        tips = [("mean error", "@error"), ("rms", "@rms"), ("share of the squared error", "@share")]
         made.add_tools(HoverTool(tooltips=[("at", "@pressure{0.000} MPa"), *tips], renderers=[drawn]))
         made.grid.visible = False
         return made
@@ -177,6 +180,7 @@ class Views:
 
     def _show_map(self, bench: Bench) -> None:
         found = bench.comparison
+        told = {"error": (newtons, found.mean), "rms": (newtons, found.rms), "share": (percent, found.share)}
         most = max(float(np.nanmax(np.abs(found.mean))), bench.noise_floor or 0.0, 1e-9)
         for k, one in enumerate(self.maps):
             one.visible = k < len(found.branches)
@@ -186,8 +190,8 @@ class Views:
             drawn = one.renderers[0]
             drawn.data_source.data = {
                 "left": found.edges[cell], "right": found.edges[cell + 1], "row": row, "pressure": found.pressures[row],
-                "mean": found.mean[k][row, cell], "rms": found.rms[k][row, cell], "share": found.share[k][row, cell],
-            }  # fmt: skip
+                "mean": found.mean[k][row, cell],
+            } | {name: [say(v) for v in of[k][row, cell]] for name, (say, of) in told.items()}  # fmt: skip
             drawn.glyph.fill_color.transform.update(low=-most, high=most)
             one.title.text = f"{found.branches[k]}: mean error (red: measured above)"
             _span(one.x_range, found.edges)

@@ -126,7 +126,7 @@ def test_opens_with_what_is_missing_in_plain_words(parsed, diagnosis):
         "Before: ",
         "The error as effects are added",
         "follows the direction of motion",
-        "How sure: Coulomb friction 97 %",
+        "How sure: Coulomb friction 97\u00a0%",
         "This record cannot tell apart: Coulomb friction (coulomb_friction); ",
         "What to do next: Repeat the strokes at 0.1 MPa.",
         "Details of made up",
@@ -287,6 +287,11 @@ def test_adequate_record_needs_no_second_model(section, diagnosis):
     page = Page(render(Story("plain", (plain,))))
     assert "Nothing is missing that this record could show." in page.text
     assert "Parameters of the completed model" not in page.text
+    offered = [one for one in diagnosis.ranking if one.status == "candidate"]
+    details = page.text.partition("What was not judged")[2]
+    assert offered and details and not [one.effect for one in offered if f"({one.label})" in page.text]
+    assert "Candidates" not in page.text and "would leave" not in page.text
+    assert all(f"({one.label})" in details for one in diagnosis.ranking if one.status != "candidate")
     assert page.open == []
 
 
@@ -295,7 +300,7 @@ def test_a_ladder_without_a_step_is_neither_drawn_nor_stepped_through(section, t
     alone = replace(diagnosis, verdict="adequate", selected=(), labels=(), groups=(), best=diagnosis.base)
     page = render(Story("low", (Section(section.record, section.comparison, alone, ladder=low),)))
     assert f"No effect was added to the law, which leaves {number(diagnosis.base.rmse, 3)} N rms." in Page(page).text
-    assert "step" not in page.partition("<body>")[2] and page.count("<figure>") == 6
+    assert "step" not in page.partition("<body>")[2] and page.count("<figure>") == 5
     assert "<dd>8.30 N</dd>" in page and "<dd>8.30 N → 0.550 N</dd>" in text
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core import Inputs, Param
+from ...core.digits import number
 from ...effects import AddsForce, Form, TransformsPressure
 from ...effects.base import Array, Values
 from .base import WAVE, Extent, PatternShape, searched, wave
@@ -38,5 +39,5 @@ PATTERN = PatternShape(
     "periodic",
     "time",
     _forms,
-    lambda at, along: f"a beat with a period of {at['period']:.3g} s",
+    lambda at, along: f"a beat with a period of {number(at['period'], 3)} s",
 )

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core import Inputs
+from ...core.digits import number
 from ...effects import AddsForce, Form
 from ...effects.base import Array, Values
 from .base import SIZE, Extent, PatternShape, bell, like, searched
@@ -26,5 +27,5 @@ PATTERN = PatternShape(
     "local",
     "time",
     _forms,
-    lambda at, along: f"a force for a while around {at['moment']:.4g} s",
+    lambda at, along: f"a force for a while around {number(at['moment'])} s",
 )

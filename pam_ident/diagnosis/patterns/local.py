@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from ...core import Inputs, Param
+from ...core.digits import number
 from ...effects import AddsForce, Form
 from ...effects.base import Array, Values, slip
 from .base import SIZE, Extent, PatternShape, bell, like
@@ -93,7 +94,7 @@ def _forms(span: Extent) -> Sequence[Form]:
 
 
 def _words(at: Mapping[str, float], along: str) -> str:
-    places = [f"{at[key]:.3g}" for key in ("place", "second") if key in at]
+    places = [f"{number(at[key], 3)}" for key in ("place", "second") if key in at]
     return f"a force in {'two places' if places[1:] else 'one place'}, around {' and '.join(places)} mm of contraction"
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core import Inputs
+from ...core.digits import number
 from ...effects import AddsForce, Form
 from ...effects.base import Array, Values, slip
 from .base import WAVE, Extent, PatternShape, searched, wave
@@ -39,5 +40,5 @@ PATTERN = PatternShape(
     "periodic",
     "displacement",
     _forms,
-    lambda at, along: f"a ripple with a period of {at['period']:.3g} mm",
+    lambda at, along: f"a ripple with a period of {number(at['period'], 3)} mm",
 )

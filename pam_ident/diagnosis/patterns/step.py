@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core import Inputs, Param
+from ...core.digits import number
 from ...effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
 from ...effects.base import Array, Values
 from .base import GAIN, SIZE, ZERO, Extent, PatternShape, after, steps
@@ -39,5 +40,5 @@ def _forms(span: Extent) -> Sequence[Form]:
 
 
 PATTERN = PatternShape(
-    "step", "step in time", "step", "time", _forms, lambda at, along: f"a step at {at['moment']:.4g} s"
+    "step", "step in time", "step", "time", _forms, lambda at, along: f"a step at {number(at['moment'])} s"
 )
