@@ -120,15 +120,15 @@ def _ratio(rng: np.random.Generator, low: float = RATIO[0]) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(RATIO[1]))))
 
 
-def _forms(name: str, protocol: str) -> list[str]:
-    """Forms of an effect that a protocol shows."""
-    hidden = HIDES.get(PROTOCOLS[protocol].kind, set())
+def _forms(name: str, driven: str) -> list[str]:
+    """Forms of an effect that a kind of test shows."""
+    hidden = HIDES.get(driven, set())
     forms = {**EFFECTS, **UNKNOWNS}.get(name, {})
     return [form for form in forms if name not in hidden and f"{name}/{form}" not in hidden]
 
 
-def _secret(name: str, protocol: str, textbook: bool, rng: np.random.Generator) -> Secret:
-    others = [f for f in _forms(name, protocol) if f != "textbook"]
+def _secret(name: str, driven: str, textbook: bool, rng: np.random.Generator) -> Secret:
+    others = [f for f in _forms(name, driven) if f != "textbook"]
     return Secret(name, "textbook" if textbook or not others else str(rng.choice(others)), _ratio(rng))
 
 
@@ -147,13 +147,13 @@ class _Drawer:
         )
         self.subjects["null"] = _rounds([(law, "") for law in VISIBLE], self.rng)
         self.kinds: dict[str, Callable[[Plan, str], Plan]] = {
-            "tier1": lambda p, e: replace(p, secrets=(_secret(e, p.protocol, True, self.rng),)),
-            "tier2": lambda p, e: replace(p, secrets=(_secret(e, p.protocol, False, self.rng),), tier=2),
+            "tier1": lambda p, e: replace(p, secrets=(_secret(e, p.driven.kind, True, self.rng),)),
+            "tier2": lambda p, e: replace(p, secrets=(_secret(e, p.driven.kind, False, self.rng),), tier=2),
             "tier3": self._coloured,
             "pair": self._pair,
             "null": self._null,
             "unknown": self._unknown,
-            "blunt": lambda p, e: replace(p, secrets=(_secret(e, "blunt", True, self.rng),), protocol="blunt"),
+            "blunt": lambda p, e: replace(p, secrets=(_secret(e, "isobaric", True, self.rng),), protocol="blunt"),
         }
 
     def plan(self, kind: str) -> Plan:
@@ -161,7 +161,7 @@ class _Drawer:
         law, effect = next(self.subjects[kind])
         self.made += 1
         rng = self.rng
-        showing = [name for name in self.protocols if not effect or _forms(effect, name)]
+        showing = [name for name in self.protocols if not effect or _forms(effect, PROTOCOLS[name].kind)]
         if not showing:
             return self.plan(kind)
         plan = Plan(
@@ -187,17 +187,17 @@ class _Drawer:
         textbook = bool(self.rng.random() < 0.5)
         return replace(
             plan,
-            secrets=(_secret(effect, plan.protocol, textbook, self.rng),),
+            secrets=(_secret(effect, plan.driven.kind, textbook, self.rng),),
             tier=3,
             noise=str(self.rng.choice(COLOURED)),
         )
 
     def _pair(self, plan: Plan, effect: str) -> Plan:
-        shown = [e for e in VISIBLE[plan.law] if _forms(e, plan.protocol)]
+        shown = [e for e in VISIBLE[plan.law] if _forms(e, plan.driven.kind)]
         others = [e for e in shown if FAMILY.get(e, e) != FAMILY.get(effect, effect)]
         textbook = bool(self.rng.random() < 0.5)
         names = (effect, str(self.rng.choice(others)))
-        secrets = tuple(_secret(n, plan.protocol, textbook, self.rng) for n in names)
+        secrets = tuple(_secret(n, plan.driven.kind, textbook, self.rng) for n in names)
         return replace(plan, secrets=secrets, tier=1 if textbook else 2)
 
     def _null(self, plan: Plan, effect: str) -> Plan:
@@ -207,7 +207,7 @@ class _Drawer:
         return replace(plan, noise=noise, tier=3 if coloured else 1)
 
     def _unknown(self, plan: Plan, effect: str) -> Plan:
-        form = str(self.rng.choice(_forms(effect, plan.protocol)))
+        form = str(self.rng.choice(_forms(effect, plan.driven.kind)))
         return replace(plan, unknown=Secret(effect, form, _ratio(self.rng, 1.0)), tier=1 if form == "textbook" else 2)
 
 

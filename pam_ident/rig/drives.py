@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -166,7 +167,7 @@ def _stairs(place: Shape) -> Segment:
     return [
         piece
         for cycle in (1, 2)
-        for a, b in zip(levels[:-1], levels[1:], strict=True)
+        for a, b in pairwise(levels)
         for piece in (
             Piece(1.5, 24, settle(a, b, 0.3), place, cycle),
             Piece(3.5, 10, settle(a, b, 0.3, -1.5), place, cycle),
@@ -212,7 +213,7 @@ def _switched(stroke: float, rng: np.random.Generator) -> list[Segment]:
     for half, n in _halves(stroke):
         levels = rng.permutation(np.tile(np.linspace(0.0, 1.0, 5), 4))[: 2 * n + 1].tolist()
         pieces = []
-        for k, (a, b) in enumerate(zip(levels[:-1], levels[1:], strict=True)):
+        for k, (a, b) in enumerate(pairwise(levels)):
             way = ramp(0.0, 1.0, half) if k % 2 == 0 else ramp(1.0, 0.0, half)
             pieces.append(Piece(half, 50, settle(a, b, 0.1 + 0.05 * half, 0.4 * half), way, 1 + k // 2))
         out.append(pieces)

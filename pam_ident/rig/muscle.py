@@ -120,7 +120,7 @@ class RigMuscle:
         return (self.law.force(p + 0.01, eps) - self.law.force(p - 0.01, eps)) / 0.02
 
     def contraction(self, p: Array, load: Array) -> Array:
-        """Contraction at which the muscle holds `load` (N) at gauge pressure p (MPa), shapes (m,), by Newton's steps."""
+        """Contraction at which the muscle holds a load (N) at gauge pressure p (MPa), shapes (m,)."""
         eps = np.full_like(p, 0.05)
         for _ in range(30):
             slope = (self.law.force(p, eps + 1e-4) - self.law.force(p, eps - 1e-4)) / 2e-4

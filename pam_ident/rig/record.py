@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from .drives import PROTOCOLS, Drive
 from .faults import FAULTS
 from .hidden import Hidden, TooSmall, carry_over, draw_hidden
 from .muscle import Array, RigMuscle, draw_muscle, draw_specimen
-from .drives import PROTOCOLS, Drive
 from .protocol import Protocol, RigRun
 from .refit import law_residual, rms
 from .sensors import GAUGES, RigSensors, temperature_course
