@@ -21,7 +21,13 @@ def challenge(
         options.option("--holdout", "effects|forms", "Leave what is hidden out of the catalogue: effects, or forms."),
     ] = None,
     protocols: Annotated[
-        str, options.option("--protocols", "plain|all", "All: other protocols, noises, sensors and logger faults too.")
+        str,
+        options.option(
+            "--protocols",
+            "plain|all|KIND",
+            "All: other protocols, noises, sensors and logger faults too; or those of a kind that drives the pressure: "
+            "isometric, combined, dynamic, isotonic.",
+        ),
     ] = "plain",
     answers: Annotated[
         str | None, options.option("--answers", "FILE.jsonl", "Score these answers to the set in --out.")
@@ -43,8 +49,6 @@ def challenge(
     from ..schema.trials import challenge_json
     from ..validation.challenge import score_answers, sit_challenge
 
-    if protocols not in ("plain", "all"):
-        raise UsageError(f"--protocols {protocols}: expected plain or all")
     if answers is not None and out is None:
         raise UsageError("--answers: name the folder of the set that they answer, too, by --out DIR")
     with TemporaryDirectory() as temporary:
@@ -52,7 +56,7 @@ def challenge(
             found = score_answers(str(out), answers)
         else:
             executor = Executor.of_cores(workers, scheduler)
-            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, executor, holdout, protocols == "all")
+            found = sit_challenge(out or Path(temporary, "set"), n, seed, only, executor, holdout, protocols)
         pictures = _draw(found) if out is not None else []
     options.give_json(json, lambda: challenge_json(found))
     text.say(*describe(found))

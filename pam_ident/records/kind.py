@@ -26,7 +26,7 @@ HELD_PRESSURE = 0.08
 VARIED = 0.15
 """Range of a driven pressure beside its largest."""
 WAY = 0.25
-"""Way of a length that is locked, and locked elsewhere, beside the way of the pressure, both in their ranges."""
+"""Way of a length or a load that is held, and held elsewhere, beside the way of the pressure, both in their ranges."""
 
 
 def check_kind(kind: object, where: str) -> str:
@@ -58,8 +58,9 @@ def _found(record: Record) -> str:
         return "isotonic"
     if record.inputs.time is None:
         return "isobaric"
-    if driven and _way(e) < WAY * _way(p):
-        return "isometric"
+    for held, kind in ((e, "isometric"), (force, "isotonic")):
+        if driven and _way(held) < WAY * _way(p):
+            return kind
     return "dynamic" if _wander(p, level) > HELD_PRESSURE else "isobaric"
 
 

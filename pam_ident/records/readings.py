@@ -6,6 +6,7 @@ import numpy as np
 
 from ..core.digits import newtons
 from .doubt import Doubt
+from .kind import kind_of
 from .record import Record
 
 Array = np.ndarray
@@ -106,7 +107,7 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
 
 def _doubt_pace(record: Record, time: Array) -> Iterator[Doubt]:
     pace, moving = record.inputs.stroke_speed, record.inputs.moving
-    if pace is None or moving is None or not moving.any():
+    if pace is None or moving is None or not moving.any() or kind_of(record) == "isometric":
         return
     fastest = float(np.abs(pace[moving]).max())
     rate = fastest / record.specimen.initial_length_mm

@@ -1,11 +1,12 @@
-"""A virtual rig that writes isobaric records with sealed hidden physics, to examine a diagnosis.
+"""A virtual rig that writes records with sealed hidden physics, to examine a diagnosis.
 
 It shares nothing with the program it examines: its laws, effects and fits are written out here a second time,
 on a finer time grid and in more forms.
 """
 
 from .challenge import make_challenge
-from .protocol import PROTOCOLS, Protocol
+from .drives import PROTOCOLS
+from .protocol import Protocol
 from .record import Plan, RigRecord, Secret, demo_plans, make_record, write_case
 
 __all__ = [

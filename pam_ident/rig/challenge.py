@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..core.progress import steps
+from .drives import DRIVES, PROTOCOLS
 from .faults import FAULTS
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
 from .record import Plan, RigRecord, Secret, make_record, write_case
@@ -88,7 +89,24 @@ WIDE = (
     "breathing",
     "dense",
     "sparse",
+    *DRIVES,
 )
+SETS = {
+    "plain": SHARP,
+    "all": WIDE,
+    **{drive.kind: tuple(d for d in DRIVES if DRIVES[d].kind == drive.kind) for drive in DRIVES.values()},
+}
+"""Protocols that a set is drawn from; those but the plain ones have all sensors and faults."""
+HIDES = {
+    "isometric": {
+        *("stribeck_friction", "coulomb_friction/tanh", "dynamics"),
+        *(f"screw_ripple/{form}" for form in ("textbook", "loaded", "harmonics")),
+        *(f"rub/{form}" for form in UNKNOWNS["rub"] if form != "leaned_on"),
+    },
+    "isotonic": {"coulomb_friction", "stribeck_friction", "pressure_friction", "dynamics", "rub/fold"},
+}
+"""What a kind of test does not show, or the rig cannot make there: a locked braid slides too little for a fall with
+speed, a weight sticks where friction is dry."""
 RATIO = (0.7, 6.0)
 
 
@@ -102,22 +120,24 @@ def _ratio(rng: np.random.Generator, low: float = RATIO[0]) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(RATIO[1]))))
 
 
-def _form(name: str, textbook: bool, rng: np.random.Generator) -> str:
-    catalogue = {**EFFECTS, **UNKNOWNS}[name]
-    others = [f for f in catalogue if f != "textbook"]
-    return "textbook" if textbook or not others else str(rng.choice(others))
+def _forms(name: str, driven: str) -> list[str]:
+    """Forms of an effect that a kind of test shows."""
+    hidden = HIDES.get(driven, set())
+    forms = {**EFFECTS, **UNKNOWNS}.get(name, {})
+    return [form for form in forms if name not in hidden and f"{name}/{form}" not in hidden]
 
 
-def _secret(name: str, textbook: bool, rng: np.random.Generator) -> Secret:
-    return Secret(name, _form(name, textbook, rng), _ratio(rng))
+def _secret(name: str, driven: str, textbook: bool, rng: np.random.Generator) -> Secret:
+    others = [f for f in _forms(name, driven) if f != "textbook"]
+    return Secret(name, "textbook" if textbook or not others else str(rng.choice(others)), _ratio(rng))
 
 
 class _Drawer:
     """Draws plans of each kind from one stream."""
 
-    def __init__(self, seed: int, wide: bool = False) -> None:
-        self.wide = wide
-        known = [unknown for unknown in UNKNOWNS if wide or unknown != "dynamics"]
+    def __init__(self, seed: int, protocols: str = "plain") -> None:
+        self.protocols, self.wide = SETS[protocols], protocols != "plain"
+        known = [unknown for unknown in UNKNOWNS if self.wide or unknown != "dynamics"]
         self.seed, self.rng, self.made, self.nulls = seed, np.random.default_rng([seed, 77]), 0, 0
         subjects = [(law, name) for law, names in VISIBLE.items() for name in names]
         self.subjects = {kind: _rounds(subjects, self.rng) for kind in ("tier1", "tier2", "tier3", "pair")}
@@ -127,13 +147,13 @@ class _Drawer:
         )
         self.subjects["null"] = _rounds([(law, "") for law in VISIBLE], self.rng)
         self.kinds: dict[str, Callable[[Plan, str], Plan]] = {
-            "tier1": lambda p, e: replace(p, secrets=(_secret(e, True, self.rng),)),
-            "tier2": lambda p, e: replace(p, secrets=(_secret(e, False, self.rng),), tier=2),
+            "tier1": lambda p, e: replace(p, secrets=(_secret(e, p.driven.kind, True, self.rng),)),
+            "tier2": lambda p, e: replace(p, secrets=(_secret(e, p.driven.kind, False, self.rng),), tier=2),
             "tier3": self._coloured,
             "pair": self._pair,
             "null": self._null,
             "unknown": self._unknown,
-            "blunt": lambda p, e: replace(p, secrets=(_secret(e, True, self.rng),), protocol="blunt"),
+            "blunt": lambda p, e: replace(p, secrets=(_secret(e, "isobaric", True, self.rng),), protocol="blunt"),
         }
 
     def plan(self, kind: str) -> Plan:
@@ -141,10 +161,13 @@ class _Drawer:
         law, effect = next(self.subjects[kind])
         self.made += 1
         rng = self.rng
+        showing = [name for name in self.protocols if not effect or _forms(effect, PROTOCOLS[name].kind)]
+        if not showing:
+            return self.plan(kind)
         plan = Plan(
             seed=self.seed * 100_000 + self.made,
             law=law,
-            protocol=str(rng.choice(SHARP)),
+            protocol=str(rng.choice(showing)),
             sigma_N=float(rng.choice([1.0, 2.0, 4.0])),
             warming=bool(rng.random() < 0.5),
             other_specimen=bool(rng.random() < 0.4),
@@ -152,7 +175,6 @@ class _Drawer:
         if self.wide:
             plan = replace(
                 plan,
-                protocol=str(rng.choice(WIDE)),
                 gauges=str(rng.choice(list(GAUGES), p=(0.6, 0.2, 0.2))),
                 fault=str(rng.choice(list(FAULTS))) if rng.random() < 0.4 else None,
             )
@@ -164,14 +186,19 @@ class _Drawer:
     def _coloured(self, plan: Plan, effect: str) -> Plan:
         textbook = bool(self.rng.random() < 0.5)
         return replace(
-            plan, secrets=(_secret(effect, textbook, self.rng),), tier=3, noise=str(self.rng.choice(COLOURED))
+            plan,
+            secrets=(_secret(effect, plan.driven.kind, textbook, self.rng),),
+            tier=3,
+            noise=str(self.rng.choice(COLOURED)),
         )
 
     def _pair(self, plan: Plan, effect: str) -> Plan:
-        others = [e for e in VISIBLE[plan.law] if FAMILY.get(e, e) != FAMILY.get(effect, effect)]
+        shown = [e for e in VISIBLE[plan.law] if _forms(e, plan.driven.kind)]
+        others = [e for e in shown if FAMILY.get(e, e) != FAMILY.get(effect, effect)]
         textbook = bool(self.rng.random() < 0.5)
         names = (effect, str(self.rng.choice(others)))
-        return replace(plan, secrets=tuple(_secret(n, textbook, self.rng) for n in names), tier=1 if textbook else 2)
+        secrets = tuple(_secret(n, plan.driven.kind, textbook, self.rng) for n in names)
+        return replace(plan, secrets=secrets, tier=1 if textbook else 2)
 
     def _null(self, plan: Plan, effect: str) -> Plan:
         self.nulls += 1
@@ -180,7 +207,7 @@ class _Drawer:
         return replace(plan, noise=noise, tier=3 if coloured else 1)
 
     def _unknown(self, plan: Plan, effect: str) -> Plan:
-        form = str(self.rng.choice(list(UNKNOWNS[effect])))
+        form = str(self.rng.choice(_forms(effect, plan.driven.kind)))
         return replace(plan, unknown=Secret(effect, form, _ratio(self.rng, 1.0)), tier=1 if form == "textbook" else 2)
 
 
@@ -204,17 +231,18 @@ def make_challenge(
     seed: int = 1,
     only: str | None = None,
     left_out: Callable[[Path, RigRecord], Sequence[str]] | None = None,
-    wide: bool = False,
+    protocols: str = "plain",
 ) -> list[dict[str, object]]:
     """Writes n cases cNNN into a folder, questions.json (case and law of each) and truth.json; returns the truth.
 
     A draw whose effect cannot be as large as asked is drawn anew. `left_out` says, by a case's folder and record, which
-    effects or forms its question forbids; there each case hides one effect. A `wide` set has all protocols, sensors and
-    faults.
+    effects or forms its question forbids; there each case hides one effect. `protocols` is one of SETS.
     """
+    if protocols not in SETS:
+        raise ValueError(f"protocols {protocols!r}: one of {', '.join(SETS)}")
     folder = Path(folder)
-    kinds = quotas(n, only, SINGLE if left_out is not None else WIDE_SHARES if wide else SHARES)
-    drawer = _Drawer(seed, wide)
+    drawer = _Drawer(seed, protocols)
+    kinds = quotas(n, only, SINGLE if left_out is not None else WIDE_SHARES if drawer.wide else SHARES)
     truth: list[dict[str, object]] = []
     for i, at in enumerate(steps(drawer.rng.permutation(n), "writing cases")):
         kind = kinds[at]

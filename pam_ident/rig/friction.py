@@ -149,7 +149,7 @@ def _slip(count: int) -> Form:
         longest = rng.uniform(0.012, 0.035)
         reach = longest * (np.arange(count) + 1) / count
         weight = rng.uniform(0.5, 1.5, count)
-        shape = maxwell_slip(c.eps, reach, weight / weight.sum())
+        shape = maxwell_slip(c.slide, reach, weight / weight.sum())
         return {"reach": longest, "elements": count}, scaled(-shape)
 
     form.__doc__ = f"Maxwell slip with {count} elements."
@@ -167,13 +167,13 @@ def bouc_wen(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Setting
         towards = way if z >= 0 else -way
         return (1 - abs(z) ** n * ((1 - gamma) + gamma * towards)) / reach
 
-    return {"reach": reach, "n": n, "beta": gamma}, scaled(-travel_path(c.eps, 0.0, slope))
+    return {"reach": reach, "n": n, "beta": gamma}, scaled(-travel_path(c.slide, 0.0, slope))
 
 
 def dahl(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Dahl 1968: dz/dx = |1 - z sgn(dx)|^i / reach."""
     reach, power = rng.uniform(0.006, 0.015), rng.uniform(1.0, 1.6)
-    shape = travel_path(c.eps, 0.0, lambda way, z: max(1 - z * way, 0.0) ** power / reach)
+    shape = travel_path(c.slide, 0.0, lambda way, z: max(1 - z * way, 0.0) ** power / reach)
     return {"reach": reach, "power": power}, scaled(-shape)
 
 
@@ -181,8 +181,8 @@ def lugre(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, 
     """Canudas de Wit 1995: z' = v - |v| z/(reach g(v)), force z/reach, g falling a little with speed."""
     reach, peak, vs = rng.uniform(0.006, 0.015), rng.uniform(1.1, 1.3), rng.uniform(3.0, 12.0)
     level = 1 + (peak - 1) * np.exp(-((speed_mm_s(c) / vs) ** 2))
-    z, shape = 0.0, np.zeros_like(c.eps)
-    for i, dx in enumerate(np.diff(c.eps).tolist()):
+    z, shape = 0.0, np.zeros_like(c.slide)
+    for i, dx in enumerate(np.diff(c.slide).tolist()):
         if dx != 0.0:
             end = level[i + 1] * (1.0 if dx > 0 else -1.0)
             z = end + (z - end) * float(np.exp(-abs(dx) / (reach * level[i + 1])))

@@ -27,8 +27,9 @@ def _growth(c: RigRun, m: RigMuscle) -> list[float]:
 
 
 def lag_quasi_steady(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """p_m = p - T p_abs (V'/V) eps'; size T in s."""
-    fall = (c.pressure + AMBIENT_MPA) * m.specimen.log_volume_slope(c.eps) * c.rate
+    """p_m = p - T [p' + p_abs (V'/V) eps'] at the rates of pressure and contraction; size T in s."""
+    fall = np.gradient(c.pressure, c.time + 1e-9 * np.arange(len(c.time)))
+    fall += (c.pressure + AMBIENT_MPA) * m.specimen.log_volume_slope(c.eps) * c.rate
     fall = np.where(c.moving != 0, fall, 0.0)
     return {}, lambda size: _by_gas(c, m, c.pressure - size * fall)
 
@@ -128,13 +129,13 @@ def maxwell_arms(c: RigRun, drive: Array, taus: Array, weights: Array) -> Array:
 def creep_solid(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Standard linear solid on the contraction: -G (eps - q), q' = (eps - q)/tau; size G in N."""
     tau = float(np.exp(rng.uniform(np.log(2.0), np.log(12.0))))
-    return {"tau_s": tau}, scaled(-maxwell_arms(c, c.eps, np.array([tau]), np.ones(1)))
+    return {"tau_s": tau}, scaled(-maxwell_arms(c, c.slide, np.array([tau]), np.ones(1)))
 
 
 def _prony(taus: Array, rng: np.random.Generator, c: RigRun) -> tuple[Settings, Force]:
     weight = rng.uniform(0.5, 1.5, len(taus))
     settings = {f"tau{i}_s": float(t) for i, t in enumerate(taus)}
-    return settings, scaled(-maxwell_arms(c, c.eps, taus, weight / weight.sum()))
+    return settings, scaled(-maxwell_arms(c, c.slide, taus, weight / weight.sum()))
 
 
 def creep_prony2(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
@@ -150,7 +151,7 @@ def creep_prony3(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Set
 def creep_log_time(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Relaxation straight in log time from 0.3 to 300 s: a flat spectrum of arms."""
     taus = np.geomspace(0.3, 300.0, 10)
-    return {"fastest_s": 0.3, "slowest_s": 300.0}, scaled(-maxwell_arms(c, c.eps, taus, np.full(10, 0.1)))
+    return {"fastest_s": 0.3, "slowest_s": 300.0}, scaled(-maxwell_arms(c, c.slide, taus, np.full(10, 0.1)))
 
 
 def creep_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
@@ -158,7 +159,7 @@ def creep_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Sett
     beta = rng.uniform(0.15, 0.5)
     taus = np.geomspace(0.3, 300.0, 12)
     weight = taus**-beta
-    return {"beta": beta}, scaled(-maxwell_arms(c, c.eps, taus, weight / weight.sum()))
+    return {"beta": beta}, scaled(-maxwell_arms(c, c.slide, taus, weight / weight.sum()))
 
 
 def creep_by_force(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
@@ -207,12 +208,12 @@ def mullins_elastic(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[
 def mullins_travel(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Damage by the way travelled within the isobar, no step between cycles."""
     n0 = rng.uniform(0.8, 2.0)
-    way = np.cumsum(np.abs(np.diff(c.eps, prepend=c.eps[0])) * (c.moving != 0))
+    way = np.cumsum(np.abs(np.diff(c.slide, prepend=c.slide[0])) * (c.moving != 0))
     out = np.empty_like(way)
     for number in np.unique(c.isobar):
         here = c.isobar == number
         done = way[here] - way[here][0]
-        out[here] = np.exp(-done / (2 * n0 * c.eps[here].max()))
+        out[here] = np.exp(-done / (2 * n0 * np.ptp(c.slide[here & (c.moving != 0)])))
     return {"n0": n0}, scaled(out)
 
 

@@ -119,6 +119,14 @@ class RigMuscle:
         """dF/dp (N/MPa), by a central difference: both laws are straight lines in p."""
         return (self.law.force(p + 0.01, eps) - self.law.force(p - 0.01, eps)) / 0.02
 
+    def contraction(self, p: Array, load: Array) -> Array:
+        """Contraction at which the muscle holds a load (N) at gauge pressure p (MPa), shapes (m,)."""
+        eps = np.full_like(p, 0.05)
+        for _ in range(30):
+            slope = (self.law.force(p, eps + 1e-4) - self.law.force(p, eps - 1e-4)) / 2e-4
+            eps = eps - np.clip((self.law.force(p, eps) - load) / slope, -0.05, 0.05)
+        return eps
+
     def stroke_mm(self, pressure: float, share: float = 0.28) -> float:
         """Where the stroke ends: at zero force, or at `share` of the length if that comes first."""
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from itertools import cycle, islice
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,8 @@ class RigRun:
 
     time (s), contraction eps, rate d(eps)/dt (1/s), pressure at the valve (gauge MPa), temperature (deg C),
     moving -1 (extension) | 0 | +1 (contraction), heading = last motion, cycle within the isobar from 1,
-    count of cycles since the start of the test, isobar number from 0.
+    count of cycles since the start of the test, isobar number from 0. `slide` is the contraction of the braid, of which
+    rate, moving and heading are; `load` (N) what hangs on a muscle whose length answers, None where that is driven.
     """
 
     time: Array
@@ -41,6 +42,8 @@ class RigRun:
     isobar: Array
     rows: NDArray[np.intp]
     length_mm: float
+    slide: Array
+    load: Array | None = None
 
     def since_stop(self) -> Array:
         """Seconds since the last motion ended, 0 while moving."""
@@ -74,6 +77,7 @@ class Protocol:
     unevenness: float = 0.14
     substeps: int = 8
     breathing: float = 0.0
+    kind: ClassVar[str] = "isobaric"
 
     def __post_init__(self) -> None:
         for name in ("pressures_MPa", "speeds_mm_s"):
@@ -277,10 +281,11 @@ class _Log:
             isobar,
             np.flatnonzero(logged > 0),
             self.length_mm,
+            x / self.length_mm,
         )
 
 
-PROTOCOLS: dict[str, Protocol] = {
+ISOBARIC: dict[str, Protocol] = {
     "standard": Protocol(),
     "other_speeds": Protocol(speeds_mm_s=(1.0, 5.0, 25.0), hold_s=6.0),
     "four_speeds": Protocol(speeds_mm_s=(2.0, 6.0, 20.0, 60.0), move_rows=30, hold_rows=8),

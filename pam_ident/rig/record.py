@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from .drives import PROTOCOLS, Drive
 from .faults import FAULTS
 from .hidden import Hidden, TooSmall, carry_over, draw_hidden
 from .muscle import Array, RigMuscle, draw_muscle, draw_specimen
-from .protocol import PROTOCOLS, Protocol, RigRun
+from .protocol import Protocol, RigRun
 from .refit import law_residual, rms
 from .sensors import GAUGES, RigSensors, temperature_course
 
@@ -51,7 +52,7 @@ class Plan:
     law: str = "exponential_law"
     secrets: tuple[Secret, ...] = ()
     unknown: Secret | None = None
-    protocol: str | Protocol = "standard"
+    protocol: str | Protocol | Drive = "standard"
     sigma_N: float = 2.0
     noise: str = "white"
     gauges: str = "good"
@@ -69,7 +70,7 @@ class Plan:
             raise ValueError(f"gauges {self.gauges!r}, fault {self.fault!r}: of {list(GAUGES)} and {list(FAULTS)}")
 
     @property
-    def driven(self) -> Protocol:
+    def driven(self) -> Protocol | Drive:
         """The protocol itself."""
         return PROTOCOLS[self.protocol] if isinstance(self.protocol, str) else self.protocol
 
@@ -116,7 +117,7 @@ def _hide(secret: Secret, place: int, plan: Plan, sized_on: RigRun, course: RigR
     raise TooSmall(f"{secret.name} ({secret.form}) cannot leave {secret.ratio:.2g} times the noise in this record")
 
 
-def _run(plan: Plan, protocol: Protocol, muscle: RigMuscle, warming: bool) -> RigRun:
+def _run(plan: Plan, protocol: Protocol | Drive, muscle: RigMuscle, warming: bool) -> RigRun:
     course = protocol.run(muscle, _stream(plan.seed, 2))
     room = temperature_course(course.time, _stream(plan.seed, 4), warming)
     return replace(course, temperature=room + protocol.heating(course.time))
@@ -150,13 +151,18 @@ def make_record(plan: Plan) -> RigRecord:
 def _log(plan: Plan, course: RigRun, muscle: RigMuscle, added: Array, rng: np.random.Generator) -> Array:
     """What the sensors make of a run in which `added` (n,) is hidden, N: the table."""
     time, p, eps = course.time[course.rows], course.pressure[course.rows], course.eps[course.rows]
-    levels = np.array(plan.driven.pressures_MPa)
+    level = np.full_like(p, np.nan)
+    if isinstance(plan.driven, Protocol):
+        levels = np.array(plan.driven.pressures_MPa)
+        level = levels[np.argmin(np.abs(p[:, None] - levels), axis=1)]
+    if course.load is not None:
+        eps = muscle.contraction(p, course.load[course.rows] - added)
     sensors = RigSensors(plan.sigma_N, plan.noise, *GAUGES[plan.gauges])
     force = muscle.force(p, eps) + added + sensors.force_noise(time, p, rng)
     columns = (
         time,
         course.cycle[course.rows],
-        levels[np.argmin(np.abs(p[:, None] - levels), axis=1)],
+        level,
         p + sensors.pressure_MPa * rng.standard_normal(len(p)),
         eps * course.length_mm + sensors.displacement_mm * rng.standard_normal(len(p)),
         force,
@@ -186,15 +192,16 @@ def write_case(folder: str | Path, record: RigRecord, times: int = 1) -> dict[st
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    line = ",".join(f"%.{d}f" for d in DECIMALS) + "\n"
+    logged = [k for k, name in enumerate(COLUMNS) if not np.isnan(record.column(name)).all()]
+    line = ",".join(f"%.{DECIMALS[k]}f" for k in logged) + "\n"
     unfinished = folder / ".record.csv"
     try:
         with unfinished.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(",".join(COLUMNS) + "\n")
+            file.write(",".join(COLUMNS[k] for k in logged) + "\n")
             for table in repeats(record, times):
                 for begin in range(0, len(table), PIECE):
                     piece = table[begin : begin + PIECE]
-                    piece = piece[~np.isnan(piece[:, 0])]
+                    piece = piece[~np.isnan(piece[:, 0])][:, logged]
                     file.write((line * len(piece) % tuple(piece.ravel().tolist())).replace("nan", ""))
         unfinished.replace(folder / "record.csv")
     finally:
@@ -226,6 +233,7 @@ def write_case(folder: str | Path, record: RigRecord, times: int = 1) -> dict[st
         "sizes": {h.name: h.size for h in record.hidden},
         "settings": {h.name: h.settings for h in record.hidden},
         "protocol": plan.protocol if isinstance(plan.protocol, str) else "file",
+        "driven": plan.driven.kind,
         "seed": plan.seed,
     }
 

@@ -187,7 +187,7 @@ def moving_mass(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Sett
 
 def _along(c: RigRun) -> Array:
     """Way in mm since the stroke began, shape (m,)."""
-    step = np.abs(np.diff(c.eps, prepend=c.eps[0])) * c.length_mm
+    step = np.abs(np.diff(c.slide, prepend=c.slide[0])) * c.length_mm
     whole = np.cumsum(step)
     began = np.r_[True, np.diff(c.heading) != 0]
     return whole - np.maximum.accumulate(np.where(began, whole, 0.0))

@@ -51,17 +51,22 @@ class Challenge:
 
 
 def write_challenge(
-    folder: str, n: int = 60, seed: int = 1, only: str | None = None, holdout: str | None = None, wide: bool = False
+    folder: str,
+    n: int = 60,
+    seed: int = 1,
+    only: str | None = None,
+    holdout: str | None = None,
+    protocols: str = "plain",
 ) -> int:
     """Write `n` cases and their answers (truth.json) into `folder`; how many were written.
 
-    `only` asks for cases of one kind; `holdout` leaves the hidden "effects", or their "forms", out of the catalogue; a
-    `wide` set has all protocols, sensors and faults. Raises UsageError for an unknown kind or holdout, or a count below
-    1.
+    `only` asks for cases of one kind; `holdout` leaves the hidden "effects", or their "forms", out of the catalogue;
+    `protocols` are plain, all, or of one kind of test that drives the pressure. Raises UsageError for an unknown kind,
+    holdout or set of protocols, or a count below 1.
     """
     leaves = None if holdout is None else left_out(holdout)
     try:
-        return len(make_challenge(folder, n, seed, only, leaves, wide))
+        return len(make_challenge(folder, n, seed, only, leaves, protocols))
     except ValueError as error:
         raise UsageError(str(error)) from None
 
@@ -73,7 +78,7 @@ def sit_challenge(
     only: str | None = None,
     executor: Executor | None = None,
     holdout: str | None = None,
-    wide: bool = False,
+    protocols: str = "plain",
 ) -> Challenge:
     """Write a set into `folder`, let the program answer (answers.jsonl), then open the envelope and score.
 
@@ -84,7 +89,7 @@ def sit_challenge(
         raise UsageError(
             f"{folder}: holds a set already; name another folder, or score your answers to it by --answers"
         )
-    write_challenge(str(folder), n, seed, only, holdout, wide)
+    write_challenge(str(folder), n, seed, only, holdout, protocols)
     start = time.perf_counter()
     answers = answer_all(folder, executor)
     seconds = time.perf_counter() - start

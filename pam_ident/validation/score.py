@@ -12,7 +12,7 @@ from typing import Any
 from ..rig.challenge import FAMILY
 
 Json = Mapping[str, Any]
-NOTHING, UNKNOWN = "nothing", "unknown"
+NOTHING, UNKNOWN, REFUSED = "nothing", "unknown", "refused"
 KINDS = {
     "tier1": "textbook form",
     "tier2": "another form",
@@ -21,6 +21,7 @@ KINDS = {
     "null": "nothing hidden",
     "unknown": "outside the catalogue",
     "blunt": "one speed only",
+    "isotonic": "dead weight",
     "held out": "left out of the catalogue",
 }
 PATTERN = {"screw_ripple": "periodic", "rub": "local", "mount_slip": "step", "wandering_sensor": "trend"}
@@ -34,9 +35,10 @@ class Score:
 
     `right`: the first name, or one it is grouped with, is hidden there; both names of two; the verdict where nothing
     or something unknown is hidden, or an effect that the question left out; the group of friction and damping in a
-    record of one speed. `exact`: no other family is named besides; no other effect besides two; the unknown's kind; no
-    name beside what was left out; the test that splits the group. `grouped`: right, if each name stands for its whole
-    group. `removed` is the share of the removable squared error that was removed, None where nothing known is hidden.
+    record of one speed; of a dead weight a refusal, too, which elsewhere is no answer. `exact`: no other family is
+    named besides; no other effect besides two; the unknown's kind; no name beside what was left out; the test that
+    splits the group. `grouped`: right, if each name stands for its whole group. `removed` is the share of the
+    removable squared error that was removed, None where nothing known is hidden.
     `statements` are probabilities with whether they were true.
     """
 
@@ -71,7 +73,13 @@ def family(name: str) -> str:
 
 
 def kind_of(truth: Json) -> str:
-    """The kind of a case, by what is hidden in it."""
+    """The kind of a case, by what is hidden in it; a dead weight is a kind whatever is hidden."""
+    if truth.get("driven") == "isotonic":
+        return "isotonic"
+    return _hidden_kind(truth)
+
+
+def _hidden_kind(truth: Json) -> str:
     if truth["unknown"]:
         return "unknown"
     if any(name in truth["truth"] for name in truth.get("without", ())):
@@ -85,7 +93,8 @@ def kind_of(truth: Json) -> str:
 
 def score(truth: Json, answer: Json) -> Score:
     """One answer against the truth."""
-    kind, hidden, named = kind_of(truth), set(truth["truth"]), list(answer.get("selected") or [])
+    kind, hidden, named = _hidden_kind(truth), set(truth["truth"]), list(answer.get("selected") or [])
+    refused = "rmse_N" in answer and answer["rmse_N"] is None
     groups = [set(group) for group in answer.get("groups") or []]
     covered = [_group(name, groups) for name in named]
     each = all(any(name in group for group in covered) for name in hidden)
@@ -108,15 +117,17 @@ def score(truth: Json, answer: Json) -> Score:
         first = covered[0] if covered else set()
         right = bool(first & hidden) and len(first) <= CROWD
         exact = right and {family(n) for n in named} == {family(n) for n in hidden}
+    if refused:
+        right = exact = truth.get("driven") == "isotonic"
     return Score(
         str(truth["case"]),
-        kind,
+        kind_of(truth),
         right,
         exact,
         right or (kind == "pair" and each),
         _removed(truth, answer),
         (*sorted(hidden), *([truth["unknown"]] if truth["unknown"] else [])),
-        (*named, *([UNKNOWN] if answer["verdict"] == "unknown_effect" else [])),
+        (*named, *([REFUSED] if refused else [UNKNOWN] if answer["verdict"] == "unknown_effect" else [])),
         _confused(truth, answer, covered),
         _statements(hidden, answer, groups),
     )

@@ -333,6 +333,7 @@ def test_quotas_add_up():
         lambda: EXPONENTIAL.stroke_mm(0.05),
         lambda: quotas(0),
         lambda: quotas(4, "tier9"),
+        lambda: make_challenge("nowhere", 1, protocols="round"),
     ],
 )
 def test_nonsense_is_refused(nonsense):

@@ -76,6 +76,15 @@ def test_nothing_an_unknown_and_a_poor_protocol_are_asked_for_by_the_verdict():
     assert grade(score(poor, answer("viscous_damping"))) == (False, False)
 
 
+def test_a_refusal_is_right_of_a_dead_weight_alone():
+    refused = answer(verdict="unknown_effect", rmse_N=None)
+    weight = truth("creep") | {"driven": "isotonic"}
+    assert grade(score(weight, refused)) == grade(score(weight, answer("creep"))) == (True, True)
+    assert grade(score(weight, answer("coulomb_friction"))) == (False, False)
+    assert score(weight, refused).kind == "isotonic" and score(weight, refused).named == ("refused",)
+    assert grade(score(truth(unknown="screw_ripple"), refused)) == (False, False)
+
+
 def test_the_error_removed_is_that_of_the_squares_above_the_noise():
     # base 25, noise 9, after 11.56 N²: 1 − 2.56 / 16
     assert score(truth("creep"), answer("creep", rmse_after_N=3.4)).removed == pytest.approx(0.84)
