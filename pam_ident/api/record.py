@@ -10,6 +10,7 @@ from ..core import Specimen, UsageError
 from ..core.nearest import unknown
 from ..records import Record, read_record, record_from_frame
 from ..records.kind import check_kind
+from ..records.record import rebuilt
 from ..records.specimen_file import read_kind
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def read(
     if not said and isinstance(specimen, str | os.PathLike):
         said = read_kind(Path(specimen))
     found = _read(source, specimen, columns, name)
-    return ShownRecord.of(replace(found, said_kind=said) if said else found)
+    return ShownRecord.of(rebuilt(found, found.specimen, said) if said else found)
 
 
 def _read(source: Any, specimen: Any, columns: Any, name: str) -> Record:

@@ -106,7 +106,8 @@ class Inputs:
     `velocity` is dx/dt of the contraction in mm/s; `direction` is +1 on the contraction branch, −1 on
     extension, 0 where a static table knows no branch; a hold keeps the direction of the motion before
     it and has `moving` False. `stroke_speed` is the median speed of the stroke a sample belongs to.
-    `segment` numbers the runs between changes of pressure or gaps in time.
+    `segment` numbers the runs between changes of what is held or gaps in time. `slide` is the contraction of the braid
+    alone, of which velocity and direction are, where that is another; `pressure_rate`, in MPa/s, that of a driven one.
     Fields that a record lacks are None. With `live` the samples are no record, but n muscles at one instant.
     """
 
@@ -121,6 +122,8 @@ class Inputs:
     cycle: Array | None = None
     temperature: Array | None = None
     segment: Array | None = None
+    slide: Array | None = None
+    pressure_rate: Array | None = None
     live: Live | None = None
 
     def __len__(self) -> int:
@@ -135,6 +138,16 @@ class Inputs:
     def displacement_mm(self) -> Array:
         """Contraction in mm, shape (n,)."""
         return self.contraction * self.specimen.initial_length_mm
+
+    @property
+    def way(self) -> Array:
+        """Contraction of the braid, along which it slides and rubs, shape (n,)."""
+        return self.contraction if self.slide is None else self.slide
+
+    @property
+    def way_mm(self) -> Array:
+        """The same in mm, shape (n,)."""
+        return self.displacement_mm if self.slide is None else self.slide * self.specimen.initial_length_mm
 
     def has(self, need: str) -> bool:
         """Whether the record holds what `need` names: branch, motion, time, cycle or temperature."""

@@ -57,7 +57,7 @@ def _acceleration(inputs: Inputs) -> Array | None:
 def _way(inputs: Inputs) -> Array | None:
     if inputs.moving is None:
         return None
-    x = inputs.displacement_mm
+    x = inputs.way_mm
     way = np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
     stroke = max(float(np.ptp(x)), 1e-9)
     share = way[:, None] / (stroke * np.array([0.03, 0.1, 0.25]))
@@ -70,7 +70,7 @@ def _rest(inputs: Inputs) -> Array | None:
     held = time_held(inputs, ~inputs.moving) * ~inputs.moving
     resting = [np.log1p(held / tau) * inputs.direction for tau in (0.3, 10.0)]
     longest = float(np.clip(0.1 * np.ptp(inputs.time), 2.0, 100.0))  # what takes longer is the clock's
-    relaxed = [relax(inputs, inputs.contraction, float(tau)) for tau in np.geomspace(0.5, longest, 6)]
+    relaxed = [relax(inputs, inputs.way, float(tau)) for tau in np.geomspace(0.5, longest, 6)]
     return np.column_stack(relaxed + resting)
 
 
@@ -78,7 +78,7 @@ def _cycle(inputs: Inputs) -> Array | None:
     if inputs.cycle is None or len(np.unique(inputs.cycle)) < 2:
         return None
     count = inputs.cycle - inputs.cycle.min()
-    way = way_travelled(inputs) / max(float(np.ptp(inputs.displacement_mm)), 1e-9)
+    way = way_travelled(inputs) / max(float(np.ptp(inputs.way_mm)), 1e-9)
     states = [np.exp(-count), 1.0 / (1.0 + count), np.log1p(way)]
     if inputs.segment is not None:
         test = cycles_of_test(inputs) - 1.0

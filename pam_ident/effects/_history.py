@@ -50,7 +50,7 @@ def _relax_live(live: Live, inputs: Inputs, drive: Array, tau: Array) -> Array:
 
 def _moved_live(live: Live, inputs: Inputs, move: Callable[[Array, Array], Array]) -> Array:
     """State that begins at 0, and that `move` takes from one instant to the next over the travel in mm."""
-    x = inputs.displacement_mm
+    x = inputs.way_mm
     return live.step((inputs.xp.zeros_like(x), x), lambda state, before: (move(state, x - before), x))[0]
 
 
@@ -88,7 +88,7 @@ def greatest_so_far(inputs: Inputs, values: Array) -> Array:
 def way_travelled(inputs: Inputs) -> Array:
     """Millimetres gone to and fro up to each sample, since cycles were last counted anew, the rubber rested, (n,)."""
     assert inputs.cycle is not None
-    x = inputs.displacement_mm
+    x = inputs.way_mm
     if inputs.live is not None:
         xp = inputs.xp
         return inputs.live.step((xp.zeros_like(x), x), lambda way, before: (way + xp.abs(x - before), x))[0]
@@ -249,7 +249,7 @@ class _Way:
 
 @lru_cache(maxsize=8)
 def _one_way(inputs: Inputs) -> _Way:
-    x = inputs.displacement_mm
+    x = inputs.way_mm
     travel, run, steps = np.empty(len(x)), np.empty(len(x), int), []
     last = x[0]
     segment = np.zeros(len(x)) if inputs.segment is None else inputs.segment

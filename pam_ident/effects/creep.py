@@ -31,7 +31,7 @@ def _drive(inputs: Inputs, drive: Array, tau: float) -> Array:
 
 
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(_drive(inputs, inputs.contraction, values["tau"]))
+    return one(_drive(inputs, inputs.way, values["tau"]))
 
 
 def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -41,11 +41,11 @@ def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _prony(inputs: Inputs, values: Values, force: Array) -> Array:
     times = [values["tau"] * ratio for ratio in (0.1, 1.0, 10.0)]
-    return inputs.xp.stack([_drive(inputs, inputs.contraction, tau) for tau in times]).T
+    return inputs.xp.stack([_drive(inputs, inputs.way, tau) for tau in times]).T
 
 
 def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(inputs.xp.stack([_drive(inputs, inputs.contraction, tau) for tau in DECADES]).sum(axis=0) / len(DECADES))
+    return one(inputs.xp.stack([_drive(inputs, inputs.way, tau) for tau in DECADES]).sum(axis=0) / len(DECADES))
 
 
 def _force(inputs: Inputs, values: Values, force: Array) -> Array:

@@ -36,7 +36,7 @@ def slipping(inputs: Inputs, width: float) -> float:
     """`width`, or what still slips in both directions: an element that never does is a spring, and the bladder's."""
     if inputs.live is not None:
         return width
-    return min(width, 0.4 * float(np.ptp(inputs.displacement_mm)) or width)
+    return min(width, 0.4 * float(np.ptp(inputs.way_mm)) or width)
 
 
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:

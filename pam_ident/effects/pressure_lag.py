@@ -32,15 +32,30 @@ N = Param("n", "1", "exponent of the flow", 0.4, 2.5, start=1.5, grid=(0.6, 1.5,
 
 
 def _widening(inputs: Inputs) -> Array:
-    """V̇/V of the braid's cylinder in 1/s, shape (n,)."""
+    """V̇/V of the braid's cylinder in 1/s, shape (n,); where the pressure is driven, gas flows for ṗ/p_abs, too."""
     assert inputs.velocity is not None
     stroke_rate = inputs.velocity / inputs.specimen.initial_length_mm
-    return inputs.specimen.log_volume_slope(inputs.contraction) * stroke_rate
+    if inputs.slide is not None and inputs.pressure_rate is not None:
+        return inputs.pressure_rate / _absolute(inputs)
+    widening = inputs.specimen.log_volume_slope(inputs.contraction) * stroke_rate
+    return widening if inputs.pressure_rate is None else widening + inputs.pressure_rate / _absolute(inputs)
+
+
+def _absolute(inputs: Inputs) -> Array:
+    """Absolute pressure in MPa, shape (n,)."""
+    return inputs.pressure + ATMOSPHERE_MPA
+
+
+def _log_gas(inputs: Inputs) -> Array:
+    """ln V/V0 of the gas that flows, shape (n,): times the absolute pressure where that is driven."""
+    xp = inputs.xp
+    volume = xp.log(_volume(inputs))
+    return volume if inputs.pressure_rate is None else volume + xp.log(_absolute(inputs))
 
 
 def _rate(inputs: Inputs) -> Array:
     """p_abs V̇/V in MPa/s, shape (n,)."""
-    return (inputs.pressure + ATMOSPHERE_MPA) * _widening(inputs)
+    return _absolute(inputs) * _widening(inputs)
 
 
 def _volume(inputs: Inputs) -> Array:
@@ -80,7 +95,7 @@ def _two_ways(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _lagging(inputs: Inputs, values: Values, force: Array) -> Array:
     """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
-    return -_parts(inputs, relax(inputs, inputs.xp.log(_volume(inputs)), values["tau"]))
+    return -_parts(inputs, relax(inputs, _log_gas(inputs), values["tau"]))
 
 
 def _filling(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -92,7 +107,7 @@ def _filling(inputs: Inputs, values: Values, force: Array) -> Array:
 def _through_valve(inputs: Inputs, tau: Array | float, ways: Array | float = 1.0) -> Array:
     """A valve of fixed conductance fills a larger volume more slowly: τ grows with V."""
     volume = _volume(inputs)
-    return one(-(inputs.pressure + ATMOSPHERE_MPA) * relax(inputs, inputs.xp.log(volume), tau * volume * ways))
+    return one(-_absolute(inputs) * relax(inputs, _log_gas(inputs), tau * volume * ways))
 
 
 def _conductance(inputs: Inputs, values: Values, force: Array) -> Array:

@@ -1,17 +1,21 @@
 """What repeated cycles say: how large the noise is, and whether a fit leaves more than that."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import legendre
 
+from ..core import Inputs
 from ..records import Record
 from .fit import Fit
 
 Array = np.ndarray
 SHAPES = 4
 """Coefficients of each stroke in which a lack of fit is looked for."""
+SAME_COURSE = 0.05
+"""Share of their ranges within which pressure and contraction of two strokes are the same."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +45,7 @@ class LackOfFit:
 
 def repeats(record: Record, rows: Array, at_rest: bool = False) -> list[list[tuple[Array, Array]]]:
     """Groups of two strokes or more of one isobar, branch and speed, of at least 3 · SHAPES samples of `rows` each.
+    Where the pressure is driven, one course of it and of the length stands for the isobar.
 
     Of each stroke its rows, and its contraction scaled to −1 … 1 over the group. `rows` is a mask (n,). `at_rest`
     takes the holds behind those strokes instead, of SHAPES samples at least, by the time in s since each began.
@@ -52,21 +57,47 @@ def repeats(record: Record, rows: Array, at_rest: bool = False) -> list[list[tup
     usable = usable[np.argsort(record.stroke[usable], kind="stable")]
     edges = np.flatnonzero(np.diff(record.stroke[usable])) + 1
     strokes = [s for s in np.split(usable, edges) if len(s) >= (1 if at_rest else 3) * SHAPES]
+    driven = _states(inputs)
     alike: dict[tuple[float, float, int], list[Array]] = {}
     for s in strokes:
         # Drives repeat a speed roughly: those in a quarter of its logarithm count as the same.
         pace = round(4.0 * np.log(max(float(inputs.stroke_speed[s[0]]), 1e-9)))
-        alike.setdefault((float(record.level[s[0]]), float(inputs.direction[s[0]]), pace), []).append(s)
+        held = 0.0 if driven is not None else float(record.level[s[0]])
+        alike.setdefault((held, float(inputs.direction[s[0]]), pace), []).append(s)
+    if driven is not None:
+        alike = {(k, 0.0, 0): group for k, group in enumerate(_one_course(driven, alike.values()))}
     found = []
     for group in alike.values():
         if at_rest and len(group) >= 2 and inputs.time is not None:
             found.append([(s, inputs.time[s] - inputs.time[s[0]]) for s in group])
             continue
-        reach = np.concatenate([inputs.contraction[s] for s in group])
+        reach = np.concatenate([inputs.way[s] for s in group])
         low, span = reach.min(), np.ptp(reach)
         if len(group) >= 2 and span > 0:
-            found.append([(s, 2.0 * (inputs.contraction[s] - low) / span - 1.0) for s in group])
+            found.append([(s, 2.0 * (inputs.way[s] - low) / span - 1.0) for s in group])
     return found
+
+
+def _states(inputs: Inputs) -> Array | None:
+    """Pressure and contraction in their ranges, shape (n, 2), where the pressure is driven, else None."""
+    if inputs.pressure_rate is None:
+        return None
+    states = np.column_stack([inputs.pressure, inputs.contraction])
+    return states / np.maximum(np.ptp(states, axis=0), 1e-12)
+
+
+def _one_course(states: Array, groups: Iterable[list[Array]]) -> Iterator[list[Array]]:
+    """Strokes of each group apart by where in pressure and contraction they begin, are half-way, and end."""
+    for group in groups:
+        apart: list[tuple[Array, list[Array]]] = []
+        for s in group:
+            course = states[s[[0, len(s) // 2, -1]]]
+            same = next((found for first, found in apart if np.abs(course - first).max() < SAME_COURSE), None)
+            if same is None:
+                apart.append((course, [s]))
+            else:
+                same.append(s)
+        yield from (found for _, found in apart)
 
 
 def nearest(x: Array, y: Array) -> Array:

@@ -1,10 +1,14 @@
 """Which kind of test a record is: what was driven, what was held, what answered."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ..core import DataError
-from .record import Record
+from ..core import DataError, Specimen
 from .turning import pivots
+
+if TYPE_CHECKING:
+    from .record import Record
 
 Array = np.ndarray
 KINDS = {
@@ -38,36 +42,45 @@ def check_kind(kind: object, where: str) -> str:
     return kind
 
 
-def kind_of(record: Record) -> str:
+def kind_of(record: "Record") -> str:
     """`isobaric`, `isometric`, `isotonic` or `dynamic`: as was said (`kind` in specimen.toml or columns.toml), or as
     the data show it. A static table is isobaric unless one of length and force never changes."""
+    inputs = record.inputs
+    columns = (inputs.pressure, inputs.contraction, record.force, record.level)
+    return record.said_kind or find_kind(record.specimen, *columns, inputs.time is not None)
+
+
+def find_kind(specimen: Specimen, pressure: Array, contraction: Array, force: Array, level: Array, timed: bool) -> str:
+    """The kind of columns (n,) in MPa, 1, N and MPa, `level` the nominal pressures, as the data show it."""
+    step = max(1, len(force) // LOOKED_AT)
     with np.errstate(all="ignore"):
-        return record.said_kind or _found(record)
+        return _found(specimen, pressure[::step], contraction[::step], force[::step], level[::step], timed)
 
 
-def _found(record: Record) -> str:
-    step = max(1, len(record) // LOOKED_AT)
-    p, e, force, level = (
-        values[::step] for values in (record.inputs.pressure, record.inputs.contraction, record.force, record.level)
-    )
+def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, timed: bool) -> str:
     driven = np.ptp(p) > VARIED * np.abs(p).max()
     if driven and np.ptp(e) < HELD_LENGTH:
         return "isometric"
-    blocked = abs(float(record.specimen.ideal_force(np.abs(p).max(), np.zeros(()))))
+    blocked = abs(float(specimen.ideal_force(np.abs(p).max(), np.zeros(()))))
     if driven and force.std() < max(HELD_FORCE * abs(force.mean()), LIGHT * blocked):
         return "isotonic"
-    if record.inputs.time is None:
+    if not timed:
         return "isobaric"
     for held, kind in ((e, "isometric"), (force, "isotonic")):
         if driven and _way(held) < WAY * _way(p):
             return kind
-    return "dynamic" if _wander(p, level) > HELD_PRESSURE else "isobaric"
+    switched = driven and np.count_nonzero(np.diff(level)) >= len(_turns(e))
+    return "dynamic" if switched or _wander(p, level) > HELD_PRESSURE else "isobaric"
+
+
+def _turns(values: Array) -> list[int]:
+    """Where a track (n,) turns, its ends among them; turns of less than a tenth of its range left out."""
+    return pivots(values, 0.1 * float(np.ptp(values)))
 
 
 def _way(values: Array) -> float:
-    """Way from turn to turn in multiples of the range (n,), turns of less than a tenth of it left out."""
-    span = float(np.ptp(values))
-    turns = pivots(values, 0.1 * span)
+    """Way from turn to turn in multiples of the range (n,)."""
+    span, turns = float(np.ptp(values)), _turns(values)
     return float(np.sum(np.abs(np.diff(values[turns])))) / span if span > 0.0 else 0.0
 
 

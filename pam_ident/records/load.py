@@ -61,8 +61,9 @@ def read_record(
         where = where or headers(sources)
     values = join_runs(runs, str(path))
     del runs
-    found = build_loaded(record_name(files, muscle), files.given, files_sha256(files), muscle, values, where, notes)
-    return replace(found, said_kind=said_kind(files, specimen, columns), metadata=read_metadata(files.folder))
+    names = record_name(files, muscle), files.given, files_sha256(files)
+    found = build_loaded(*names, muscle, values, where, notes, said_kind(files, specimen, columns))
+    return replace(found, metadata=read_metadata(files.folder))
 
 
 def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
@@ -126,7 +127,14 @@ def nothing_left(given: str) -> DataError:
 
 
 def build_loaded(
-    name: str, given: str, sha256: str, specimen: Specimen, values: Values, where: dict[str, str], notes: Notes
+    name: str,
+    given: str,
+    sha256: str,
+    specimen: Specimen,
+    values: Values,
+    where: dict[str, str],
+    notes: Notes,
+    said_kind: str = "",
 ) -> Record:
     """A record from values in internal units, less its slack and its clipped rows; `given` is its source, `where` maps
     quantities to columns. Raises DataError where nothing is left."""
@@ -150,6 +158,7 @@ def build_loaded(
         sha256=sha256,
         columns=where,
         masked=masked,
+        said_kind=said_kind,
         groups={key: values[key] for key in ("run", "muscle") if key in values},
         **{key: values.get(key) for key in ("time", "cycle", "temperature")},
     )

@@ -168,15 +168,16 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     for begin, end in pairwise(turns):
         inside = np.arange(begin, end + 1)
         inside = inside[~held[begin : end + 1] & ~moving[begin : end + 1]]
-        inside = max(np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1), key=len)  # a rest may end at its turn
-        if len(inside) < 2:
-            continue
-        count += 1
-        rows = _square_ends(time, x, inside, moving, noise)
-        into.position[rows], slope = _smooth_stroke(time[rows], x[rows], noise)
-        into.velocity[rows], moving[rows], stroke[rows] = slope, True, count
-        direction[rows] = np.sign(x[end] - x[begin])
-        speed[rows] = quantile(np.abs(slope), 0.5)
+        parts = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)  # at stairs, or a rest that ends at its turn
+        for part in parts:
+            if len(part) < 2 or (len(parts) > 1 and abs(x[part[-1]] - x[part[0]]) < reversal(noise, span)):
+                continue
+            count += 1
+            rows = _square_ends(time, x, part, moving, noise)
+            into.position[rows], slope = _smooth_stroke(time[rows], x[rows], noise)
+            into.velocity[rows], moving[rows], stroke[rows] = slope, True, count
+            direction[rows] = np.sign(x[end] - x[begin])
+            speed[rows] = quantile(np.abs(slope), 0.5)
     _carry(direction, moving, stroke, speed)
     _smooth_holds(into.position, x, np.flatnonzero(~moving), noise)
     return count

@@ -41,8 +41,8 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
         more = f" (and {len(rows) - 1} more)" if len(rows) > 1 else ""
         yield Doubt(
             "impossible_value",
-            f"sample {rows[0] + 1}{more} reads a force of {newtons(force[rows[0]])}, which this muscle cannot pull. "
-            "Mend or delete the row.",
+            f"sample {rows[0] + 1}{more} reads a force of {newtons(float(force[rows[0]]))}, which this muscle cannot "
+            "pull. Mend or delete the row.",
             "force",
             True,
         )

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..core import DataError, Inputs, Specimen
+from .kind import find_kind
 from .motion import find_motion
 from .notes import Note
 
@@ -17,6 +18,10 @@ SHORT_LIST = 200
 """Most pressures that may each be an isobar's own value; more are one sensor's noise about fewer."""
 CROWD = 3
 """Most of them within 5 kPa, on average; more are the steps of a coarse sensor."""
+KPA = 1e3
+"""kPa a MPa: a pressure whose course is followed has numbers of the size of a length in mm."""
+GIVE_MM_KN = 1.5
+"""What threads and ends of a locked muscle give, so that its braid slides: of the size that series compliance has."""
 
 
 @dataclass(frozen=True)
@@ -129,16 +134,28 @@ def build_record(
     cycle: Array | None = None,
     direction: Array | None = None,
     temperature: Array | None = None,
+    said_kind: str = "",
     **origin: object,
 ) -> Record:
     """Find strokes, holds, cycles and isobars in measured columns (all of shape (n,), internal units).
 
-    `direction` overrides the branch found from the motion. Raises DataError when time runs backwards.
+    `direction` overrides the branch found from the motion, `said_kind` the kind of test found from the columns. Raises
+    DataError when time runs backwards.
     """
     level = _levels(pressure if level is None else level)
+    origin["said_kind"] = said_kind
     if time is None:
         return _table(name, specimen, pressure, contraction, force, level, direction, temperature, origin)
-    motion = find_motion(time, contraction * specimen.initial_length_mm, level)
+    kind = said_kind or find_kind(specimen, pressure, contraction, force, level, timed=True)
+    held, way, slide, driven = level, contraction, None, None
+    if kind == "isometric":
+        held = _levels(contraction)
+        pull = specimen.ideal_force(pressure, held)  # by the length as it is held: its sensor's noise is no slide
+        way = slide = held + 1e-3 * GIVE_MM_KN / specimen.initial_length_mm * pull
+    if kind in ("isometric", "dynamic"):
+        held = held if kind == "isometric" else np.zeros(len(level))
+        driven = find_motion(time, KPA * pressure, held)
+    motion = find_motion(time, way * specimen.initial_length_mm, held)
     segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
     inputs = Inputs(
         pressure=pressure,
@@ -152,15 +169,40 @@ def build_record(
         cycle=cycle.astype(float),
         temperature=temperature,
         segment=segment,
+        slide=slide,
+        pressure_rate=None if driven is None else driven.velocity / KPA,
     )
     _, number = np.unique(cycle.astype(int), return_inverse=True)
     _, block = np.unique(segment * (number.max() + 1) + number, return_inverse=True)
+    smooth = motion.position / specimen.initial_length_mm
     calm = replace(
         inputs,
-        pressure=_calm_pressure(pressure, segment),
-        contraction=motion.position / specimen.initial_length_mm,
+        pressure=_calm(pressure, segment) if driven is None else driven.position / KPA,
+        contraction=smooth if slide is None else held,
+        slide=None if slide is None else smooth,
     )
     return Record(name, inputs, force, level, motion.stroke, block, calm, **origin)  # type: ignore[arg-type]
+
+
+def rebuilt(record: Record, specimen: Specimen, said_kind: str = "") -> Record:
+    """The record as measured on another specimen, with the same displacement and so another contraction, or as another
+    kind of test."""
+    inputs = record.inputs
+    made = build_record(
+        record.name,
+        specimen,
+        inputs.pressure,
+        inputs.displacement_mm / specimen.initial_length_mm,
+        record.force,
+        time=inputs.time,
+        level=record.level,
+        cycle=inputs.cycle,
+        direction=inputs.direction if inputs.direction.any() else None,
+        temperature=inputs.temperature,
+        said_kind=said_kind or record.said_kind,
+    )
+    kept = ("source", "sha256", "columns", "masked", "notes", "metadata", "groups")
+    return replace(made, **{key: getattr(record, key) for key in kept})
 
 
 def turns(x: Array, stroke: Array, segment: Array) -> Array:
@@ -180,15 +222,15 @@ def _runs(segment: Array) -> Iterator[slice]:
     return (slice(begin, end) for begin, end in pairwise(edges))
 
 
-def _calm_pressure(pressure: Array, segment: Array) -> Array:
-    """Pressure with each run's mean where its deviations are white, so that they are the sensor's own noise."""
-    calm = pressure.copy()
+def _calm(values: Array, segment: Array) -> Array:
+    """What is held (n,), with each run's mean where its deviations are white, so that they are the sensor's noise."""
+    calm = values.copy()
     for rows in _runs(segment):
-        off = pressure[rows] - pressure[rows].mean()
+        off = values[rows] - values[rows].mean()
         square = float(np.mean(off**2))
         # Only white deviations are the sensor's. What a regulator does slowly is the muscle's own pressure.
         if len(off) > 20 and square > 0 and np.mean(off[1:] * off[:-1]) < 4.0 / np.sqrt(len(off)) * square:
-            calm[rows] = pressure[rows].mean()
+            calm[rows] = values[rows].mean()
     return calm
 
 

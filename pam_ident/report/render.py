@@ -24,7 +24,7 @@ def render(story: Story) -> str:
             title=story.title,
             records=chapters(story),
             provenance=tables.provenance(story.provenance),
-            command=Markup.escape(plain(story.provenance.get("command", ""))),  # to be copied as it is
+            command=Markup.escape(plain(str(story.provenance.get("command", "")))),  # to be copied as it is
         )
     )
 

@@ -29,7 +29,7 @@ STILL = 1e-7
 
 
 @dataclass(frozen=True)
-class Piece:
+class Stretch:
     """Some seconds with as many logged rows; `place` is that of the length, or of the load where that is held.
 
     A cycle lasts `period` seconds, the first has the number `cycle`.
@@ -43,7 +43,7 @@ class Piece:
     period: float = np.inf
 
 
-Segment = list[Piece]
+Segment = list[Stretch]
 
 
 @dataclass(frozen=True)
@@ -156,8 +156,8 @@ def _ramps(place: Shape) -> Segment:
         for _ in range(2):
             cycle += 1
             for start, end in ((0.0, 1.0), (1.0, 0.0)):
-                pieces.append(Piece(seconds, 40, ramp(start, end, seconds), place, cycle))
-                pieces.append(Piece(3.0, 8, at(end), place, cycle))
+                pieces.append(Stretch(seconds, 40, ramp(start, end, seconds), place, cycle))
+                pieces.append(Stretch(3.0, 8, at(end), place, cycle))
     return pieces
 
 
@@ -169,14 +169,14 @@ def _stairs(place: Shape) -> Segment:
         for cycle in (1, 2)
         for a, b in pairwise(levels)
         for piece in (
-            Piece(1.5, 24, settle(a, b, 0.3), place, cycle),
-            Piece(3.5, 10, settle(a, b, 0.3, -1.5), place, cycle),
+            Stretch(1.5, 24, settle(a, b, 0.3), place, cycle),
+            Stretch(3.5, 10, settle(a, b, 0.3, -1.5), place, cycle),
         )
     ]
 
 
 def _sweep(place: Shape) -> Segment:
-    return [Piece(100.0, 500, chirp(0.02, 0.5, 100.0), place, 1, 20.0)]
+    return [Stretch(100.0, 500, chirp(0.02, 0.5, 100.0), place, 1, 20.0)]
 
 
 def _at_each(places: tuple[float, ...], segment: Callable[[Shape], Segment]) -> Callable[..., list[Segment]]:
@@ -192,7 +192,7 @@ def _halves(stroke: float) -> Iterator[tuple[float, int]]:
 def _waves(stroke: float, rng: np.random.Generator) -> list[Segment]:
     """Strokes while the pressure waves, now more slowly than they, now faster."""
     return [
-        [Piece(2 * half * n, 100 * n, wave(half * ratio, rng.uniform()), strokes(2 * half), 1, 2 * half)]
+        [Stretch(2 * half * n, 100 * n, wave(half * ratio, rng.uniform()), strokes(2 * half), 1, 2 * half)]
         for half, n in _halves(stroke)
         for ratio in (3.3, 0.8)
     ]
@@ -201,7 +201,7 @@ def _waves(stroke: float, rng: np.random.Generator) -> list[Segment]:
 def _tide(stroke: float, rng: np.random.Generator) -> list[Segment]:
     """Strokes while the pressure rises all the while, and then falls."""
     return [
-        [Piece(2 * half * n, 100 * n, ramp(a, 1 - a, 2 * half * n), strokes(2 * half), 1, 2 * half)]
+        [Stretch(2 * half * n, 100 * n, ramp(a, 1 - a, 2 * half * n), strokes(2 * half), 1, 2 * half)]
         for half, n in _halves(stroke)
         for a in (0.0, 1.0)
     ]
@@ -215,7 +215,7 @@ def _switched(stroke: float, rng: np.random.Generator) -> list[Segment]:
         pieces = []
         for k, (a, b) in enumerate(pairwise(levels)):
             way = ramp(0.0, 1.0, half) if k % 2 == 0 else ramp(1.0, 0.0, half)
-            pieces.append(Piece(half, 50, settle(a, b, 0.1 + 0.05 * half, 0.4 * half), way, 1 + k // 2))
+            pieces.append(Stretch(half, 50, settle(a, b, 0.1 + 0.05 * half, 0.4 * half), way, 1 + k // 2))
         out.append(pieces)
     return out
 
@@ -223,7 +223,7 @@ def _switched(stroke: float, rng: np.random.Generator) -> list[Segment]:
 def _sines(stroke: float, rng: np.random.Generator) -> list[Segment]:
     """Length and pressure in sines of unlike periods."""
     return [
-        [Piece(8 * period, 400, wave(period * ratio, rng.uniform()), wave(period), 1, period)]
+        [Stretch(8 * period, 400, wave(period * ratio, rng.uniform()), wave(period), 1, period)]
         for period in (10.0, 3.0, 1.0)
         for ratio in (1.618, 0.382)
     ]
@@ -232,7 +232,7 @@ def _sines(stroke: float, rng: np.random.Generator) -> list[Segment]:
 def _chirps(stroke: float, rng: np.random.Generator) -> list[Segment]:
     """Length and pressure in sweeps against each other."""
     return [
-        [Piece(100.0, 800, chirp(*pressure, 100.0), chirp(*length, 100.0), 1, 25.0)]
+        [Stretch(100.0, 800, chirp(*pressure, 100.0), chirp(*length, 100.0), 1, 25.0)]
         for pressure, length in (((0.5, 0.03), (0.04, 0.7)), ((0.03, 0.4), (0.6, 0.05)), ((0.05, 0.9), (0.02, 0.3)))
     ]
 

@@ -185,10 +185,10 @@ def inputs_of(specimen: Specimen, pressure: Any, contraction: Any, **more: Any) 
     except ValueError as error:
         raise UsageError(f"pressure, contraction and the rest do not go together: {error}") from None
     found = {name: array.ravel().copy() for name, array in zip(given, arrays, strict=True)}
-    nothing = np.zeros(len(found["pressure"]))
+    states = found["pressure"], found["contraction"]
     optional = {"time": "time_s", "temperature": "temperature_C", "cycle": "cycle", "direction": "branch"}
-    picked = {key: found.get(name) for key, name in optional.items()}
-    return build_record("", specimen, found["pressure"], found["contraction"], nothing, **picked).inputs
+    picked: dict[str, Any] = {key: found.get(name) for key, name in optional.items()}
+    return build_record("", specimen, *states, specimen.ideal_force(*states), **picked).inputs
 
 
 def _signs(branch: Any) -> Array:

@@ -14,6 +14,7 @@ from panel.viewable import Viewer
 from ..core import DataError, PamError
 from ..records import Record
 from ..records.datasets import dataset_record
+from ..records.record import rebuilt
 from ..records.specimen_file import specimen_toml
 from ..tasks.setup import Setup
 from . import words
@@ -284,7 +285,7 @@ class Workbench(Viewer):
         if given is None or bench is None:
             self._complain("a specimen needs at least its length, radius and braid angle, and a record to belong to")
             return
-        self._begin(lambda: self._opened(words.with_specimen(bench.record, given), bench.path))
+        self._begin(lambda: self._opened(rebuilt(bench.record, given), bench.path))
 
     def _on_hold(self, held: dict[str, float]) -> None:
         self._change(lambda bench: bench.holding(held))

@@ -1,19 +1,17 @@
 """What the page says, as HTML; every text that comes from a record or a user's file is escaped."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 from markupsafe import Markup
 
-from ..core import Specimen, UsageError
+from ..core import UsageError
 from ..core.progress import Stage
 from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis, Follows
 from ..fitting.estimate import impossible
 from ..model import Model
 from ..notebook.pages import table
-from ..records import Record, build_record
 from ..records.doubt import Doubt
 from ..report import tables
 from ..report.words import STATUS, VERDICTS, equation, groups, likely, newtons, number, stderr, titles, value_of
@@ -300,22 +298,3 @@ def length(label: str, text: str) -> float:
         return float(text.strip().replace(",", "."))
     except ValueError:
         raise UsageError(f"{label}: {text!r}; expected a number") from None
-
-
-def with_specimen(record: Record, specimen: Specimen) -> Record:
-    """The record as measured on another specimen: the same displacement is another contraction."""
-    inputs = record.inputs
-    made = build_record(
-        record.name,
-        specimen,
-        inputs.pressure,
-        inputs.displacement_mm / specimen.initial_length_mm,
-        record.force,
-        time=inputs.time,
-        level=record.level,
-        cycle=inputs.cycle,
-        direction=inputs.direction if inputs.direction.any() else None,
-        temperature=inputs.temperature,
-    )
-    kept = ("source", "sha256", "columns", "masked", "notes", "said_kind")
-    return replace(made, **{key: getattr(record, key) for key in kept})

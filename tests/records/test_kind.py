@@ -10,8 +10,7 @@ FOUND = {"combined": "dynamic", "dynamic": "dynamic", "isometric": "isometric", 
 
 
 @pytest.mark.parametrize("law", ["exponential_law", "modified_chou_hannaford"])
-@pytest.mark.parametrize("name", [name for name in PROTOCOLS if name != "switched"])
+@pytest.mark.parametrize("name", PROTOCOLS)
 def test_a_rig_s_kind_of_test_is_found(name, law, tmp_path):
-    """A pressure that is switched within the strokes may stand for isobars."""
     write_case(tmp_path, make_record(Plan(11, law, protocol=name, gauges="noisy_pressure", fault="lost_rows")))
     assert kind_of(read_record(tmp_path / "record.csv")) == FOUND.get(PROTOCOLS[name].kind, "isobaric")

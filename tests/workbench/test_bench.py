@@ -7,6 +7,7 @@ import pytest
 
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.records import read_record
+from pam_ident.records.record import rebuilt
 from pam_ident.records.specimen_file import specimen_toml
 from pam_ident.tasks.setup import Setup
 from pam_ident.workbench import words
@@ -64,7 +65,7 @@ def test_a_specimen_survives_its_file(tmp_path):
 def test_another_specimen_means_another_contraction_of_the_same_displacement(folder):
     record = read_record(folder / "record.csv")
     other = Specimen("long", 400.0, 10.0, 25.4)
-    moved = words.with_specimen(record, other)
+    moved = rebuilt(record, other)
     assert moved.inputs.contraction == pytest.approx(record.inputs.contraction / 2)
     assert moved.inputs.displacement_mm == pytest.approx(record.inputs.displacement_mm)
     assert moved.specimen == other and moved.sha256 == record.sha256

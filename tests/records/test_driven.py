@@ -1,0 +1,79 @@
+"""Motion and pressure of tests that drive the pressure, beside the course that the rig drove."""
+
+import numpy as np
+import pytest
+
+from pam_ident.effects import get_effect
+from pam_ident.fitting.floor import repeats
+from pam_ident.records import read_record
+from pam_ident.records.motion import find_motion
+from pam_ident.rig import Plan, make_record, write_case
+
+
+def driven(name, folder):
+    """What the rig drove, on the record's rows, and the record."""
+    made = make_record(Plan(5, "exponential_law", protocol=name))
+    write_case(folder, made)
+    return made.course, read_record(folder / "record.csv")
+
+
+@pytest.mark.parametrize("name", ["locked_ramps", "locked_stairs", "locked_sweep"])
+def test_a_locked_muscle_s_branch_is_the_way_of_its_pressure(name, tmp_path):
+    course, record = driven(name, tmp_path)
+    moving = course.moving[course.rows]
+    clear = (moving != 0) & record.inputs.moving
+    assert clear.sum() > 600
+    assert np.mean(record.inputs.direction[clear] == moving[clear]) > 0.95  # but where a sweep turns
+    assert record.inputs.segment.max() + 1 == 5  # a run for each length
+    slide = 1.5e-3 * record.specimen.ideal_force(record.inputs.pressure, record.inputs.contraction)
+    way = record.inputs.way_mm - record.inputs.displacement_mm
+    np.testing.assert_allclose(way, slide, atol=0.06)  # what the length's sensor adds
+
+
+@pytest.mark.parametrize("name", ["locked_ramps", "locked_stairs", "waves", "switched", "crossed_sines"])
+def test_the_rate_of_a_driven_pressure(name, tmp_path):
+    course, record = driven(name, tmp_path)
+    rate = np.gradient(course.pressure, course.time)[course.rows]
+    off = np.abs(record.inputs.pressure_rate - rate)
+    assert np.median(off) < 0.05 * np.std(rate)
+    assert np.quantile(off, 0.95) < 0.3 * np.std(rate)  # but where a ramp or a run ends
+
+
+def test_a_pressure_that_is_switched_within_strokes_cuts_none(tmp_path):
+    course, record = driven("switched", tmp_path)
+    assert record.inputs.segment.max() + 1 == 3
+    moving = course.moving[course.rows]
+    clear = (moving != 0) & record.inputs.moving
+    assert clear.sum() > 1000
+    assert np.mean(record.inputs.direction[clear] == moving[clear]) > 0.99  # but at a turn itself
+
+
+def test_strokes_repeat_each_other_where_pressure_and_length_run_the_same_course(tmp_path):
+    _, record = driven("locked_ramps", tmp_path)
+    groups = repeats(record, np.ones(len(record), bool))
+    assert len(groups) == 5 * 3 * 2 and {len(group) for group in groups} == {2}  # lengths, rates, ways
+    for (one, _), (other, _) in groups:
+        assert np.abs(record.inputs.pressure[one].mean() - record.inputs.pressure[other].mean()) < 0.01
+        assert np.abs(record.inputs.contraction[one].mean() - record.inputs.contraction[other].mean()) < 0.001
+
+
+def test_each_step_of_a_staircase_is_a_stroke():
+    steps = [(0.0, 10.0), (10.0, 20.0), (20.0, 10.0), (10.0, 0.0)]
+    x = np.concatenate([np.r_[np.linspace(*step, 20), np.full(20, step[1])] for step in steps])
+    time = 0.1 * np.arange(len(x))
+    motion = find_motion(time, x, np.zeros(len(x)))
+    assert len(np.unique(motion.stroke)) == 4
+    runs = motion.moving.reshape(4, 40)
+    assert runs[:, 2:18].all() and not runs[:, 22:].any()
+    np.testing.assert_allclose(motion.direction.reshape(4, 40)[:, 2:], np.repeat([[1], [1], [-1], [-1]], 38, axis=1))
+    speed = np.abs(motion.velocity.reshape(4, 40)[:, 5:15])
+    np.testing.assert_allclose(speed, np.full((4, 10), 100.0 / 19.0))
+
+
+def test_gas_that_a_driven_pressure_moves_flows_through_the_line_too(tmp_path):
+    """p_abs d ln(p_abs V)/dt is p_abs V̇/V + ṗ, of which a locked muscle has ṗ alone."""
+    course, record = driven("locked_ramps", tmp_path)
+    textbook = get_effect("pressure_lag")[1]
+    column = textbook.columns(record.inputs, {}, np.zeros(len(record)))[:, 0]
+    rate = np.gradient(course.pressure, course.time)[course.rows]
+    assert np.median(np.abs(column + rate)) < 0.02 * np.std(rate)
