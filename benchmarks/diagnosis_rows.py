@@ -1,9 +1,9 @@
-"""What a diagnosis criteria as a record grows: the whole process, its share for reading and fitting, and its memory.
+"""What a diagnosis costs as a record grows: the whole process, its share for reading and fitting, and its memory.
 
     python benchmarks/diagnosis_rows.py [ROWS ...]     default 5000 50000 200000 1000000
 
 The rig repeats a run of about 5,000 rows, or of 50,000 from there on, with fresh noise and creep hidden. `diagnose` and
-`fit` are processes of their own, one thread each. Exits with 1 where a row criteria more than 1.5 times as much in the
+`fit` are processes of their own, one thread each. Exits with 1 where a row costs more than 1.5 times as much in the
 largest record as in the largest but one, or where creep is not what is named.
 """
 

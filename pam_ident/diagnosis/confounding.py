@@ -47,7 +47,7 @@ def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Eff
 
 
 def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Effect) -> list[str]:
-    """Effects that criterion nearly as little in the place of `effect`: looked up on compressed data, then fitted."""
+    """Effects that cost nearly as little in the place of `effect`: looked up on compressed data, then fitted."""
     data = selection.beyond(rest, _others(selection, fitted, effect))
     best = data.best_of_each(selection.penalty)
     mine = min(best.get(effect.name, (np.inf, 0))[0], fitted.criterion - rest.criterion)
@@ -62,7 +62,7 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
 
 
 def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:
-    """Effects that criterion nearly as little in the place of `effect` in a set that was fitted, in whatever form."""
+    """Effects that cost nearly as little in the place of `effect` in a set that was fitted, in whatever form."""
     rest = fitted.names - {effect.name}
     rivals = [v for v in selection.weighed() if rest < v.names and len(v.names) == len(fitted.names)]
     close = sorted((v for v in rivals if v.criterion < fitted.criterion + CLOSE), key=lambda v: v.criterion)
