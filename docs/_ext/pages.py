@@ -59,7 +59,7 @@ def _write_datasets(folder: Path) -> None:
         text = (ROOT / "datasets" / name / "README.md").read_text(encoding="utf-8")
         _write(folder / f"{name}.md", re.sub(r"\[([^\]]+)\]\((?![a-z]+:)[^)]*\)", r"\1", text))
     listing = "\n".join(names)
-    text = "# Data that come along\n\nEach with its source, units and how it was made."
+    text = "# Bundled data\n\nEach with its source, units and how it was made."
     _write(folder / "index.md", f"{text}\n\n```{{toctree}}\n:maxdepth: 1\n\n{listing}\n```\n")
 
 

@@ -1,4 +1,4 @@
-"""The figures that the paper prints, as they come along in datasets/paper_laws."""
+"""The figures that the paper prints, as they stand in datasets/paper_laws."""
 
 import csv
 from collections.abc import Mapping

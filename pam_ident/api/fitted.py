@@ -37,7 +37,7 @@ def told(params: "pd.DataFrame") -> str:
 
 
 class FitResult(Foretelling):
-    """A fit: its parameters, its errors, and what it foretells. `pam.fit` makes it.
+    """A fit: its parameters, its errors, and what it predicts. `pam.fit` makes it.
 
     `law`, `effects` and `law_choice` say what was fitted and why; `rmse`, `max_error` (N), `r2` and `n` how well, over
     all branches; `valid`, `problems` and `warnings` whether to trust it; `details` holds the fits by branch.

@@ -87,7 +87,7 @@ def read(
     dictionary of arrays.
 
     Args:
-        source: a path, or the name of a data set that comes along, or a table or dictionary whose columns are found by
+        source: a path, or the name of a bundled data set, or a table or dictionary whose columns are found by
             name and unit, as those of a file are (`pressure_MPa`, `Force (kN)`).
         specimen: the muscle: a `specimen.toml`, a dictionary of its keys, or a Specimen. A file without it takes the
             `specimen.toml` beside it, a Dataset without it the muscle among its attributes.

@@ -145,7 +145,7 @@ def track(plant: Any = None, controller: Any = None, **options: Any) -> TrackRes
     """A fitted model in the closed loop of a leg: how far the knee is off its gait, and why.
 
     Args:
-        plant: file of the muscle in the leg, or a fit or ladder; without both, those that come along.
+        plant: file of the muscle in the leg, or a fit or ladder; without both, the bundled ones.
         controller: the same of what the feed-forward knows.
         options: gait, cadence_Hz, paper, prototype, gains, supply_MPa, load_kg; leg, off, ageing, unknown, ground,
             learn.

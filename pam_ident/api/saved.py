@@ -14,8 +14,8 @@ from ..records import Record
 from ..tasks.predict import (
     SavedFit,
     Validation,
-    foretell,
     inputs_of,
+    predict,
     prediction_frame,
     read_fit,
     states_of,
@@ -66,7 +66,7 @@ class Foretelling(ABC):
             inputs = states_of(pd.DataFrame(dict(pressure)), self.specimen)
         else:
             raise UsageError("predict: give contraction beside pressure, or one record, table or file")
-        return prediction_frame(inputs, foretell(self.predictors, inputs))
+        return prediction_frame(inputs, predict(self.predictors, inputs))
 
 
 class SavedResult(Foretelling):

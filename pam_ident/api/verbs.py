@@ -48,7 +48,7 @@ def fit(
 
     Args:
         record: a Record, or what `pam.read` takes.
-        law: name, Law or Model; by default the one that foretells held-out data best.
+        law: name, Law or Model; by default the one that predicts held-out data best.
         effects: names (`creep`, `creep:prony_3`) or Effects, one or several.
         shared: of a list of records, fitted together: the parameters that have one value for all; names, an effect's
             for all of its own, or `all`. Any other is each record's own.

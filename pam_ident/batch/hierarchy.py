@@ -2,7 +2,7 @@
 
 Own parameters are taken from a normal distribution whose mean and standard deviation are fitted too (restricted maximum
 likelihood by expectation and maximisation; Dempster, Laird & Rubin 1977, J. R. Stat. Soc. B 39, 1–38): a muscle whose
-record says little is drawn to the others, and one that was not measured is foretold by the mean.
+record says little is drawn to the others, and one that was not measured is predicted by the mean.
 """
 
 from collections.abc import Mapping, Sequence

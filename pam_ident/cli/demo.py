@@ -17,7 +17,7 @@ def demo(
     ),
     json: options.JsonFile = None,
 ) -> None:
-    """The whole job on the data that come along, to an HTML report."""
+    """The whole job on the bundled data, to an HTML report."""
     from ..schema.trials import demo_json
     from ..tasks.demo import demo as run
 

@@ -25,7 +25,7 @@ def fit(
         list[str],
         typer.Argument(
             metavar="RECORD...",
-            help="Record of a test rig: a file, a folder, a quoted glob, or the name of a data set that comes along; "
+            help="Record of a test rig: a file, a folder, a quoted glob, or the name of a bundled data set; "
             "several are fitted together.",
             show_default=False,
         ),

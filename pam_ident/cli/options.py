@@ -40,7 +40,7 @@ Record = Annotated[
     str,
     typer.Argument(
         metavar="RECORD",
-        help="Record of a test rig: a file, a folder, a quoted glob, or the name of a data set that comes along.",
+        help="Record of a test rig: a file, a folder, a quoted glob, or the name of a bundled data set.",
         show_default=False,
     ),
 ]
@@ -49,7 +49,7 @@ Law = Annotated[
     option(
         "--law",
         "LAW",
-        "Force law by name (`pam-ident laws`); auto, the default, takes the one that foretells held-out data best.",
+        "Force law by name (`pam-ident laws`); auto, the default, takes the one that predicts held-out data best.",
         autocompletion=law_names,
     ),
 ]

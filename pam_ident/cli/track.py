@@ -71,7 +71,7 @@ def track(
 ) -> None:
     """Run fitted models in a leg with two muscles: PID, and PID with each model ahead.
 
-    Without --plant and --controller the muscle and the ladder that come along are taken.
+    Without --plant and --controller the bundled muscle and ladder are taken.
     """
     from ..schema.track import track_json
     from ..tasks import track as task

@@ -16,7 +16,7 @@ from ..records import Record
 Array = np.ndarray
 FOLDS = 5
 ALIKE = 1.01
-"""Ratio of held-out errors up to which forms foretell alike."""
+"""Ratio of held-out errors up to which forms predict alike."""
 
 
 def folds(record: Record) -> list[Array]:
@@ -56,10 +56,10 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None, masks: 
 
 
 def in_best_forms(base: Fit, terms: Sequence[Term]) -> list[Term]:
-    """The terms in the forms with which the blocks of a table are foretold best, each by a fit to the others.
+    """The terms in the forms with which the blocks of a table are predicted best, each by a fit to the others.
 
-    A few lengths do not tell forms apart by the fit alone: the richest wins there and foretells worst. Of forms that
-    foretell alike the ones with the fewest parameters are taken.
+    A few lengths do not tell forms apart by the fit alone: the richest wins there and predicts worst. Of forms that
+    predict alike the ones with the fewest parameters are taken.
     """
 
     def heldout(choice: tuple[Term, ...]) -> float:

@@ -27,7 +27,7 @@ Array = np.ndarray
 MANY = 40
 """Pressures from which they count as continuous, and are held out in bands."""
 AS_WELL = 1.05
-"""Error over that of the ladder up to which a law alone foretells as well."""
+"""Error over that of the ladder up to which a law alone predicts as well."""
 MEAN = "mean over pressure"
 HERE = Executor()
 """This process."""
@@ -188,11 +188,11 @@ def _told(kept: Sequence[Rung], dropped: Sequence[Rung], beside: Mapping[str, tu
     best, (count, error) = next(iter(beside.items()))
     simple = {name: one for name, one in beside.items() if one[0] < parameters and one[1] <= AS_WELL * own}
     if AS_WELL * error < own:
-        better = f"{best} ({count} parameters) alone foretells better, to {newtons(error)}"
-        said.append(f"{better}: take that one to foretell.")
+        better = f"{best} ({count} parameters) alone predicts better, to {newtons(error)}"
+        said.append(f"{better}: take that one to predict.")
     elif simple:
         name, (count, error) = next(iter(simple.items()))
-        said.append(f"{name}, with {count} parameters for {parameters}, foretells as well, to {newtons(error)}.")
+        said.append(f"{name}, with {count} parameters for {parameters}, predicts as well, to {newtons(error)}.")
     else:
-        said.append("No law alone foretells as well." if error > AS_WELL * own else "")
+        said.append("No law alone predicts as well." if error > AS_WELL * own else "")
     return " ".join(filter(None, said))

@@ -180,7 +180,7 @@ class Nested:
     """What was held out while everything was chosen anew, in how many `parts`, and how laws alone do there.
 
     `beside` maps names of laws, and `mean over pressure`, to their number of parameters and error in N, best first.
-    `text` says it in words, and which effects foretold nothing better and were left out.
+    `text` says it in words, and which effects predicted nothing better and were left out.
     """
 
     by: str

@@ -17,7 +17,7 @@ def probabilities(
 
     Sets that were fitted are weighed by exp(−criterion / 2·TEMPER), and the weights of those that hold the candidate,
     or a member of its `groups`, are summed. Where the likeliest of them holds a name that the `answer` has not, because
-    it is too small to matter or held-out data are foretold better without, no set with that name counts. With chance
+    it is too small to matter or held-out data are predicted better without, no set with that name counts. With chance
     LAPSE nothing was learned, and all candidates are as likely.
     TEMPER and LAPSE were fitted to simulated records: docs/diagnosis.md.
     """

@@ -16,7 +16,7 @@ FIRST_STEP = 0.3
 ROUGH = 1e-12
 """Share of the sum of squares that is rounding: of two that differ by less neither is known to be the smaller."""
 HOPE = 4.0
-"""How many times the fall that the slopes foretell a search may still bring."""
+"""How many times the fall that the slopes predict a search may still bring."""
 GIVEN_UP = "given up"
 MOST = 30
 """Steps of the last way, on which the sum of squares is rounding."""

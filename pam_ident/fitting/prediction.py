@@ -234,7 +234,7 @@ class Simpler:
     polynomial: Mapping[str, float] | None
 
     def forces(self, inputs: Inputs) -> dict[str, Array]:
-        """What each foretells at `inputs`, N, shape (n,), by name."""
+        """What each predicts at `inputs`, N, shape (n,), by name."""
         found = {"mean_over_pressure": self.line[0] + self.line[1] * inputs.pressure}
         if self.polynomial is not None:
             found["polynomial"] = Model("polynomial").force(inputs, self.polynomial)

@@ -82,7 +82,7 @@ class Window:
 
 
 def winter(cadence_Hz: float = 1.0) -> Gait:
-    """The stride of one adult that comes along (Winter, Table A.4)."""
+    """The bundled stride of one adult (Winter, Table A.4)."""
     return read_gait(dataset_path("gait") / "winter_stride.csv", cadence_Hz)
 
 

@@ -26,7 +26,7 @@ def dataset_path(name: str) -> Path:
 
 
 def dataset_record(name: str) -> Path:
-    """The CSV record of a data set that comes along.
+    """The CSV record of a bundled data set.
 
     Args:
         name: of the data set, one of `dataset_names()`.

@@ -23,7 +23,7 @@ SLIPS = (
 """By how much the force is wrong beside the pressure if two units are taken for each other."""
 LIKELY = (0.4, 2.5)
 """Slope of the force over the pressure beside the ideal braid's. Measured muscles (Festo DMSP-20 of two laboratories, a
-hand-made one of a third) and the data sets that come along lie between 0.71 and 1.35."""
+hand-made one of a third) and the bundled data sets lie between 0.71 and 1.35."""
 ALONE = (0.25, 2.5)
 """The force itself beside the ideal braid's, where only one pressure was measured."""
 ENOUGH_MPA = 0.2

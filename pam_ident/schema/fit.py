@@ -116,7 +116,7 @@ def _checks(checks: "Checks") -> Json:
 
 
 def _elsewhere(spread: "ReadingSpread", plain: "Simpler") -> Json:
-    """What is needed to foretell readings, and what must be beaten there."""
+    """What is needed to predict readings, and what must be beaten there."""
     return {
         "reading": {
             "same_N": spread.same,

@@ -1,4 +1,4 @@
-"""The main job on the data that come along."""
+"""The main job on the bundled data."""
 
 import shlex
 from collections.abc import Callable
@@ -66,5 +66,5 @@ def demo(out: str = "pam-ident-demo", done: Callable[[DemoPart], None] | None = 
         if done is not None:
             done(stage)
     source = provenance(records, shlex.join(["pam-ident", "demo", "--out", out]))
-    story = Story("pam-ident on the data that come along", tuple(stage.section for stage in stages), source)
+    story = Story("pam-ident on the bundled data", tuple(stage.section for stage in stages), source)
     return Demo(tuple(stages), write_whole(folder / "report.html", render(story)))

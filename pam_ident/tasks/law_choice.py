@@ -27,7 +27,7 @@ ROWS = 5_000
 """Rows of a longer record that are enough to compare laws."""
 FOLDS = 5
 ALIKE = 1.01
-"""Ratio of mean errors up to which laws foretell several records alike."""
+"""Ratio of mean errors up to which laws predict several records alike."""
 EXACT = 1e-6
 """Error over the largest force that is as good as none."""
 
@@ -67,7 +67,7 @@ def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
 
 
 def choose_law(record: Record, setup: Setup) -> LawChoice:
-    """The law of the fewest parameters that foretells the rows it has not seen as well as any does.
+    """The law of the fewest parameters that predicts the rows it has not seen as well as any does.
 
     Every law, with the effects of `setup`, is fitted to four fifths of the record in turn, whole cycles (of a table:
     lengths or isobars) left out, and held against the fifth. As well as the best is what is worse by less than one

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 AS_WELL = 1.05
-"""How much larger the error of a simpler model may be for it to foretell as well."""
+"""How much larger the error of a simpler model may be for it to predict as well."""
 
 
 @dataclass(frozen=True)
 class SavedFit:
-    """What a file of `fit --json` foretells, by branch; `simpler` is empty in files of earlier versions."""
+    """What a file of `fit --json` predicts, by branch; `simpler` is empty in files of earlier versions."""
 
     path: str
     law: str
@@ -78,7 +78,7 @@ class Validation:
 
     @property
     def as_well(self) -> list[str]:
-        """The simpler models that foretell this record as well."""
+        """The simpler models that predict this record as well."""
         return [name for name, one in self.simpler.items() if one.rmse <= AS_WELL * self.trial.rmse]
 
     @property
@@ -89,7 +89,7 @@ class Validation:
         words = {"mean_over_pressure": "the mean force over pressure", "polynomial": "a plain polynomial"}
         names = " and ".join(words[name] for name in self.as_well)
         rest = f" No better than {names}." if names else " No simpler model does as well." if self.simpler else ""
-        return f"The fit foretells {self.record.name} to {newtons(self.trial.rmse)} rms.{known}{rest}"
+        return f"The fit predicts {self.record.name} to {newtons(self.trial.rmse)} rms.{known}{rest}"
 
 
 def read_fit(path: str | Path, effect_files: tuple[str, ...] = (), specimen: Specimen | None = None) -> SavedFit:
@@ -140,7 +140,7 @@ def _simpler(table: Mapping[str, Any]) -> Simpler:
     return Simpler((float(a), float(b)), table.get("polynomial"))
 
 
-def foretell(branches: Mapping[str, Predictor], inputs: Inputs) -> Prediction:
+def predict(branches: Mapping[str, Predictor], inputs: Inputs) -> Prediction:
     """Force and intervals at `inputs`, each sample by the fit of its branch.
 
     Raises UsageError where a branch was not fitted, or is not known of a sample, DataError where an effect needs what
@@ -224,7 +224,7 @@ def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
 def predict_at(saved: SavedFit, at: str | Path) -> "pd.DataFrame":
     """The force of a saved fit at each row of a file, which needs no force. Raises DataError, UsageError."""
     inputs = states_of(at, saved.specimen)
-    return prediction_frame(inputs, foretell(saved.branches, inputs))
+    return prediction_frame(inputs, predict(saved.branches, inputs))
 
 
 def states_of(at: "str | Path | pd.DataFrame", specimen: Specimen) -> Inputs:
@@ -250,8 +250,8 @@ def with_force(frame: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def validate_fit(saved: SavedFit, record: Record) -> Validation:
-    """A saved fit on another record. Raises as `foretell` does."""
-    found = foretell(saved.branches, record.inputs)
+    """A saved fit on another record. Raises as `predict` does."""
+    found = predict(saved.branches, record.inputs)
     error = record.force - found.force
     known = np.isfinite(found.half_reading)
     inside = np.abs(error) <= found.half_reading

@@ -17,7 +17,7 @@ from ..records.kind import BLOCKS
 from ..records.where import rows_where
 
 AUTO = "auto"
-"""In place of a law: take the one that foretells best what it has not seen."""
+"""In place of a law: take the one that predicts best what it has not seen."""
 REFIT = "refit"
 """In place of what is held out: fit only the parameters anew."""
 MOST_OF_MEMORY = 0.5

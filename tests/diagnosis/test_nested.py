@@ -1,4 +1,4 @@
-"""Held-out error with the selection repeated: nothing of the held-out rows is in what foretells them."""
+"""Held-out error with the selection repeated: nothing of the held-out rows is in what predicts them."""
 
 import json
 from dataclasses import replace
@@ -66,7 +66,7 @@ def test_a_choice_that_has_seen_the_held_out_rows_looks_better_than_it_is(table)
     assert law == pytest.approx(heldout_rmse(LAW, table, masks=masks), rel=1e-6)
 
 
-def test_the_ladder_ends_where_nothing_foretells_better_and_says_so(table):
+def test_the_ladder_ends_where_nothing_predicts_better_and_says_so(table):
     fits = best_ripple(table)
     rungs = tuple(Rung(one, heldout_rmse(one.model, table), "") for one in fits)
     found = nested(Ladder(rungs, SIGMA, "top"), best_ripple, lambda model: model)
@@ -76,7 +76,7 @@ def test_the_ladder_ends_where_nothing_foretells_better_and_says_so(table):
     assert found.rungs[0].refit_rmse == rungs[0].heldout_rmse
 
 
-def test_what_foretells_better_stays_and_a_better_law_is_recommended(table):
+def test_what_predicts_better_stays_and_a_better_law_is_recommended(table):
     poor = Model.build("chou_hannaford")
     term = Term(RIPPLES[0].effect, RIPPLES[0].form)
     force = table.force + 400.0 * np.sin(table.inputs.displacement_mm)
@@ -91,7 +91,7 @@ def test_what_foretells_better_stays_and_a_better_law_is_recommended(table):
     best, (count, error) = next(iter(found.nested.beside.items()))
     assert list(found.nested.beside.values()) == sorted(found.nested.beside.values(), key=lambda one: one[1])
     assert error < found.rungs[1].heldout_rmse / 1.05
-    assert f"{best} ({count} parameters) alone foretells better" in found.nested.text
+    assert f"{best} ({count} parameters) alone predicts better" in found.nested.text
     assert "mean over pressure" in found.nested.beside and "chou_hannaford" not in found.nested.beside
 
 
@@ -152,7 +152,7 @@ def test_an_unknown_word_ends_before_anything_is_read():
 
 
 @pytest.mark.long
-def test_the_ladder_of_the_measured_map_says_that_a_law_alone_foretells_better(tmp_path):
+def test_the_ladder_of_the_measured_map_says_that_a_law_alone_predicts_better(tmp_path):
     out = tmp_path / "ladder.json"
     words = ["ladder", "dmsp20_300", "--law", "chou_hannaford", "--free-geometry", "--json", str(out)]
     result = CliRunner().invoke(app, words)

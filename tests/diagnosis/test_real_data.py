@@ -113,7 +113,7 @@ def test_the_last_rung_on_the_map_is_the_fit_that_scipy_makes(ladder, table):
     assert last.heldout_rmse == pytest.approx(rms(outside), rel=0.01)
 
 
-def test_the_map_is_foretold_better_than_by_laws_that_only_describe(ladder, measured_map, bench):
+def test_the_map_is_predicted_better_than_by_laws_that_only_describe(ladder, measured_map, bench):
     others = [heldout_rmse(Model.build(law), measured_map) for law in bench["BESIDE"]]
     assert ladder.rungs[-1].heldout_rmse < 0.8 * min(others)
 
@@ -136,8 +136,8 @@ def test_what_stays_above_the_floor_of_the_map_is_said(ladder, table):
     assert told == pytest.approx(math.sqrt(ladder.rungs[-1].fit.rmse ** 2 - ladder.noise_floor**2), abs=0.05)
 
 
-def test_in_a_table_the_form_is_the_one_that_foretells(measured_map):
-    """With the nominal geometry saturating ends fit better than tapered ones, and foretell worse."""
+def test_in_a_table_the_form_is_the_one_that_predicts(measured_map):
+    """With the nominal geometry saturating ends fit better than tapered ones, and predict worse."""
     names = ("bladder_elasticity:yeoh", "length_offset", "end_taper:saturating")
     richer = Model.build("chou_hannaford", names)
     base = fit(Model.build("chou_hannaford"), measured_map)
@@ -160,7 +160,7 @@ def test_the_page_tells_the_ladder_on_the_map(root, bench, measured_map):
 
 
 @pytest.mark.parametrize("cut_length", [12, 23, 30])
-def test_muscles_at_three_or_four_lengths_are_foretold_better_than_by_laws_that_only_describe(
+def test_muscles_at_three_or_four_lengths_are_predicted_better_than_by_laws_that_only_describe(
     bench, realdata, cut_length
 ):
     record = bench["slices"](realdata, cut_length)
@@ -171,8 +171,8 @@ def test_muscles_at_three_or_four_lengths_are_foretold_better_than_by_laws_that_
     assert heldout[-1] < 0.5 * min(heldout_rmse(Model.build(law), record) for law in bench["BESIDE"])
 
 
-def test_a_large_rest_is_not_adequate_because_no_name_foretells_it(bench, realdata):
-    """With the hoop's force given, no further effect helps to foretell a third length; 20 N are left all the same."""
+def test_a_large_rest_is_not_adequate_because_no_name_predicts_it(bench, realdata):
+    """With the hoop's force given, no further effect helps to predict a third length; 20 N are left all the same."""
     answer = diagnose(
         Model.build("chou_hannaford", ("bladder_elasticity",), free_geometry=True), bench["slices"](realdata, 12)
     )

@@ -89,7 +89,7 @@ def test_the_braid_in_rubber_has_the_error_of_a_scan_over_its_angle_on_the_map(t
     assert found.rmse < 4.0
 
 
-def test_only_the_braid_in_rubber_foretells_a_length_of_the_map_that_it_has_not_seen(bench):
+def test_only_the_braid_in_rubber_predicts_a_length_of_the_map_that_it_has_not_seen(bench):
     record = bench["static_map"]()
     heldout = {}
     for law in catalogue().values():

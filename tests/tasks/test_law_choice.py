@@ -1,4 +1,4 @@
-"""Without a law: the one that foretells held-out data best, the simplest of those that do as well, and it says why."""
+"""Without a law: the one that predicts held-out data best, the simplest of those that do as well, and it says why."""
 
 import numpy as np
 import pytest
