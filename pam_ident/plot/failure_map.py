@@ -61,8 +61,9 @@ class Cell:
         """The numbers in one line."""
         low, high = (round(end, 4) + 0.0 for end in self.contraction)
         branch = "" if self.branch == "static" else f"{self.branch}, "
+        sign = "+" if self.mean > 0 else ""
         text = (
-            f"{branch}{self.pressure_MPa:.3g} MPa, ε {low:.4g} to {high:.4g}: mean error {newtons(self.mean)}, "
+            f"{branch}{self.pressure_MPa:.3g} MPa, ε {low:.4g} to {high:.4g}: mean error {sign}{newtons(self.mean)}, "
             f"rms {newtons(self.rms)}, {percent(self.share)} of the squared error, n = {self.n}"
         )
         return text.replace("-", "−")
