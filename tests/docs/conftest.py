@@ -34,7 +34,7 @@ def generated(maker, tmp_path_factory):
 
 
 def _agree(shown, now):
-    """Words equal, numbers within one unit of the last digit that is shown, at most nine: arithmetic differs by machine."""
+    """Words equal, numbers within one unit of the last digit that is shown, the ninth at most: machines differ."""
     if NUMBER.split(shown) != NUMBER.split(now):
         return False
     for a, b in zip(NUMBER.findall(shown), NUMBER.findall(now), strict=True):
