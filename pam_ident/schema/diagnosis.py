@@ -72,9 +72,13 @@ def candidates(diagnosis: "Diagnosis") -> "list[Candidate]":
     if diagnosis.verdict == "adequate":
         return []
     found = [s for s in diagnosis.ranking if s.status == "candidate"]
-    return sorted(
-        found, key=lambda s: (-round(100 * s.probability), math.inf if s.rmse_after is None else s.rmse_after)
-    )
+
+    def shown(one: "Candidate") -> tuple[float, float, bool, str]:
+        """Errors that read alike are alike: what lies behind the third digit differs by machine."""
+        left = math.inf if one.rmse_after is None else float(f"{one.rmse_after:.3g}")
+        return -round(100 * one.probability), left, one.effect not in diagnosis.selected, one.effect
+
+    return sorted(found, key=shown)
 
 
 def stopped_json(record: str, law: str, n: int, doubts: "Sequence[Doubt]") -> Json:
