@@ -44,8 +44,8 @@ BEYOND = 1.35
 """Largest contraction beside the ideal braid's free one that a unit can be right with; the same lie below 0.78."""
 STRETCHED = -0.15
 """Contraction below which the braid would be stretched beyond its own lock at usual angles."""
-BURST_MPA = 2.0
-"""Pressure that a muscle on a test rig does not bear (Festo's bear 0.8 MPa)."""
+FAINT_MPA, BURST_MPA = 1e-4, 2.0
+"""Largest pressure of which a muscle feels nothing, and one that it does not bear (Festo's bear 0.8 MPa)."""
 FALLS, RISES = -0.5, 0.5
 """Correlation of force and contraction along an isobar from which it is said to fall or rise."""
 
@@ -160,6 +160,13 @@ def _doubt_range(record: Record) -> Iterator[Doubt]:
             "Check the zero of the displacement and its sign (contraction is positive).",
             "displacement",
             bool(turned),
+        )
+    if 0.0 < pressure.max() < FAINT_MPA:
+        yield Doubt(
+            "scale",
+            f"the pressure reaches {1e6 * pressure.max():.3g} Pa, of which a muscle feels nothing. Check its unit.",
+            "pressure",
+            True,
         )
     if pressure.max() > BURST_MPA:
         yield Doubt(

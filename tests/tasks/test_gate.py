@@ -96,6 +96,7 @@ def test_no_data_set_is_stopped(name):
 SLIPS = {
     "pressure in bar": (1, lambda p: 10.0 * p, "scale"),
     "pressure in psi": (1, lambda p: 145.0 * p / 20.0, "scale"),
+    "MPa headed Pa": (1, lambda p: 1e-6 * p, "scale"),
     "absolute pressure": (1, lambda p: p + 0.101325, "pressure_absolute"),
     "turned pressure": (1, lambda p: -p, "pressure_sign"),
     "force in pounds": (3, lambda f: f / 4.448, "scale"),
