@@ -161,20 +161,13 @@ def _doubt_range(record: Record) -> Iterator[Doubt]:
             "displacement",
             bool(turned),
         )
+    wrong = ""
     if 0.0 < pressure.max() < FAINT_MPA:
-        yield Doubt(
-            "scale",
-            f"the pressure reaches {1e6 * pressure.max():.3g} Pa, of which a muscle feels nothing. Check its unit.",
-            "pressure",
-            True,
-        )
-    if pressure.max() > BURST_MPA:
-        yield Doubt(
-            "scale",
-            f"the pressure reaches {pressure.max():.4g} MPa, which a muscle on a rig does not bear. Check its unit.",
-            "pressure",
-            True,
-        )
+        wrong = f"{1e6 * pressure.max():.3g} Pa, of which a muscle feels nothing"
+    elif pressure.max() > BURST_MPA:
+        wrong = f"{pressure.max():.4g} MPa, which a muscle on a rig does not bear"
+    if wrong:
+        yield Doubt("scale", f"the pressure reaches {wrong}. Check its unit.", "pressure", True)
 
 
 def _free(record: Record) -> float:

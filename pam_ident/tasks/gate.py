@@ -17,6 +17,7 @@ from ..records import Record
 from ..records.doubt import GRAVE, Doubt, grave
 from ..records.gate import doubts_of
 from ..records.kind import KINDS, kind_of
+from ..records.plausible import FAINT_MPA
 
 FITTING = {"isobaric", "isometric", "dynamic"}
 NAMING = {"isobaric", "dynamic"}
@@ -37,8 +38,8 @@ BEYOND_N = 1e100
 ROWS, ROWS_A_PARAMETER, STATES, ROWS_A_STROKE = 20, 3, 8, 4
 """The floor of information for naming: rows in all and a free parameter of the law, different states of pressure and
 contraction (and two more than free parameters), rows of a stroke on average."""
-SPAN, PRESSURE_MPA, FORCE_N = 1e-4, 1e-4, 1e-9
-"""The same for ranges: contraction, largest pressure, force."""
+SPAN, FORCE_N = 1e-4, 1e-9
+"""The same for ranges: contraction, force."""
 STEADY = 0.5
 """Correlation of the pressure with itself one sample later, below which it jumps faster than it is logged."""
 
@@ -196,7 +197,7 @@ def _lacking(record: Record, parameters: int) -> str | None:
         return f"{n} rows, and the least for {parameters} free parameters is {rows}"
     if np.ptp(inputs.contraction) < SPAN:
         return f"the length changes by {np.ptp(inputs.displacement_mm):.2g} mm in all"
-    if np.abs(inputs.pressure).max() < PRESSURE_MPA:
+    if np.abs(inputs.pressure).max() < FAINT_MPA:
         return f"the pressure reaches {np.abs(inputs.pressure).max():.2g} MPa"
     if np.ptp(record.force) < FORCE_N:
         return f"the force is {newtons(record.force[0])} in every row"
