@@ -68,14 +68,14 @@ class Adequacy:
 
     @classmethod
     def lacking(cls, selection: Selection, fitted: FittedSet, remains: bool) -> "Adequacy | None":
-        """What a set leaves with the names alone that may stand; None where it is complete, and of a table.
+        """The set beside the free model where it is incomplete; None where it is complete, and of a table.
 
         It is not where much `remains` of the noise that all drivers leave, whatever colour could take it for noise.
         """
         if selection.record.inputs.time is None:
             return None
         found = cls(selection, fitted, FreeModel.of(selection))
-        return None if found.complete and not remains else replace(found, fitted=found.standing())
+        return None if found.complete and not remains else found
 
     @cached_property
     def left(self) -> Following:
@@ -115,15 +115,15 @@ class Adequacy:
         beyond, share = self.unexplained
         return beyond < self.selection.noise.too_small or (bool(followed) and share < INEXACT)
 
-    def standing(self) -> FittedSet:
-        """The set with those of its names alone that may stand.
+    def standing(self) -> "Adequacy":
+        """The same with those names alone that may stand.
 
         What they follow must be there, whatever else is, and neither what is left nor another name may follow it.
         """
         followed = Counter(name for term in self.fitted.terms for name in term.effect.follows)
         sure = {name for name in self.selection.following.needed if followed[name] == 1} - self.left.drivers
         kept = [t for t in self.fitted.terms if not t.effect.candidate or sure.issuperset(t.effect.follows[:1])]
-        return self.selection.refit(kept, self.fitted.values)
+        return replace(self, fitted=self.selection.refit(kept, self.fitted.values))
 
     def pattern(self) -> Pattern:
         """What is left, in the words of the contract."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -100,18 +100,15 @@ def diagnose(
     following = Following(steady, model, alone.values, unsure)
     seen = [e for e in candidates if not e.missing(record.inputs)]
     known = [*seen, *(term.effect for term in model.terms)]
-    uncovered = following.uncovered(known)
-    tried = () if uncovered else [e.name for e in seen if following.supports(e.follows)]
-    selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
-    fitted = _likely(selection, fitted)
-    rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
-    fitted = selection.refit([t for t in fitted.terms if rivals.get(t.effect.name, 0.0) < 0.5], fitted.values)
-    if any(not t.effect.candidate for t in fitted.terms):
-        fitted = selection.refit([t for t in fitted.terms if not t.form.free], fitted.values)
-    whole = all(t.effect.candidate for t in fitted.terms)
-    remains = whole and bool(fitted.terms) and _remainder(selection, fitted) is not None
-    lacking = Adequacy.lacking(selection, fitted, remains)
-    fitted = lacking.fitted if lacking else fitted
+    tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
+    answer = _answer(alone, candidates, known, following, tried, odds)
+    if tried and answer.lacking:  # what it leaves is asked what it follows, as the law's error was
+        further = [e.name for e in seen if e.name not in tried and answer.lacking.left.supports(e.follows)]
+        wider = _answer(alone, candidates, known, following, tried + further, odds) if further else answer
+        answer = answer if wider.lacking else wider
+    selection, rivals = answer.selection, answer.rivals
+    lacking = answer.lacking.standing() if answer.lacking else None
+    fitted = lacking.fitted if lacking else answer.fitted
     named = [t for t in fitted.terms if t.effect.candidate]
     weights = {t.effect.name: selection.weight(fitted, t) for t in fitted.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
@@ -168,6 +165,37 @@ def diagnose(
         follows,
         {"followed": following.newtons_followed} if len(steady) == len(record) else {},
     )
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """A set and what it was selected from, the chance of something unknown in place of each name, and the set beside
+    the free model where it is incomplete."""
+
+    selection: Selection
+    fitted: FittedSet
+    rivals: dict[str, float]
+    lacking: Adequacy | None
+
+
+def _answer(
+    alone: Fit,
+    candidates: list[Effect],
+    known: list[Effect],
+    following: Following,
+    tried: list[str],
+    odds: Mapping[str, float] | None,
+) -> _Answer:
+    """The answer of the effects `tried`, complete or not."""
+    selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
+    fitted = _likely(selection, fitted)
+    rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
+    fitted = selection.refit([t for t in fitted.terms if rivals.get(t.effect.name, 0.0) < 0.5], fitted.values)
+    if any(not t.effect.candidate for t in fitted.terms):
+        fitted = selection.refit([t for t in fitted.terms if not t.form.free], fitted.values)
+    whole = all(t.effect.candidate for t in fitted.terms)
+    remains = whole and bool(fitted.terms) and _remainder(selection, fitted) is not None
+    return _Answer(selection, fitted, rivals, Adequacy.lacking(selection, fitted, remains))
 
 
 def _allowed(

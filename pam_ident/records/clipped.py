@@ -1,14 +1,15 @@
 """A load cell, or its amplifier, at its end."""
 
 import numpy as np
+from scipy.special import pdtrc
 
 from ..core import Inputs
 
 Array = np.ndarray
-LEAST = 20
-"""Rows that read the very same extreme force while the muscle moves."""
-PILED = 3.0
-"""How many times as often that force is read as the one next to it."""
+CHANCE = 1e-6
+"""Chance that as many rows read the very same extreme force, if it is as likely as a step of the gauge next to it."""
+NEXT, PILED = 5, 3.0
+"""Readings that count as next to it, and how many times as often as any of these it must be read."""
 MOVES = 0.005
 """Share of the stroke by which it moves meanwhile: more than a sensor's noise in a hold."""
 DIFFERENT = 0.5
@@ -31,9 +32,12 @@ def clipped_rows(inputs: Inputs, force: Array) -> Array:
     if inputs.moving is not None:
         rest &= ~inputs.moving
     noisy = rest.any() and len(np.unique(force[rest])) > DIFFERENT * rest.sum()
-    for end, inner in ((0, 1), (-1, -2)) if len(readings) > 1 else ():
-        here = force == readings[end]
+    step = np.diff(readings).min(initial=np.inf)
+    for end, inner in ((0, slice(1, 1 + NEXT)), (-1, slice(-1 - NEXT, -1))) if len(readings) > 1 else ():
+        here, near = force == readings[end], readings[inner]
         moves = np.ptp(contraction[here]) > MOVES * np.ptp(contraction)
-        if counts[end] >= max(LEAST, PILED * counts[inner]) and (moves or noisy):
+        expected = counts[inner].sum() * step / np.abs(near - readings[end]).max()
+        piled = counts[end] >= PILED * counts[inner].max() and pdtrc(counts[end] - 1, expected) < CHANCE
+        if piled and (moves or noisy):
             out |= np.convolve(here, np.ones(2 * BESIDE + 1), "same") > 0.0
     return out if out.sum() <= MOST * len(out) else np.zeros(len(force), bool)
