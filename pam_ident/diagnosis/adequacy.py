@@ -24,6 +24,8 @@ PATTERN_MARGIN = 20.0
 INEXACT, EXACT = 0.005, 0.001
 """Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
 that forms may leave which follow the same, because together they can come near to much."""
+NEARLY_ALL = 0.95
+"""Share of what is to be explained from which names stand that what is left does not overturn."""
 
 
 def full_criterion(selection: Selection, fitted: FittedSet) -> tuple[float, Noise]:
@@ -98,8 +100,9 @@ class Adequacy:
     @cached_property
     def comes_back(self) -> float:
         """Share of the squares that the set leaves in its strokes which repeats of them share: no noise does that."""
-        record, clean = self.selection.record, ~self.selection.noise.outlier
-        return comes_back(record, self.selection.view(self.fitted).residual, clean)
+        selection, fitted = self.selection, self.fitted
+        left = selection.plain_residual(fitted.terms, fitted.values)
+        return comes_back(selection.record, left, ~selection.noise.outlier)
 
     @property
     def complete(self) -> bool:

@@ -16,7 +16,7 @@ from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
-from .adequacy import Adequacy, needless
+from .adequacy import NEARLY_ALL, Adequacy, needless
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
 from .follows import ROWS, Following, could_be_tried, steadied
@@ -24,7 +24,7 @@ from .heldout import heldout_nearby, heldout_rmse, in_best_forms
 from .nouns import Candidate, Diagnosis, Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .probability import probabilities
-from .select import EXACT, investigate
+from .select import EXACT, in_spite_of, investigate
 from .selection import FittedSet, Selection
 
 Array = np.ndarray
@@ -106,9 +106,11 @@ def diagnose(
         further = [e.name for e in seen if e.name not in tried and answer.lacking.left.supports(e.follows)]
         wider = _answer(alone, candidates, known, following, tried + further, odds) if further else answer
         answer = answer if wider.lacking else wider
-    selection, rivals = answer.selection, answer.rivals
-    lacking = answer.lacking.standing() if answer.lacking else None
-    fitted = lacking.fitted if lacking else answer.fitted
+    selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
+    if lacking:
+        selection, lacking = _standing(answer, candidates, lacking)
+        fitted = lacking.fitted
+    rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     named = [t for t in fitted.terms if t.effect.candidate]
     weights = {t.effect.name: selection.weight(fitted, t) for t in fitted.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
@@ -139,7 +141,7 @@ def diagnose(
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
     left = selection.view(fitted).residual[~noise.outlier]
-    floor = min(noise.whole, float(np.sqrt(np.mean(left**2))))
+    floor = min(noise.whole, float(np.sqrt(np.mean(left**2))), best.rmse)
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     for name in selected:
         if rivals[name] >= TOLD:
@@ -169,12 +171,10 @@ def diagnose(
 
 @dataclass(frozen=True)
 class _Answer:
-    """A set and what it was selected from, the chance of something unknown in place of each name, and the set beside
-    the free model where it is incomplete."""
+    """A set and what it was selected from, and the set beside the free model where it is incomplete."""
 
     selection: Selection
     fitted: FittedSet
-    rivals: dict[str, float]
     lacking: Adequacy | None
 
 
@@ -189,13 +189,23 @@ def _answer(
     """The answer of the effects `tried`, complete or not."""
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
-    rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
-    fitted = selection.refit([t for t in fitted.terms if rivals.get(t.effect.name, 0.0) < 0.5], fitted.values)
+    likely = [t for t in fitted.terms if not t.effect.candidate or following.unknown_instead(t.effect, known) < 0.5]
+    fitted = selection.refit(likely, fitted.values)
     if any(not t.effect.candidate for t in fitted.terms):
         fitted = selection.refit([t for t in fitted.terms if not t.form.free], fitted.values)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and _remainder(selection, fitted) is not None
-    return _Answer(selection, fitted, rivals, Adequacy.lacking(selection, fitted, remains))
+    return _Answer(selection, fitted, Adequacy.lacking(selection, fitted, remains))
+
+
+def _standing(answer: _Answer, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:
+    """Of an incomplete answer the names that stand, and what they are selected from."""
+    if answer.fitted.terms and lacking.comes_back > answer.selection.noise.too_small:
+        selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.comes_back)
+        firm = replace(lacking, fitted=fitted)
+        if all(t.effect.candidate for t in fitted.terms) and firm.unexplained[1] < 1.0 - NEARLY_ALL:
+            return selection, firm
+    return answer.selection, lacking.standing()
 
 
 def _allowed(

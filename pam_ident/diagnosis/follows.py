@@ -48,12 +48,21 @@ WORTH_TRYING = 0.1
 
 
 def one_speed(record: Record) -> bool:
-    """Whether all strokes of a record in time have practically the same speed."""
-    speed = record.inputs.stroke_speed
-    if speed is None or record.inputs.moving is None:
+    """Whether the strokes of a record in time have practically one speed: all, or those of each isobar and direction.
+
+    Where a drive slows down with the load, another speed is another pressure or branch, and proves nothing either.
+    """
+    speed, moving = record.inputs.stroke_speed, record.inputs.moving
+    if speed is None or moving is None or not moving.any():
         return False
-    live = speed[record.inputs.moving]
-    return len(live) > 0 and float(np.quantile(live, 0.95)) < SPEED_RATIO * float(np.quantile(live, 0.05))
+    level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
+    cells = np.unique(np.column_stack([level, record.inputs.direction])[moving], axis=0, return_inverse=True)[1]
+    return all(_alike(speed[moving][cells == cell]) for cell in np.unique(cells))
+
+
+def _alike(speeds: Array) -> bool:
+    """Whether most of some speeds are practically one."""
+    return float(np.quantile(speeds, 0.95)) < SPEED_RATIO * float(np.quantile(speeds, 0.05))
 
 
 def steadied(record: Record) -> tuple[Record, PositionError | None]:

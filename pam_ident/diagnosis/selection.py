@@ -221,17 +221,17 @@ class Selection:
 
     def weight(self, fitted: FittedSet, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
+        clean = ~self.noise.outlier
         sets = (fitted.terms, fitted.without(term))
-        whole, fewer = (self._plain_square(terms, fitted.values) for terms in sets)
-        return (fewer - whole) / max(whole, 1e-18)
+        whole, fewer = (np.mean(self.plain_residual(terms, fitted.values)[clean] ** 2) for terms in sets)
+        return float((fewer - whole) / max(whole, 1e-18))
 
-    def _plain_square(self, terms: Sequence[Term], start: Mapping[str, float]) -> float:
-        """Mean square error in N² of a set fitted without whitening."""
+    def plain_residual(self, terms: Sequence[Term], start: Mapping[str, float]) -> Array:
+        """What a set leaves, in N (n,), fitted without whitening."""
         clean = ~self.noise.outlier
         model = self.base.model.adding(*terms)
         found = solve(model, self.record.inputs, self.record.force, lambda m: m[clean], start, quick=True)
-        left = self.record.force - model.force(self.record.inputs, found.values)
-        return float(np.mean(left[clean] ** 2))
+        return self.record.force - model.force(self.record.inputs, found.values)
 
     def refit_choice(self, data: Compressed, choice: Choice, onto: FittedSet, best: float = math.inf) -> FittedSet:
         """Fit the set `onto` with what a search found on compressed data, from where the search left it, as `refit`."""

@@ -138,6 +138,15 @@ def test_a_load_cell_at_its_end_says_only_that_the_force_is_beyond(clean):
     assert "force_clipped" in [d.code for d in doubts_of(record_from_frame(table, specimen)) if d.grave]
 
 
+def test_few_equal_readings_of_a_fine_gauge_are_its_end_and_of_a_coarse_one_are_not():
+    record = read_record(HOME)
+    end = np.sort(record.force[record.inputs.moving])[-8]
+    force = np.minimum(record.force, end)
+    assert (force == end).sum() >= 8
+    assert clipped_rows(record.inputs, force)[force == end].all()
+    assert not clipped_rows(record.inputs, np.round(force / 5.0) * 5.0).any()
+
+
 def test_a_hold_and_a_coarse_gauge_are_not_clipped():
     record = read_record(HOME)
     inputs, force = record.inputs, record.force

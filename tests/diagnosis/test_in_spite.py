@@ -1,0 +1,42 @@
+"""A form that nothing reaches: what is left overturns no name that stands out from it, and proves none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pam_ident.diagnosis import diagnose
+from pam_ident.diagnosis.follows import one_speed
+from pam_ident.model import Model
+from pam_ident.records import Record, read_record, thinned
+from pam_ident.records.datasets import dataset_record
+
+
+@pytest.fixture(scope="module")
+def nothing() -> Record:
+    return thinned(read_record(dataset_record("nothing_hidden")), 1600)
+
+
+@pytest.mark.parametrize(("size", "rough"), [(40.0, 0.3), (150.0, 0.1)])
+def test_friction_that_no_form_reaches_keeps_its_name_and_leaves_something_unknown(
+    nothing: Record, size: float, rough: float
+) -> None:
+    inputs = nothing.inputs
+    x = inputs.displacement_mm
+    assert inputs.moving is not None
+    place = 1 + rough * (np.tanh((x - 12) / 2) - np.tanh((x - 25) / 1.5) + np.exp(-(((x - 18) / 2) ** 2)))
+    kept = np.where(inputs.moving, 1.0, 0.5) * inputs.direction
+    rubbed = replace(nothing, force=nothing.force - size * kept * (0.3 + 2.0 * inputs.pressure) * place)
+    found = diagnose(Model.build("exponential_law"), rubbed)
+    assert found.verdict == "unknown_effect"
+    assert found.selected[0] == "pressure_friction"
+    assert found.best.rmse < 0.25 * found.base.rmse
+    assert found.noise_floor < 2.5  # that of the sensor, 2 N: what no form reaches is no noise
+
+
+def test_a_speed_that_only_pressure_and_branch_change_is_one_speed(nothing: Record) -> None:
+    inputs = nothing.inputs
+    assert not one_speed(nothing)
+    own = 10.0 + 20.0 * nothing.level + 3.0 * inputs.direction
+    assert one_speed(replace(nothing, inputs=replace(inputs, stroke_speed=own)))
+    assert not one_speed(replace(nothing, inputs=replace(inputs, stroke_speed=own * (1.0 + (nothing.block % 2)))))
