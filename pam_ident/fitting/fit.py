@@ -257,10 +257,10 @@ def fit(
     if answered:
         if weighing != PLAIN:
             raise UsageError("weights and losses are for residuals in force; leave them out where the length answered")
-        found = solve_length(model, record, rows, start or {}, held, solver)
+        found, even = solve_length(model, record, rows, start or {}, held, solver)
         one = Fit(model, record, rows, found.values, found.converged, found.message, held=held)
         runs = None if white else clusters(record, rows)
-        return replace(one, sums=sums_of(model, record, rows, found.values, runs)) if detail else one
+        return replace(one, sums=sums_of(model, record, rows, found.values, even, runs)) if detail else one
     if weighing == PLAIN and solver is None and pays_in_chunks(model, record, rows):
         index, first = np.flatnonzero(rows), bool(model.terms)
         every = in_memory(record, index, first, detail and not white)

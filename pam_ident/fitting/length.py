@@ -210,9 +210,10 @@ def solve_length(
     start: Values,
     held: Values,
     solver: Solver | None = None,
-) -> Solution:
+) -> tuple[Solution, Whiten]:
     """Least squares of the length over `rows` (mask, (n,)), from the best of several beginnings: values that are given,
-    those of a fit of the force, which is blind where there is one load, and those of an ideal braid's force.
+    those of a fit of the force, which is blind where there is one load, and those of an ideal braid's force. What the
+    rows of a run share of the error of its load is evened out, by what is returned beside the solution.
 
     Raises UsageError for an effect that remembers the way, which would foretell the length by the length.
     """
@@ -225,12 +226,48 @@ def solve_length(
         )
     problem = problem_of(model, inputs, load).holding(**held)
     beginnings = [start] if start and set(start) >= set(model.names) else _beginnings(model, *taken, held)
-    ways = (replace(problem, start={k: v for k, v in one.items() if k not in held}) for one in beginnings)
+    ways = [_from(problem, one) for one in beginnings]
     ranked = sorted(ways, key=lambda way: way.starts(1)[0].cost)
     solver = solver or VariableProjection(keep=1)
     found = [solver.solve(way) for way in ranked[:2]]
     best = min(found, key=lambda one: float(np.sum(problem.residual(one.values) ** 2)))
-    return replace(best, values=best.values | dict(held))
+    even = _evened(model, record, rows, {**best.values, **held})
+    if even is not all_rows:
+        best = solver.solve(_from(replace(problem, whiten=even), best.values))
+    return replace(best, values=best.values | dict(held)), even
+
+
+def _from(problem: Problem, values: Values) -> Problem:
+    names = {p.name for p in problem.params}
+    return replace(problem, start={name: value for name, value in values.items() if name in names})
+
+
+def _evened(model: Model, record: Record, rows: Array, values: Values) -> Whiten:
+    """Takes out of `rows` what those of a run share, because its load is the mean of a noisy load cell: the inverse
+    root of σ²1 + s²bbᵀ, s the error of the mean and b what a newton of it makes of the length."""
+    segment, force, load = record.inputs.segment, record.force[rows], load_of(record)[rows]
+    if segment is None or np.array_equal(force, load):
+        return all_rows
+    inputs = record.inputs.take(rows)
+    e, slope = equilibrium(model, inputs, values, load)
+    length, segment = inputs.specimen.initial_length_mm, segment[rows]
+    square = float(np.mean((inputs.displacement_mm - length * e) ** 2))
+    shared: list[tuple[Array, Array, float]] = []
+    for number in np.unique(segment):
+        run = np.flatnonzero((segment == number) & (slope < 0.0))
+        by_newton, off = length / slope[run], force[run] - load[run]
+        size = float(np.linalg.norm(by_newton))
+        if len(run) and np.ptp(load[run]) == 0.0 and off.any() and square > 0.0:
+            ratio = float(np.mean(off**2)) / len(run) * size**2 / square
+            shared.append((run, by_newton / size, 1.0 - 1.0 / math.sqrt(1.0 + ratio)))
+
+    def even(m: Array) -> Array:
+        found = m.copy()
+        for run, along, part in shared:
+            found[run] -= part * np.multiply.outer(along, along @ m[run])
+        return found
+
+    return even if shared else all_rows
 
 
 def _rows(record: Record, rows: Array) -> tuple[Inputs, Array, Array]:
@@ -251,8 +288,10 @@ def _beginnings(model: Model, inputs: Inputs, load: Array, weight: Array, held: 
     return [*found, {**neutral, **ideal.values, **held}]
 
 
-def sums_of(model: Model, record: Record, rows: Array, values: Values, cluster: Array | None) -> Sums:
-    """Sums of the length's Jacobian and residual over `rows` (mask, (n,)), in mm.
+def sums_of(
+    model: Model, record: Record, rows: Array, values: Values, even: Whiten, cluster: Array | None
+) -> Sums:
+    """Sums of the length's Jacobian and residual over `rows` (mask, (n,)), in mm, as `even` makes them.
 
     The slopes are those at the weights as they were held: what inertia and friction make of a measured load is no
     second weight, without which most laws are known but for a factor.
@@ -261,4 +300,4 @@ def sums_of(model: Model, record: Record, rows: Array, values: Values, cluster: 
     length = inputs.specimen.initial_length_mm
     slopes = length * implicit(model, inputs, values, weight, *equilibrium(model, inputs, values, weight))
     residual = length * equilibrium(model, inputs, values, load)[0] - inputs.displacement_mm
-    return sums(np.column_stack([slopes, residual]), cluster)
+    return sums(even(np.column_stack([slopes, residual])), cluster)
