@@ -145,7 +145,8 @@ class Fit:
         found = [] if self.converged else [f"the search did not converge ({self.message})"]
         loose = [e.name for e in self.estimates if not e.identified]
         if loose:
-            found.append(f"the record does not determine {', '.join(loose)}; drop an effect, or vary more on the rig")
+            more = "hang other weights" if self.lengths else "drop an effect, or vary more on the rig"
+            found.append(f"the record does not determine {', '.join(loose)}; {more}")
         return found
 
     @property

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core import FitError, Inputs, UsageError
+from ..core import DataError, Inputs
 from ..effects._history import acceleration
 from ..model import Model
 from ..records import Record
@@ -50,13 +50,16 @@ NO_PRESSURE = 0.02
 @dataclass(frozen=True, eq=False)
 class Lengths:
     """What a model says of the lengths of n samples, (n,) each: the `load` in N, the `contraction` at which it carries
-    that, the force's `slope` there in N over the whole length, and the `residual` in mm, measured less foretold. The
+    that, the force's `slope` there in N over the whole length, and the `residual` in mm, measured less foretold; the
+    `weight` that was held in N, and whether a sample is at the mechanical `limit` of the length. The
     contraction is the end of what a braid reaches, and the slope 0, where the model has no stable length."""
 
     load: Array
     contraction: Array
     slope: Array
     residual: Array
+    weight: Array
+    limit: Array
 
     @classmethod
     def of(cls, model: Model, record: Record, values: Values) -> "Lengths":
@@ -64,7 +67,8 @@ class Lengths:
         load = load_of(record)
         e, slope = equilibrium(model, record.inputs, values, load)
         length = record.specimen.initial_length_mm
-        return cls(load, e, slope, record.inputs.displacement_mm - length * e)
+        off = record.inputs.displacement_mm - length * e
+        return cls(load, e, slope, off, weights_of(record), at_limit(record))
 
 
 def by_length(record: Record) -> bool:
@@ -215,12 +219,12 @@ def solve_length(
     those of a fit of the force, which is blind where there is one load, and those of an ideal braid's force. What the
     rows of a run share of the error of its load is evened out, by what is returned beside the solution.
 
-    Raises UsageError for an effect that remembers the way, which would foretell the length by the length.
+    Raises DataError for an effect that remembers the way, which would foretell the length by the length.
     """
     inputs, load, _ = taken = _rows(record, rows)
     memory = with_memory(model, inputs, load)
     if memory:
-        raise UsageError(
+        raise DataError(
             f"{record.source or record.name}: {memory[0].label} remembers the way, and in an isotonic test the way is "
             "what the model must foretell; leave the effect out"
         )
@@ -288,9 +292,7 @@ def _beginnings(model: Model, inputs: Inputs, load: Array, weight: Array, held: 
     return [*found, {**neutral, **ideal.values, **held}]
 
 
-def sums_of(
-    model: Model, record: Record, rows: Array, values: Values, even: Whiten, cluster: Array | None
-) -> Sums:
+def sums_of(model: Model, record: Record, rows: Array, values: Values, even: Whiten, cluster: Array | None) -> Sums:
     """Sums of the length's Jacobian and residual over `rows` (mask, (n,)), in mm, as `even` makes them.
 
     The slopes are those at the weights as they were held: what inertia and friction make of a measured load is no

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from ..core.digits import millimetres
 from ..report.words import newtons
 
 if TYPE_CHECKING:
@@ -38,8 +39,11 @@ def _record(one: "Record") -> str:
 def fit(one: "Fit") -> str:
     """What was fitted to what, and how well."""
     model = " + ".join([one.model.law.name, *one.model.labels])
+    length = one.length_errors
     quality = (
-        f"{newtons(one.rmse)} rms, {newtons(one.max_error)} at most, R² {one.r2:.6g}, {int(one.rows.sum())} samples"
+        f"length {millimetres(length.rmse)} rms, {millimetres(length.largest)} at most, R² {one.r2:.6g}, {one.n} samples"
+        if length
+        else f"{newtons(one.rmse)} rms, {newtons(one.max_error)} at most, R² {one.r2:.6g}, {int(one.rows.sum())} samples"
     )
     return "; ".join([f"{model} fitted to {one.record.name}: {quality}", *one.problems])
 
