@@ -43,9 +43,7 @@ def validate(
     if found.in_force is not None:
         text.say(f"the force at the measured length: rmse {text.newtons(found.in_force.rmse)}")
     if found.left_out:
-        text.say(
-            f"{found.left_out} samples at the end of the length, where the pressure does not move it, are left out"
-        )
+        text.say(f"{found.left_out} samples at the end of the length are left out: the pressure does not move it there")
     if found.outside > 0:
         text.say(
             f"{text.percent(found.outside)} of the readings lie outside the pressures or contractions that were fitted"

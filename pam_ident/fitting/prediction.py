@@ -88,8 +88,8 @@ def _larger(a: Array, b: float) -> Array:
 
 
 def reading_spread(one: Fit) -> ReadingSpread:
-    """What refits without some cycles, a pressure or a speed leave of the readings there; where the length answered only
-    what was measured, for nothing is known of readings of a force."""
+    """What refits without some cycles, a pressure or a speed leave of the readings there; where the length answered
+    only what was measured, for nothing is known of readings of a force."""
     record, rows = one.record, one.rows
     if one.lengths is not None:
         return _no_spread(record, rows)
@@ -124,7 +124,8 @@ def _no_spread(record: Record, rows: Array) -> ReadingSpread:
     p, e, speeds = record.inputs.pressure[rows], record.inputs.contraction[rows], np.unique(_speeds(record)[rows])
     pressures = (float(p.min()), float(p.max()))
     span = (float(e.min()), float(e.max()))
-    return ReadingSpread(*[math.nan] * 4, pressures, tuple(float(v) for v in speeds[speeds > 0]), span)
+    nan = math.nan
+    return ReadingSpread(nan, nan, nan, nan, pressures, tuple(float(v) for v in speeds[speeds > 0]), span)
 
 
 def _speeds(record: Record) -> Array:
@@ -244,8 +245,8 @@ class Predictor:
         there = replace(inputs, contraction=np.nan_to_num(e))
         found = self.at(there)
         by_newton = inputs.specimen.initial_length_mm / np.where(slope < 0.0, -slope, math.nan)
-        spread = (by_newton * half for half in (found.stderr, found.half_mean, found.half_reading))
-        return LengthPrediction(e, *spread, found.outside)
+        stderr, mean, reading = (by_newton * half for half in (found.stderr, found.half_mean, found.half_reading))
+        return LengthPrediction(e, stderr, mean, reading, found.outside)
 
     def _stderr(self, inputs: Inputs, force: Array) -> Array:
         if self.matrix is None or not self._index:

@@ -40,11 +40,10 @@ def fit(one: "Fit") -> str:
     """What was fitted to what, and how well."""
     model = " + ".join([one.model.law.name, *one.model.labels])
     length = one.length_errors
-    quality = (
-        f"length {millimetres(length.rmse)} rms, {millimetres(length.largest)} at most, R² {one.r2:.6g}, {one.n} samples"
-        if length
-        else f"{newtons(one.rmse)} rms, {newtons(one.max_error)} at most, R² {one.r2:.6g}, {int(one.rows.sum())} samples"
-    )
+    off = f"{newtons(one.rmse)} rms, {newtons(one.max_error)} at most"
+    if length:
+        off = f"length {millimetres(length.rmse)} rms, {millimetres(length.largest)} at most"
+    quality = f"{off}, R² {one.r2:.6g}, {int(one.rows.sum())} samples"
     return "; ".join([f"{model} fitted to {one.record.name}: {quality}", *one.problems])
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def comparison_json(record: str, comparison: "Comparison", doubts: "Sequence[Doubt]" = ()) -> Json:
-    """Schema pam-ident/comparison/1. Where the length answered, errors are of it, and those of the map and its parts in N
+    """Schema pam-ident/comparison/1. Where the length answered, the map and its parts are of its errors, and those in N
     are null."""
     fit, length = comparison.fit, comparison.fit.length_errors
     mean, rms = (None, None) if length else (comparison.mean, comparison.rms)

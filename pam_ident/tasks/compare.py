@@ -32,8 +32,8 @@ def compare_record(record: Record, setup: Setup) -> Comparison:
 
 
 def _compare_length(one: Fit) -> Comparison:
-    """What an error of the length follows is not asked: on a line of the length over pressure a weight, all drivers that
-    go with the pressure are one."""
+    """What an error of the length follows is not asked: under one weight the length is a line over pressure, and all
+    drivers that go with the pressure are one."""
     p = one.record.inputs.pressure
     edges = np.linspace(p.min(), p.max(), PARTS + 1)
     part = np.clip(np.searchsorted(edges, p, side="right") - 1, 0, PARTS - 1)

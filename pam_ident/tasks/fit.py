@@ -236,10 +236,9 @@ def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:
 
 def checks_of(one: Fit) -> Checks:
     """What a fit is held against; of a record in chunks the faults of its sensors alone, and where the length answered
-    the noise is that of the length, in mm."""
+    the noise of that alone, in mm: what repeats is the load's error, too, which is no lack of fit."""
     if one.lengths is not None:
-        length = InLength.of(one)
-        return Checks(noise_floor(length), lack_of_fit(length), ())
+        return Checks(noise_floor(InLength.of(one)), None, ())
     return Checks(*((None, None) if one.of_all else (noise_floor(one), lack_of_fit(one))), one.stand_ins)
 
 

@@ -122,8 +122,8 @@ def _doubt_length(one: Fit) -> Iterator[Doubt]:
     moves = math.sqrt(errors.spread / errors.n) if errors else 0.0
     if errors and errors.rmse**2 >= (1.0 - LITTLE) * moves**2:
         text = (
-            f"{_formula(one)} leaves {millimetres(errors.rmse)} rms of a length that moves by {millimetres(moves)} rms: "
-            "it explains nothing. Check units, signs and the specimen, or take another law."
+            f"{_formula(one)} leaves {millimetres(errors.rmse)} rms of a length that moves by {millimetres(moves)} "
+            "rms: it explains nothing. Check units, signs and the specimen, or take another law."
         )
         yield Doubt("explains_nothing", text, "displacement", True)
     if len(np.unique(weight)) == 1:
@@ -189,7 +189,7 @@ def admit(record: Record, naming: bool = False, length: bool = False) -> None:
     if kind in (NAMING if naming else FITTING) or (length and kind == "isotonic"):
         return
     why = {
-        "isotonic": "no effect can be told from another in it, only `fit`, `compare` and `validate` answer, of one record",
+        "isotonic": "no effect can be told from another in it, only `fit`, `compare` and `validate` answer",
         "isometric": "no effect can be told from another in it, only `fit` and `compare` answer",
     }[kind]
     text = (

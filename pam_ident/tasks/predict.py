@@ -47,7 +47,7 @@ class SavedFit:
 
 @dataclass(frozen=True)
 class ErrorsThere:
-    """Errors on a record in N, or of its length in mm: root mean square, largest, and the coefficient of determination."""
+    """Errors on a record in N, or of its length in mm: root mean square, largest, coefficient of determination."""
 
     rmse: float
     max_error: float
@@ -168,8 +168,8 @@ def predict(branches: Mapping[str, Predictor], inputs: Inputs) -> Prediction:
 
 
 def predict_length(branches: Mapping[str, Predictor], inputs: Inputs, load: Array) -> LengthPrediction:
-    """The contraction that carries `load` (n,) in N, and intervals, at the pressures of `inputs`, each sample by the fit
-    of its branch. Raises as `predict` does, and DataError for an effect that remembers the way."""
+    """The contraction that carries `load` (n,) in N, and intervals, at the pressures of `inputs`, each sample by the
+    fit of its branch. Raises as `predict` does, and DataError for an effect that remembers the way."""
     model = next(iter(branches.values())).model
     memory = [term.label for term in model.terms if term.form.remembers]
     if memory:
@@ -280,8 +280,8 @@ def length_frame(inputs: Inputs, load: Array, found: LengthPrediction) -> "pd.Da
 
 
 def predict_at(saved: SavedFit, at: str | Path) -> "pd.DataFrame":
-    """The force of a saved fit at each row of a file, which needs no force; or, where it gives a force and no length, the
-    length at which the muscle carries that. Raises DataError, UsageError."""
+    """The force of a saved fit at each row of a file, which needs no force; or, where it gives a force and no length,
+    the length at which the muscle carries that. Raises DataError, UsageError."""
     try:
         inputs = states_of(at, saved.specimen)
     except DataError as error:
@@ -352,10 +352,10 @@ def _validate_length(saved: SavedFit, record: Record, error: Array, plain: Simpl
     lost = np.isnan(found.contraction)
     if lost.any():
         row = int(rows[lost.argmax()]) + 1
+        state = f"{load[lost][0]:.3g} N at {inputs.pressure[lost][0]:.3g} MPa"
         raise DataError(
-            f"{record.source or record.name}: sample {row} ({load[lost][0]:.3g} N at {inputs.pressure[lost][0]:.3g} MPa) "
-            f"and {int(lost.sum()) - 1} more: the fit of {saved.path or saved.law} has no stable length there. Leave "
-            "such rows out with --where, or fit where they are"
+            f"{record.source or record.name}: sample {row} ({state}), and {int(lost.sum()) - 1} more: the fit of "
+            f"{saved.path or saved.law} has no stable length there. Leave them out with --where, or fit such states"
         )
     x, length = inputs.displacement_mm, record.specimen.initial_length_mm
     off = x - length * found.contraction
