@@ -38,11 +38,11 @@ LEAST_SLOPE = 1e-3
 """Fall of the force over the whole length beside the load, below which no length is foretold."""
 ONE_WEIGHT = 0.05
 """Distance of two loads beside the larger, up to which they are one weight."""
-BAND, OUTSIDE, STOPPED = 4.0, 6.0, 4.0
-"""Noises of the length within which it stands at its end, the same bands from the end in which it is seen to move, and
-bands that it would have gone on by, had nothing stopped it."""
-AT_END = 0.004
-"""Share of its way within which a length stands at its end, as in a reversal."""
+BAND, AT_END = 4.0, 0.004
+"""Noises of the length, and share of its way as in a reversal, within which it stands at its end."""
+BEFORE, STOPPED = 0.1, 8.0
+"""Share of its way before the end in which it is seen to move, and bands by which it would have gone on, had nothing
+stopped it."""
 NO_PRESSURE = 0.02
 """Share of the largest pressure below which a muscle is not inflated: what then carries the load are its threads."""
 
@@ -120,7 +120,7 @@ def _stopped(x: Array, p: Array, going: Array, band: float) -> Array:
     """Mask (m,) of the samples within a `band` of the least x, if pressures that `going` to that end (mask) ran through
     there would have moved it on, by its course just before."""
     low = np.sort(x)[min(len(x) // 200, len(x) - 1)]
-    end, before = x <= low + band, (x > low + band) & (x <= low + OUTSIDE * band)
+    end, before = x <= low + band, (x > low + band) & (x <= low + band + BEFORE * np.ptp(x))
     if np.count_nonzero(end & going) < 3 or np.count_nonzero(before) < 3 or not np.ptp(p[before]) > 0.0:
         return np.zeros(len(x), bool)
     course = abs(np.polyfit(p[before], x[before], 1)[0])
