@@ -257,7 +257,7 @@ def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
 
 
 def length_frame(inputs: Inputs, load: Array, found: LengthPrediction) -> "pd.DataFrame":
-    """The same of a length under `load` (n,) in N: what was asked, contraction, displacement and its intervals in mm."""
+    """The same of a length under `load` (n,) in N: what was asked, contraction, displacement and intervals in mm."""
     import pandas as pd
 
     mm = found.contraction * inputs.specimen.initial_length_mm
