@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import DataError, Specimen, UsageError
-from ..core.digits import newtons
+from ..core.digits import millimetres, newtons
 from ..core.files import check_target, write_json
 from ..fitting.prediction import Predictor
 from ..records import Record
@@ -112,7 +112,10 @@ class SavedResult(Foretelling):
 
     def __repr__(self) -> str:
         names = " + ".join([self.law, *self.effects])
-        errors = ", ".join(newtons(one["rmse_N"]) for one in self.content["branches"].values())
+        errors = ", ".join(
+            millimetres(one["rmse_mm"]) if "rmse_mm" in one else newtons(one["rmse_N"])
+            for one in self.content["branches"].values()
+        )
         return f"{names} fitted to {self.content['record']}: {errors} rms (from {self.details.path})"
 
     def validate(self, record: Any, specimen: Any = None) -> Validation:

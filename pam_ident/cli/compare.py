@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from ..diagnosis.nouns import Comparison
 
 HEADS = {
+    "load_N": "by weight",
     "pressure_MPa": "by pressure",
     "contraction": "by contraction",
     "branch": "by branch",
@@ -52,7 +53,8 @@ def compare(
 
 
 def _print(comparison: "Comparison") -> None:
+    unit = "N" if comparison.fit.lengths is None else "mm"
     for key, bins in comparison.by.items():
         rows = [(b.label, str(b.n), text.number(b.mean, 3), text.number(b.rms, 3), text.percent(b.share)) for b in bins]
-        head = (HEADS.get(key, f"by {key}"), "samples", "mean [N]", "rms [N]", "share")
+        head = (HEADS.get(key, f"by {key}"), "samples", f"mean [{unit}]", f"rms [{unit}]", "share")
         text.say("", *text.table(head, rows))

@@ -109,6 +109,8 @@ def fit(
     measured = path if chunked else setup.read(path)
     setup, choice = (setup, None) if isinstance(measured, str) else settle(measured, setup)
     answer = fit_record(measured, setup, wishes)
+    if figures is not None and any(one.lengths for one in answer.fits.values()):
+        raise UsageError("--figures draws isobars, and in an isotonic test the length answers; leave it out")
     options.give_json(asked.json, lambda: fit_json(path, setup.law, answer) | law_choice_json(choice))
     text.say(text.title(path, answer.record), *([IN_CHUNKS] if answer.in_chunks else []), *text.chosen(choice))
     text.say(*text.equation(setup.model), *text.banner(answer.warnings))
@@ -152,7 +154,8 @@ def _print(answer: "FitAnswer") -> None:
             name += (
                 ", from straight lines through the isobars" if branch in answer.two_stage else ", all isobars at once"
             )
-        text.say("", f"{name}: {text.quality(one)}", *text.parameters(one), *text.checks(answer.checks[branch]))
+        text.say("", f"{name}: {text.quality(one)}", *text.parameters(one))
+        text.say(*text.checks(answer.checks[branch], one.lengths is not None))
         for profile in answer.profiles.get(branch, ()):
             met = dict.fromkeys(other for stuck in profile.bounded for other in stuck)
             if met:

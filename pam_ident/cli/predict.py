@@ -17,7 +17,10 @@ def predict(
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
 ) -> None:
-    """Force of a saved fit at given states, with 95 % intervals of its mean and of a new reading, as CSV."""
+    """Force of a saved fit at given states, with 95 % intervals of its mean and of a new reading, as CSV.
+
+    Where the states hold a force and no length, the length at which the muscle carries it.
+    """
     from ..core.files import check_target, write_whole
 
     if out is not None:
@@ -38,5 +41,5 @@ def predict(
     outside = int(frame["outside"].to_numpy().sum())
     if outside:
         text.warn(f"{outside} rows lie outside what was fitted; intervals there were never tried")
-    if frame["unexplained"].to_numpy().any():
+    if "unexplained" in frame and frame["unexplained"].to_numpy().any():
         text.warn("the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks")

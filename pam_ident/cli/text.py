@@ -74,6 +74,13 @@ def newtons(value: float | None) -> str:
     return newtons(value)
 
 
+def millimetres(value: float | None) -> str:
+    """A length in mm with three digits."""
+    from ..core.digits import millimetres
+
+    return millimetres(value)
+
+
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> list[str]:
     """Aligned columns under their heads; columns in `left` stand left, the others right.
 
@@ -176,7 +183,13 @@ def in_order(estimates: "Sequence[Estimate]") -> "list[Estimate]":
 
 
 def quality(fit: "Fit") -> str:
-    """The fit's errors in one line."""
+    """The fit's errors in one line; where the length answered, those of the length first."""
+    length = fit.length_errors
+    if length is not None:
+        return (
+            f"length: rmse {millimetres(length.rmse)}, largest error {millimetres(length.largest)}, R² "
+            f"{number(fit.r2, 6)}, n {fit.n}; the force at the measured length: rmse {newtons(fit.rmse)}"
+        )
     return f"rmse {newtons(fit.rmse)}, largest error {newtons(fit.max_error)}, R² {number(fit.r2, 6)}, n {fit.n}"
 
 
@@ -222,14 +235,12 @@ def branch(name: str) -> str:
     return "both branches together" if name == "together" else name
 
 
-def checks(found: "Checks") -> list[str]:
-    """What a fit is held against, a line each."""
-    lines = []
+def checks(found: "Checks", in_mm: bool = False) -> list[str]:
+    """What a fit is held against, a line each; the noise is of the force, or in mm of the length."""
+    lines, size = [], millimetres if in_mm else newtons
     if found.floor is not None:
         memory = f", {number(found.floor.memory, 2)} samples count as one" if found.floor.memory > 1.5 else ""
-        lines.append(
-            f"{INDENT}noise between {found.floor.strokes} repeated strokes: {newtons(found.floor.sigma)}{memory}"
-        )
+        lines.append(f"{INDENT}noise between {found.floor.strokes} repeated strokes: {size(found.floor.sigma)}{memory}")
     if found.lack is not None:
         verdict = "nothing but noise is left" if found.lack.adequate else "the model leaves more than noise"
         lines.append(

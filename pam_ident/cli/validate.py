@@ -9,7 +9,11 @@ from . import options, text
 FitFile = Annotated[
     str, typer.Argument(metavar="FIT.json", help="What `pam-ident fit --json` wrote.", show_default=False)
 ]
-NAMES = {"mean_over_pressure": "mean force over pressure", "polynomial": "polynomial"}
+NAMES = {
+    "mean_over_pressure": "mean force over pressure",
+    "contraction_over_pressure": "line of the contraction over pressure",
+    "polynomial": "polynomial",
+}
 
 
 def validate(
@@ -34,7 +38,12 @@ def validate(
         (name, text.number(one.rmse, 3), text.number(one.max_error, 3), text.number(one.r2, 5))
         for name, one in [(f"the fit of {fit}", found.trial), *((NAMES[k], v) for k, v in found.simpler.items())]
     ]
-    text.say(*text.table(("model", "rmse [N]", "largest error [N]", "R²"), rows))
+    unit = "mm" if found.in_mm else "N"
+    text.say(*text.table(("model", f"rmse [{unit}]", f"largest error [{unit}]", "R²"), rows))
+    if found.in_force is not None:
+        text.say(f"the force at the measured length: rmse {text.newtons(found.in_force.rmse)}")
+    if found.left_out:
+        text.say(f"{found.left_out} samples at the end of the length are left out: the pressure does not move it there")
     if found.outside > 0:
         text.say(
             f"{text.percent(found.outside)} of the readings lie outside the pressures or contractions that were fitted"

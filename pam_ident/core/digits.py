@@ -25,6 +25,11 @@ def newtons(value: float | None) -> str:
     return f"{three(value)} N"
 
 
+def millimetres(value: float | None) -> str:
+    """A length in mm with three digits."""
+    return f"{three(value)} mm"
+
+
 def known_to(value: float, error: float) -> str:
     """A value to the place of its standard error's second digit, at most eight digits; six without an error."""
     if not (error > 0 and math.isfinite(error)) or value == 0:

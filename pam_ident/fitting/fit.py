@@ -16,6 +16,7 @@ from . import readings
 from .covariance import Covariance, Sums, clusters, student, sums
 from .estimate import Estimate, estimates_of
 from .identifiability import StandIn, stand_ins
+from .length import Lengths, at_limit, by_length, solve_length, sums_of
 from .readings import Errors, in_memory, least, on_disk, with_memory
 from .solve import Solution, jacobian, solve, table
 from .solvers import Solver
@@ -106,6 +107,18 @@ class Fit:
         """What the fitted rows leave, in N."""
         return self.of_all or Errors.of(self.residual[self.rows], self.record.force[self.rows])
 
+    @cached_property
+    def lengths(self) -> Lengths | None:
+        """What the model says of the length, where that answered and was fitted; None where the force was."""
+        return Lengths.of(self.model, self.record, self.values) if by_length(self.record) else None
+
+    @cached_property
+    def length_errors(self) -> Errors | None:
+        """What the fitted rows leave of the length, in mm; None where the force was fitted."""
+        if self.lengths is None:
+            return None
+        return Errors.of(self.lengths.residual[self.rows], self.record.inputs.displacement_mm[self.rows])
+
     @property
     def n(self) -> int:
         """How many rows were fitted."""
@@ -123,8 +136,8 @@ class Fit:
 
     @property
     def r2(self) -> float:
-        """Coefficient of determination over the fitted rows."""
-        return self.errors.r2
+        """Coefficient of determination over the fitted rows, of what was fitted."""
+        return (self.length_errors or self.errors).r2
 
     @property
     def problems(self) -> list[str]:
@@ -132,7 +145,8 @@ class Fit:
         found = [] if self.converged else [f"the search did not converge ({self.message})"]
         loose = [e.name for e in self.estimates if not e.identified]
         if loose:
-            found.append(f"the record does not determine {', '.join(loose)}; drop an effect, or vary more on the rig")
+            more = "hang other weights" if self.lengths else "drop an effect, or vary more on the rig"
+            found.append(f"the record does not determine {', '.join(loose)}; {more}")
         return found
 
     @property
@@ -208,7 +222,8 @@ def fit(
     white: bool = False,
     solver: Solver | None = None,
 ) -> Fit:
-    """Least-squares fit of a model to a record, with the errors of its parameters.
+    """Least-squares fit of a model to a record, with the errors of its parameters: of the force, or of the length where
+    that answered (an isotonic test), without the rows at its mechanical limit.
 
     Args:
         model, record: what to fit to what.
@@ -235,8 +250,18 @@ def fit(
         3.21 N rms, valid: True
     """
     rows, held = np.ones(len(record), bool) if rows is None else rows, dict(held or {})
+    answered = by_length(record)
+    if answered:
+        rows = rows & ~at_limit(record)
     check(model, record, rows, held)
     tell("fitting")
+    if answered:
+        if weighing != PLAIN:
+            raise UsageError("weights and losses are for residuals in force; leave them out where the length answered")
+        found, even = solve_length(model, record, rows, start or {}, held, solver)
+        one = Fit(model, record, rows, found.values, found.converged, found.message, held=held)
+        runs = None if white else clusters(record, rows)
+        return replace(one, sums=sums_of(model, record, rows, found.values, even, runs)) if detail else one
     if weighing == PLAIN and solver is None and pays_in_chunks(model, record, rows):
         index, first = np.flatnonzero(rows), bool(model.terms)
         every = in_memory(record, index, first, detail and not white)

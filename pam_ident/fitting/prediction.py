@@ -14,6 +14,7 @@ from ..records import Record, thinned
 from .covariance import LEVEL, student
 from .fit import Fit, fit, picker
 from .floor import noise_floor
+from .length import equilibrium
 from .solve import jacobian, solve
 
 Array = np.ndarray
@@ -87,8 +88,11 @@ def _larger(a: Array, b: float) -> Array:
 
 
 def reading_spread(one: Fit) -> ReadingSpread:
-    """What refits without some cycles, a pressure or a speed leave of the readings there."""
+    """What refits without some cycles, a pressure or a speed leave of the readings there; where the length answered
+    only what was measured, for nothing is known of readings of a force."""
     record, rows = one.record, one.rows
+    if one.lengths is not None:
+        return _no_spread(record, rows)
     if len(record) > ROWS:
         record = thinned(record if rows.all() else record.take(np.flatnonzero(rows)), ROWS)
         one, rows = (
@@ -114,6 +118,14 @@ def reading_spread(one: Fit) -> ReadingSpread:
         (float(e.min()), float(e.max())),
         math.nan if noise is None else noise.sigma,
     )
+
+
+def _no_spread(record: Record, rows: Array) -> ReadingSpread:
+    p, e, speeds = record.inputs.pressure[rows], record.inputs.contraction[rows], np.unique(_speeds(record)[rows])
+    pressures = (float(p.min()), float(p.max()))
+    span = (float(e.min()), float(e.max()))
+    nan = math.nan
+    return ReadingSpread(nan, nan, nan, nan, pressures, tuple(float(v) for v in speeds[speeds > 0]), span)
 
 
 def _speeds(record: Record) -> Array:
@@ -177,6 +189,19 @@ class Prediction:
 
 
 @dataclass(frozen=True)
+class LengthPrediction:
+    """Contraction at which n samples carry their loads, shape (n,) each: with its standard error and the half widths of
+    the 95 % intervals of the mean and of a new reading in mm, NaN where they are not known, and whether the record that
+    was fitted did not reach there. All of them are NaN where the model has no stable length."""
+
+    contraction: Array
+    stderr: Array
+    half_mean: Array
+    half_reading: Array
+    outside: Array
+
+
+@dataclass(frozen=True)
 class Predictor:
     """A fitted model that is asked elsewhere.
 
@@ -213,6 +238,16 @@ class Predictor:
         wide = np.full(len(force), self.spread.wide)
         return Prediction(force, stderr, half, reading, self.spread.outside(inputs), wide)
 
+    def carrying(self, inputs: Inputs, load: Array) -> LengthPrediction:
+        """The contraction at which the model carries `load` (n,) in N at the pressures of `inputs`."""
+        e, slope = equilibrium(self.model, inputs, self.values, load)
+        e = np.where(slope < 0.0, e, math.nan)
+        there = replace(inputs, contraction=np.nan_to_num(e))
+        found = self.at(there)
+        by_newton = inputs.specimen.initial_length_mm / np.where(slope < 0.0, -slope, math.nan)
+        stderr, mean, reading = (by_newton * half for half in (found.stderr, found.half_mean, found.half_reading))
+        return LengthPrediction(e, stderr, mean, reading, found.outside)
+
     def _stderr(self, inputs: Inputs, force: Array) -> Array:
         if self.matrix is None or not self._index:
             return np.zeros(len(force)) if not self.model.params else np.full(len(force), math.nan)
@@ -228,26 +263,39 @@ class Predictor:
 @dataclass(frozen=True)
 class Simpler:
     """Models that any muscle model must beat, fitted to the same rows: the mean force as a line over pressure, N and
-    N/MPa, and the polynomial law's values, None where the record cannot fit it."""
+    N/MPa, or where the length answered the mean contraction, 1 and 1/MPa, and the polynomial law's values, None where
+    the record cannot fit it."""
 
-    line: tuple[float, float]
+    line: tuple[float, float] | None
     polynomial: Mapping[str, float] | None
+    contraction_line: tuple[float, float] | None = None
 
     def forces(self, inputs: Inputs) -> dict[str, Array]:
         """What each predicts at `inputs`, N, shape (n,), by name."""
-        found = {"mean_over_pressure": self.line[0] + self.line[1] * inputs.pressure}
+        found = {} if self.line is None else {"mean_over_pressure": self.line[0] + self.line[1] * inputs.pressure}
         if self.polynomial is not None:
             found["polynomial"] = Model("polynomial").force(inputs, self.polynomial)
+        return found
+
+    def contractions(self, inputs: Inputs, load: Array) -> dict[str, Array]:
+        """The contraction that each predicts under `load` (n,) in N, shape (n,), by name."""
+        found = {}
+        if self.contraction_line is not None:
+            found["contraction_over_pressure"] = self.contraction_line[0] + self.contraction_line[1] * inputs.pressure
+        if self.polynomial is not None:
+            found["polynomial"] = equilibrium(Model("polynomial"), inputs, self.polynomial, load)[0]
         return found
 
 
 def simpler(one: Fit) -> Simpler:
     """The simpler models of a fit's rows."""
     record, rows = one.record, one.rows
-    p, force = record.inputs.pressure[rows], record.force[rows]
-    slope, offset = np.polyfit(p, force, 1) if len(np.unique(record.level[rows])) > 1 else (0.0, force.mean())
+    p, answer = record.inputs.pressure[rows], (record.force if one.lengths is None else record.inputs.contraction)[rows]
+    varied = len(np.unique(record.level[rows])) > 1 if one.lengths is None else np.ptp(p) > 0.0
+    slope, offset = np.polyfit(p, answer, 1) if varied else (0.0, answer.mean())
     try:
         values = fit(Model("polynomial"), record, rows, detail=False).values
     except FitError:
         values = None
-    return Simpler((float(offset), float(slope)), values)
+    line = (float(offset), float(slope))
+    return Simpler(line, values) if one.lengths is None else Simpler(None, values, line)

@@ -45,7 +45,8 @@ class Problem:
     `design(values)` gives columns (n, len(linear)) and fixed part (n,) at the nonlinear parameters in `values`;
     `target` has shape (n,), and `whiten`, which is linear, makes m rows of n. A nonlinear parameter named in `start`
     begins there, another at each value of its grid, or at its own start where it has none. `rough` asks projections for
-    slopes by one-sided differences, at half the price.
+    slopes by one-sided differences, at half the price. `slopes(values)`, (n, len(nonlinear)), are those of a design
+    without linear parameters where they are known.
     """
 
     linear: tuple[Param, ...]
@@ -55,6 +56,7 @@ class Problem:
     start: Mapping[str, float] = field(default_factory=dict)
     whiten: Whiten = all_rows
     rough: bool = False
+    slopes: Callable[[Mapping[str, float]], Array] | None = None
 
     @property
     def params(self) -> tuple[Param, ...]:
@@ -103,6 +105,8 @@ class Problem:
 
     def _slopes(self, values: Mapping[str, float], coefficients: Array) -> Array:
         """d(fixed + columns · coefficients)/d(nonlinear), shape (n, k), by second-order differences in the bounds."""
+        if self.slopes is not None:
+            return self.slopes(values)
         found = np.empty((len(self.target), len(self.nonlinear)))
         for k, p in enumerate(self.nonlinear):
             at = values[p.name]
@@ -133,6 +137,8 @@ class Problem:
         moved = [k for k, p in enumerate(self.linear) if p.name in values]
         kept = [k for k, p in enumerate(self.linear) if p.name not in values]
         coefficients = np.array([values[self.linear[k].name] for k in moved])
+        free = [k for k, p in enumerate(self.nonlinear) if p.name not in values]
+        known = self.slopes
 
         def design(free: Mapping[str, float]) -> tuple[Array, Array]:
             columns, fixed = self.design({**free, **values})
@@ -143,6 +149,7 @@ class Problem:
             linear=tuple(self.linear[k] for k in kept),
             nonlinear=tuple(p for p in self.nonlinear if p.name not in values),
             design=design,
+            slopes=None if known is None else lambda rest: known({**rest, **values})[:, free],
             start={name: value for name, value in self.start.items() if name not in values},
         )
 
@@ -187,7 +194,7 @@ class Projection:
         The slopes at fixed coefficients, less what the linear ones that are not at a bound follow: Kaufman 1975, BIT
         15, 49–57. The gradient Jᵀr is exact, because the residual is normal to those columns.
         """
-        slopes = self._rough() if self.problem.rough else self._slopes()
+        slopes = self._rough() if self.problem.rough and self.problem.slopes is None else self._slopes()
         slopes = np.nan_to_num(slopes, posinf=0.0, neginf=0.0)
         lower, upper = bounds(self.problem.linear)
         free = (self.coefficients > lower) & (self.coefficients < upper)

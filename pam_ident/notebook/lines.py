@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from ..core.digits import millimetres
 from ..report.words import newtons
 
 if TYPE_CHECKING:
@@ -38,9 +39,11 @@ def _record(one: "Record") -> str:
 def fit(one: "Fit") -> str:
     """What was fitted to what, and how well."""
     model = " + ".join([one.model.law.name, *one.model.labels])
-    quality = (
-        f"{newtons(one.rmse)} rms, {newtons(one.max_error)} at most, R² {one.r2:.6g}, {int(one.rows.sum())} samples"
-    )
+    length = one.length_errors
+    off = f"{newtons(one.rmse)} rms, {newtons(one.max_error)} at most"
+    if length:
+        off = f"length {millimetres(length.rmse)} rms, {millimetres(length.largest)} at most"
+    quality = f"{off}, R² {one.r2:.6g}, {int(one.rows.sum())} samples"
     return "; ".join([f"{model} fitted to {one.record.name}: {quality}", *one.problems])
 
 

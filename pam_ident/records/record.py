@@ -152,7 +152,7 @@ def build_record(
         held = _levels(contraction)
         pull = specimen.ideal_force(pressure, held)  # by the length as it is held: its sensor's noise is no slide
         way = slide = held + 1e-3 * GIVE_MM_KN / specimen.initial_length_mm * pull
-    if kind in ("isometric", "dynamic"):
+    if kind in ("isometric", "isotonic", "dynamic"):
         held = held if kind == "isometric" else np.zeros(len(level))
         driven = find_motion(time, KPA * pressure, held)
     motion = find_motion(time, way * specimen.initial_length_mm, held)
@@ -177,7 +177,7 @@ def build_record(
     smooth = motion.position / specimen.initial_length_mm
     calm = replace(
         inputs,
-        pressure=_calm(pressure, segment) if driven is None else driven.position / KPA,
+        pressure=calmed(pressure, segment) if driven is None else driven.position / KPA,
         contraction=smooth if slide is None else held,
         slide=None if slide is None else smooth,
     )
@@ -222,7 +222,7 @@ def _runs(segment: Array) -> Iterator[slice]:
     return (slice(begin, end) for begin, end in pairwise(edges))
 
 
-def _calm(values: Array, segment: Array) -> Array:
+def calmed(values: Array, segment: Array) -> Array:
     """What is held (n,), with each run's mean where its deviations are white, so that they are the sensor's noise."""
     calm = values.copy()
     for rows in _runs(segment):

@@ -4,7 +4,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from .fit import Json, covariance, muscle, parameters
+from .fit import Json, covariance, length_json, muscle, parameters
 from .versions import schema, warnings_json
 
 if TYPE_CHECKING:
@@ -28,8 +28,10 @@ if TYPE_CHECKING:
 
 
 def comparison_json(record: str, comparison: "Comparison", doubts: "Sequence[Doubt]" = ()) -> Json:
-    """Schema pam-ident/comparison/1."""
-    fit = comparison.fit
+    """Schema pam-ident/comparison/1. Where the length answered, the map and its parts are of its errors, and those in N
+    are null."""
+    fit, length = comparison.fit, comparison.fit.length_errors
+    mean, rms = (None, None) if length else (comparison.mean, comparison.rms)
     return {
         "schema": schema("comparison"),
         "record": record,
@@ -38,17 +40,19 @@ def comparison_json(record: str, comparison: "Comparison", doubts: "Sequence[Dou
         "n": int(fit.rows.sum()),
         "rmse_N": fit.rmse,
         "max_error_N": fit.max_error,
+        **length_json(fit),
         "odd_share": comparison.odd,
         "even_share": comparison.even,
         "rest_share": comparison.rest,
-        "by": {key: [_part(one) for one in bins] for key, bins in comparison.by.items()},
-        "worst": [_part(one) for one in comparison.worst],
+        "by": {key: [_part(one, length is not None) for one in bins] for key, bins in comparison.by.items()},
+        "worst": [_part(one, length is not None) for one in comparison.worst],
         "map": {
             "branches": list(comparison.branches),
             "pressures_MPa": comparison.pressures,
             "contraction_edges": comparison.edges,
-            "mean_N": comparison.mean,
-            "rms_N": comparison.rms,
+            "mean_N": mean,
+            "rms_N": rms,
+            **({"mean_mm": comparison.mean, "rms_mm": comparison.rms} if length else {}),
             "share": comparison.share,
         },
         "follows": _follows(comparison.follows),
@@ -61,9 +65,12 @@ def _follows(found: "tuple[Follows, ...]") -> list[Json]:
     return [asdict(one) for one in found]
 
 
-def _part(one: "Bin | Region") -> Json:
-    """Part of the map, its forces in N by name."""
-    return {{"mean": "mean_N", "rms": "rms_N"}.get(key, key): value for key, value in asdict(one).items()}
+def _part(one: "Bin | Region", in_mm: bool) -> Json:
+    """Part of the map, its errors by name and unit."""
+    unit = "mm" if in_mm else "N"
+    empty = {"mean_N": None, "rms_N": None} if in_mm else {}
+    named = {"mean": f"mean_{unit}", "rms": f"rms_{unit}"}
+    return {named.get(key, key): value for key, value in asdict(one).items()} | empty
 
 
 def candidates(diagnosis: "Diagnosis") -> "list[Candidate]":

@@ -47,7 +47,7 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
         **muscle(next(iter(fits.values()))),
         "branches": {
             branch: _branch(one)
-            | _checks(answer.checks[branch])
+            | _checks(answer.checks[branch], one)
             | _elsewhere(answer.spreads[branch], answer.simpler[branch])
             for branch, one in fits.items()
         },
@@ -103,10 +103,24 @@ def covered(inputs: "Inputs") -> dict[str, list[float]]:
     return {key: [float(values.min()), float(values.max())] for key, values in given.items()}
 
 
-def _checks(checks: "Checks") -> Json:
-    floor, lack = checks.floor, checks.lack
+def length_json(one: "Fit") -> Json:
+    """Errors of the length, what was left out of it and the weights, where the length answered; nothing elsewhere."""
+    if one.lengths is None or one.length_errors is None:
+        return {}
+    weights = sorted({round(float(w), 3) for w in one.lengths.weight[one.rows]})
     return {
-        "noise_floor_N": None if floor is None else floor.sigma,
+        "rmse_mm": one.length_errors.rmse,
+        "max_error_mm": one.length_errors.largest,
+        "left_out": int(one.lengths.limit.sum()),
+        "weights_N": weights,
+    }
+
+
+def _checks(checks: "Checks", one: "Fit") -> Json:
+    floor, lack = checks.floor, checks.lack
+    sigma = None if floor is None else floor.sigma
+    return {
+        **({"noise_floor_N": sigma} if one.lengths is None else {"noise_floor_N": None, "noise_floor_mm": sigma}),
         "noise_memory_samples": None if floor is None else floor.memory,
         "lack_of_fit": None
         if lack is None
@@ -129,7 +143,8 @@ def _elsewhere(spread: "ReadingSpread", plain: "Simpler") -> Json:
             "contraction": list(spread.contraction),
         },
         "simpler": {
-            "mean_over_pressure": list(plain.line),
+            "mean_over_pressure": None if plain.line is None else list(plain.line),
+            **({} if plain.contraction_line is None else {"contraction_over_pressure": list(plain.contraction_line)}),
             "polynomial": None if plain.polynomial is None else dict(plain.polynomial),
         },
     }
@@ -149,6 +164,7 @@ def _branch(one: "Fit") -> Json:
         "shares_N": list(one.shares.values()),
         "rmse_N": one.rmse,
         "max_error_N": one.max_error,
+        **length_json(one),
         "r2": one.r2,
         "n": one.n,
     }

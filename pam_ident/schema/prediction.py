@@ -1,6 +1,5 @@
 """Saved fits on other data, and the choice of a law, as the dictionaries that other programs read."""
 
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from .fit import Json
@@ -39,18 +38,22 @@ def validation_json(fit: str, record: str, found: "Validation") -> Json:
         "law": found.saved.law,
         "effects": list(found.saved.effects),
         "n": len(found.record),
-        **_trial(found.trial),
+        **_trial(found.trial, found.in_mm, found.in_force),
+        **({"left_out": found.left_out} if found.in_mm else {}),
         "coverage": found.coverage,
         "outside_share": found.outside,
-        "simpler": [{"name": name, **_trial(one)} for name, one in found.simpler.items()],
+        "simpler": [{"name": name, **_trial(one, found.in_mm)} for name, one in found.simpler.items()],
         "sentence": found.sentence,
         "warnings": warnings_json(found.warnings),
     }
 
 
-def _trial(one: "ErrorsThere") -> Json:
-    named = {"rmse": "rmse_N", "max_error": "max_error_N", "r2": "r2"}
-    return {named[key]: value for key, value in asdict(one).items()}
+def _trial(one: "ErrorsThere", in_mm: bool, in_force: "ErrorsThere | None" = None) -> Json:
+    """Errors by name; of a length in mm, and those of the force at the measured length, null where nobody asks."""
+    if not in_mm:
+        return {"rmse_N": one.rmse, "max_error_N": one.max_error, "r2": one.r2}
+    force = {"rmse_N": in_force and in_force.rmse, "max_error_N": in_force and in_force.max_error}
+    return {**force, "rmse_mm": one.rmse, "max_error_mm": one.max_error, "r2": one.r2}
 
 
 def prediction_json(fit: str, saved: "SavedFit", frame: "pd.DataFrame") -> Json:

@@ -1,24 +1,81 @@
 """Where a model fails on a record."""
 
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ..core import UsageError
+from ..core.digits import millimetres, newtons, percent
 from ..diagnosis.compare import compare
-from ..diagnosis.nouns import Comparison
-from ..fitting import fit
+from ..diagnosis.nouns import Bin, Comparison
+from ..fitting import Fit, fit
+from ..fitting.in_length import InLength
+from ..fitting.length import by_length, weights_of
 from ..records import Record
 from .gate import admit, computing, require_rows
 from .setup import Setup
 
+PARTS = 10
+"""Parts of a driven pressure's range for which the error is told."""
+
 
 def compare_record(record: Record, setup: Setup) -> Comparison:
-    """Fit `setup.model` to both branches together and split the error by place. Raises FitError or DataError."""
-    admit(record)
+    """Fit `setup.model` to both branches together and split the error by place: where the length answered that of the
+    length, in mm, by the weight, too, and what it follows is left open. Raises FitError or DataError."""
+    admit(record, length=True)
     require_rows(record)
     with computing(record):
-        return compare(fit(setup.model, record))
+        one = fit(setup.model, record)
+        return _compare_length(one) if by_length(record) else compare(one)
+
+
+def _compare_length(one: Fit) -> Comparison:
+    """What an error of the length follows is not asked: under one weight the length is a line over pressure, and all
+    drivers that go with the pressure are one."""
+    p = one.record.inputs.pressure
+    edges = np.linspace(p.min(), p.max(), PARTS + 1)
+    part = np.clip(np.searchsorted(edges, p, side="right") - 1, 0, PARTS - 1)
+    record = replace(one.record, level=(0.5 * (edges[1:] + edges[:-1]))[part].round(4))
+    found = compare(InLength.of(replace(one, record=record)), follows=())
+    by = {"load_N": tuple(_by_weight(one)), **found.by}
+    return replace(found, fit=one, by=by, sentence=_sentence(one, replace(found, by=by)))
+
+
+def _by_weight(one: Fit) -> Iterator[Bin]:
+    assert one.lengths is not None
+    weight, off = weights_of(one.record), np.where(one.rows, one.lengths.residual, 0.0)
+    for w in np.unique(weight[one.rows]):
+        mine = off[(weight == w) & one.rows]
+        square = float(mine @ mine)
+        share = square / max(float(off @ off), 1e-300)
+        yield Bin(newtons(w), float(w), float(w), len(mine), float(mine.mean()), math.sqrt(square / len(mine)), share)
+
+
+def _sentence(one: Fit, found: Comparison) -> str:
+    assert one.length_errors is not None
+    model = " + ".join([one.model.law.name, *one.model.labels])
+    worst, place = (max(found.by[key], key=lambda part: part.share) for key in ("load_N", "pressure_MPa"))
+    text = (
+        f"{model} misses the length by {millimetres(one.length_errors.rmse)} rms (at most "
+        f"{millimetres(one.length_errors.largest)}). {percent(worst.share)} of the squared error lies under "
+        f"{worst.label}, {percent(place.share)} about {place.label}."
+    )
+    if found.odd is not None and found.even is not None:
+        text += (
+            f" {percent(found.odd)} of it changes sign with the branch (hysteresis: friction, damping, lag), "
+            f"{percent(found.even)} is the same on both."
+        )
+    return f"{text} What it follows is not told of an isotonic test."
 
 
 def failure_picture(comparison: Comparison, suffix: str) -> str | bytes:
-    """The failure map as the text of an SVG file, or the bytes of a PNG file for `.png`."""
+    """The failure map as the text of an SVG file, or the bytes of a PNG file for `.png`. Raises UsageError where the
+    length answered."""
     from ..plot import failure_map, to_png, to_svg
 
+    if comparison.fit.lengths is not None:
+        raise UsageError("--out draws an error of the force, and in an isotonic test the length answers; leave it out")
     figure = failure_map.draw(comparison)
     return to_png(figure) if suffix.lower() == ".png" else to_svg(figure)

@@ -15,6 +15,8 @@ from ..fitting.energy import energy_warning, model_loops, passive
 from ..fitting.fit import Estimate, branch_names, fit_long
 from ..fitting.floor import LackOfFit, NoiseFloor
 from ..fitting.identifiability import PINNED, StandIn
+from ..fitting.in_length import InLength
+from ..fitting.length import by_length
 from ..fitting.methods import MethodRow, compare_methods
 from ..fitting.prediction import Predictor, ReadingSpread, Simpler, reading_spread, simpler
 from ..fitting.profile import Profile
@@ -98,13 +100,13 @@ class FitAnswer:
 
     @cached_property
     def loops(self) -> Mapping[float, float]:
-        """The modelled loops in J by pressure."""
-        return model_loops(self.fits)
+        """The modelled loops in J by pressure; none where the length answered."""
+        return {} if by_length(self.record) else model_loops(self.fits)
 
     @cached_property
     def measured_loops(self) -> Mapping[float, float]:
-        """The loops of the record in J by pressure."""
-        return loop_energies(self.record, self.record.force)
+        """The loops of the record in J by pressure; none where the length answered."""
+        return {} if by_length(self.record) else loop_energies(self.record, self.record.force)
 
     @cached_property
     def spreads(self) -> Mapping[str, ReadingSpread]:
@@ -176,7 +178,8 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
 def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -> FitAnswer:
     branches = branch_names(wishes.branch)
     if isinstance(record, Record):
-        admit(record)
+        admit(record, length=True)
+        _check_length(record, wishes)
         fits = {
             name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
             for name in branches
@@ -207,6 +210,17 @@ def answer_of(one: Fit) -> FitAnswer:
     return FitAnswer(one.record, {"together": one}, FitOptions(), {"together": checks_of(one)})
 
 
+def _check_length(record: Record, wishes: FitOptions) -> None:
+    """Raises UsageError for a wish that is for residuals in force, where the length answered."""
+    plain = FitOptions()
+    for name in ("method", "weights", "loss", "intervals"):
+        if by_length(record) and getattr(wishes, name) != getattr(plain, name):
+            raise UsageError(
+                f"{record.source or record.name}: in an isotonic test the length answers, and --{name} "
+                f"{getattr(wishes, name)} is for a force that does; leave it out"
+            )
+
+
 def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:
     """Raises UsageError for a wish that a record in chunks cannot be given."""
     if setup.where is not None:
@@ -221,7 +235,10 @@ def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:
 
 
 def checks_of(one: Fit) -> Checks:
-    """What a fit is held against; of a record in chunks the faults of its sensors alone."""
+    """What a fit is held against; of a record in chunks the faults of its sensors alone, and where the length answered
+    the noise of that alone, in mm: what repeats is the load's error, too, which is no lack of fit."""
+    if one.lengths is not None:
+        return Checks(noise_floor(InLength.of(one)), None, ())
     return Checks(*((None, None) if one.of_all else (noise_floor(one), lack_of_fit(one))), one.stand_ins)
 
 

@@ -1,5 +1,6 @@
 """The gate before every answer: what looks wrong, what a verb cannot answer, and what is too little to name from."""
 
+import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..core import DataError, FitError, PamError, UsageError
-from ..core.digits import newtons, percent
+from ..core.digits import millimetres, newtons, percent
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..fitting.estimate import impossible
@@ -94,6 +95,8 @@ def check_codes(assume: Iterable[str]) -> None:
 def doubts_about(one: Fit) -> tuple[Doubt, ...]:
     """What looks wrong in the record of a fit, and in its law on it, the grave first."""
     found = (*doubts_of(one.record), *_doubt_outliers(one), *doubt_values(one))
+    if one.lengths is not None:
+        return _grave_first((*_doubt_length(one), *found))
     force = one.record.force[one.rows]
     size = float(np.sqrt(np.mean(force**2)))
     modelled = one.model.force(one.record.inputs, one.values)[one.rows]
@@ -109,6 +112,31 @@ def doubts_about(one: Fit) -> tuple[Doubt, ...]:
         True,
     )
     return _grave_first((law, *found))
+
+
+def _doubt_length(one: Fit) -> Iterator[Doubt]:
+    """What looks wrong where a fit was to foretell the length, and what it was not fitted to."""
+    assert one.lengths is not None
+    weight, errors = one.lengths.weight[one.rows], one.length_errors
+    left_out = int(one.lengths.limit.sum())
+    moves = math.sqrt(errors.spread / errors.n) if errors else 0.0
+    if errors and errors.rmse**2 >= (1.0 - LITTLE) * moves**2:
+        text = (
+            f"{_formula(one)} leaves {millimetres(errors.rmse)} rms of a length that moves by {millimetres(moves)} "
+            "rms: it explains nothing. Check units, signs and the specimen, or take another law."
+        )
+        yield Doubt("explains_nothing", text, "displacement", True)
+    if len(np.unique(weight)) == 1:
+        text = (
+            f"all samples carry one weight, about {newtons(weight[0])}: what the law says of another rests on its form "
+            "alone. Hang other weights."
+        )
+        yield Doubt("one_weight", text, "force")
+    if left_out:
+        text = (
+            f"{left_out} samples at the end of the length, where the pressure does not move it, are no data on the law."
+        )
+        yield Doubt("at_limit", text, "displacement")
 
 
 def _grave_first(found: Iterable[Doubt]) -> tuple[Doubt, ...]:
@@ -146,9 +174,9 @@ def warnings_of(one: Fit) -> tuple[Doubt, ...]:
     return (*doubts_about(one), *(Doubt("effect", f"{e.name}: {e.warning}") for e in effects if e.warning))
 
 
-def admit(record: Record, naming: bool = False) -> None:
+def admit(record: Record, naming: bool = False, length: bool = False) -> None:
     """Raises Refused where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer, where the
-    clock stands, and for a force beyond arithmetic."""
+    clock stands, and for a force beyond arithmetic. With `length` the length may have answered."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
         text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Mend or delete the row"
@@ -158,10 +186,10 @@ def admit(record: Record, naming: bool = False) -> None:
         text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Mend its unit, or leave the time out"
         raise _refused(Refused, record, "clock_scale", text)
     kind = kind_of(record)
-    if kind in (NAMING if naming else FITTING):
+    if kind in (NAMING if naming else FITTING) or (length and kind == "isotonic"):
         return
     why = {
-        "isotonic": "no law of the force can be told from it",
+        "isotonic": "no effect can be told from another in it, only `fit`, `compare` and `validate` answer",
         "isometric": "no effect can be told from another in it, only `fit` and `compare` answer",
     }[kind]
     text = (

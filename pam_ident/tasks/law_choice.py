@@ -11,12 +11,13 @@ from ..core import DataError, FitError
 from ..core.digits import newtons
 from ..core.progress import steps
 from ..fitting import fit
+from ..fitting.length import by_length
 from ..fitting.solve import solve
 from ..laws import listed
 from ..model import Model
 from ..records import Record, thinned
 from ..records.doubt import Doubt
-from .gate import TooLittle, admit, computing
+from .gate import Refused, TooLittle, admit, computing
 from .setup import AUTO, Setup
 
 if TYPE_CHECKING:
@@ -60,7 +61,10 @@ def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
     """
     if setup.law != AUTO:
         return setup, None
-    admit(record)
+    admit(record, length=True)
+    if by_length(record):
+        text = "an isotonic test: laws are compared by their force, and here the length answers. Name one with --law"
+        raise Refused(f"{record.source or record.name}: {text}", len(record), (Doubt("kind", text),))
     with computing(record):
         choice = choose_law(record, setup)
     return replace(setup, law=choice.law, chosen=True), choice

@@ -1,22 +1,24 @@
 """A saved fit asked elsewhere: its force with intervals, and how it does on another record."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from ..core import DataError, Inputs, Specimen, UsageError
-from ..core.digits import newtons, probability
+from ..core.digits import millimetres, newtons, probability
 from ..effects import load_effect_files
-from ..fitting.prediction import Prediction, Predictor, ReadingSpread, Simpler
+from ..fitting.length import at_limit, by_length, load_of
+from ..fitting.prediction import LengthPrediction, Prediction, Predictor, ReadingSpread, Simpler
 from ..leg.fit_file import Answer, fitted_branches, read_answer, read_specimen_of
 from ..model import Model
 from ..records import Record, build_record, read_record, record_from_frame
 from ..records.doubt import Doubt
 from ..records.gate import doubts_of
+from ..records.quantities import quantity_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +47,7 @@ class SavedFit:
 
 @dataclass(frozen=True)
 class ErrorsThere:
-    """Errors on a record in N: root mean square, largest, and the coefficient of determination."""
+    """Errors on a record in N, or of its length in mm: root mean square, largest, coefficient of determination."""
 
     rmse: float
     max_error: float
@@ -53,7 +55,7 @@ class ErrorsThere:
 
     @classmethod
     def of(cls, error: Array, force: Array) -> "ErrorsThere":
-        """From errors and measured forces, (n,) each in N."""
+        """From errors and what was measured, (n,) each in one unit."""
         spread = float(np.sum((force - force.mean()) ** 2))
         r2 = 1.0 - float(error @ error) / spread if spread > 0 else math.nan
         return cls(float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error))), r2)
@@ -62,7 +64,10 @@ class ErrorsThere:
 @dataclass(frozen=True)
 class Validation:
     """A saved fit on another record. `coverage` is the share of readings that their 95 % interval holds, NaN where none
-    is known; `simpler` the same errors of models that any muscle model must beat, fitted to what the fit was."""
+    is known; `simpler` the same errors of models that any muscle model must beat, fitted to what the fit was.
+
+    Of an isotonic record `trial` and `simpler` are errors of the length in mm, `in_force` those of the force at the
+    measured length in N; `left_out` are the rows at its mechanical limit, which are in none of them."""
 
     record: Record
     saved: SavedFit
@@ -70,6 +75,13 @@ class Validation:
     coverage: float
     outside: float
     simpler: Mapping[str, ErrorsThere]
+    in_force: ErrorsThere | None = None
+    left_out: int = 0
+
+    @property
+    def in_mm(self) -> bool:
+        """Whether the length was foretold, so that errors are in mm."""
+        return self.in_force is not None
 
     @property
     def warnings(self) -> tuple[Doubt, ...]:
@@ -86,10 +98,15 @@ class Validation:
         """The answer in words."""
         share = probability(self.coverage)
         known = "" if math.isnan(self.coverage) else f" {share} of the readings lie in their 95 % interval."
-        words = {"mean_over_pressure": "the mean force over pressure", "polynomial": "a plain polynomial"}
+        words = {
+            "mean_over_pressure": "the mean force over pressure",
+            "contraction_over_pressure": "a line of the contraction over pressure",
+            "polynomial": "a plain polynomial",
+        }
         names = " and ".join(words[name] for name in self.as_well)
         rest = f" No better than {names}." if names else " No simpler model does as well." if self.simpler else ""
-        return f"The fit predicts {self.record.name} to {newtons(self.trial.rmse)} rms.{known}{rest}"
+        what, error = ("the length of ", millimetres) if self.in_mm else ("", newtons)
+        return f"The fit predicts {what}{self.record.name} to {error(self.trial.rmse)} rms.{known}{rest}"
 
 
 def read_fit(path: str | Path, effect_files: tuple[str, ...] = (), specimen: Specimen | None = None) -> SavedFit:
@@ -136,8 +153,9 @@ READING = ("same", "between", "beyond", "speed", "noise")
 
 
 def _simpler(table: Mapping[str, Any]) -> Simpler:
-    a, b = table["mean_over_pressure"]
-    return Simpler((float(a), float(b)), table.get("polynomial"))
+    lines = (table.get(key) for key in ("mean_over_pressure", "contraction_over_pressure"))
+    force, contraction = (None if line is None else (float(line[0]), float(line[1])) for line in lines)
+    return Simpler(force, table.get("polynomial"), contraction)
 
 
 def predict(branches: Mapping[str, Predictor], inputs: Inputs) -> Prediction:
@@ -146,15 +164,32 @@ def predict(branches: Mapping[str, Predictor], inputs: Inputs) -> Prediction:
     Raises UsageError where a branch was not fitted, or is not known of a sample, DataError where an effect needs what
     the inputs do not hold.
     """
+    return _by_branch(branches, inputs, lambda one: one.at(inputs))
+
+
+def predict_length(branches: Mapping[str, Predictor], inputs: Inputs, load: Array) -> LengthPrediction:
+    """The contraction that carries `load` (n,) in N, and intervals, at the pressures of `inputs`, each sample by the
+    fit of its branch. Raises as `predict` does, and DataError for an effect that remembers the way."""
+    model = next(iter(branches.values())).model
+    memory = [term.label for term in model.terms if term.form.remembers]
+    if memory:
+        raise DataError(f"the fit's {memory[0]} remembers the way, which is what is to be foretold; fit without it")
+    return _by_branch(branches, inputs, lambda one: one.carrying(inputs, load))
+
+
+Asked = TypeVar("Asked", Prediction, LengthPrediction)
+
+
+def _by_branch(branches: Mapping[str, Predictor], inputs: Inputs, ask: Callable[[Predictor], Asked]) -> Asked:
     _check_needs(next(iter(branches.values())).model, inputs)
     if len(branches) == 1:
-        return next(iter(branches.values())).at(inputs)
+        return ask(next(iter(branches.values())))
     both = fitted_branches(branches, "the fit")
     if not np.all(inputs.direction):
         raise UsageError("this fit has its own parameters on each branch; give branch ('contraction' or 'extension')")
-    up, down = (one.at(inputs) for one in both)
-    names = Prediction.__dataclass_fields__
-    return Prediction(*(np.where(inputs.direction > 0, getattr(up, k), getattr(down, k)) for k in names))
+    up, down = map(ask, both)
+    found = (np.where(inputs.direction > 0, getattr(up, k), getattr(down, k)) for k in type(up).__dataclass_fields__)
+    return type(up)(*found)
 
 
 def _check_needs(model: Model, inputs: Inputs) -> None:
@@ -221,10 +256,49 @@ def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
     )
 
 
+def length_frame(inputs: Inputs, load: Array, found: LengthPrediction) -> "pd.DataFrame":
+    """The same of a length under `load` (n,) in N: what was asked, contraction, displacement and intervals in mm."""
+    import pandas as pd
+
+    mm = found.contraction * inputs.specimen.initial_length_mm
+    columns = {
+        "time_s": inputs.time,
+        "pressure_MPa": inputs.pressure,
+        "force_N": load,
+        "contraction": found.contraction,
+    }
+    frame = pd.DataFrame({name: column for name, column in columns.items() if column is not None})
+    return frame.assign(
+        displacement_mm=mm,
+        stderr_mm=found.stderr,
+        mean_low_mm=mm - found.half_mean,
+        mean_high_mm=mm + found.half_mean,
+        reading_low_mm=mm - found.half_reading,
+        reading_high_mm=mm + found.half_reading,
+        outside=found.outside,
+    )
+
+
 def predict_at(saved: SavedFit, at: str | Path) -> "pd.DataFrame":
-    """The force of a saved fit at each row of a file, which needs no force. Raises DataError, UsageError."""
-    inputs = states_of(at, saved.specimen)
+    """The force of a saved fit at each row of a file, which needs no force; or, where it gives a force and no length,
+    the length at which the muscle carries that. Raises DataError, UsageError."""
+    try:
+        inputs = states_of(at, saved.specimen)
+    except DataError as error:
+        if "no displacement_mm" not in str(error):
+            raise
+        record = _loads_of(at, saved.specimen)
+        return length_frame(record.inputs, record.force, predict_length(saved.branches, record.inputs, record.force))
     return prediction_frame(inputs, predict(saved.branches, inputs))
+
+
+def _loads_of(at: str | Path, specimen: Specimen) -> Record:
+    """Pressures and loads of a file without a length, whose motion is not known."""
+    import pandas as pd
+
+    table = pd.read_csv(at, sep=None, engine="python")
+    still = [name for name in table if quantity_of(str(name)) in ("pressure", "force", "branch", "temperature")]
+    return record_from_frame(table[still].assign(contraction=0.0), specimen, Path(at).name)
 
 
 def states_of(at: "str | Path | pd.DataFrame", specimen: Specimen) -> Inputs:
@@ -243,27 +317,57 @@ def states_of(at: "str | Path | pd.DataFrame", specimen: Specimen) -> Inputs:
 
 def with_force(frame: "pd.DataFrame") -> "pd.DataFrame":
     """The table with a column of no force, where it has none."""
-    from ..records.quantities import quantity_of
-
     there = any(quantity_of(str(name)) == "force" for name in frame)
     return frame if there else frame.assign(force_N=0.0)
 
 
 def validate_fit(saved: SavedFit, record: Record) -> Validation:
-    """A saved fit on another record. Raises as `predict` does."""
+    """A saved fit on another record: its force, or where the length answered, its length. Raises as `predict` does."""
     found = predict(saved.branches, record.inputs)
     error = record.force - found.force
+    plain = saved.simpler.get("together")
+    if by_length(record):
+        return _validate_length(saved, record, error, plain)
     known = np.isfinite(found.half_reading)
     inside = np.abs(error) <= found.half_reading
-    plain: dict[str, ErrorsThere] = {}
-    if "together" in saved.simpler:
-        forces = saved.simpler["together"].forces(record.inputs)
-        plain = {name: ErrorsThere.of(record.force - force, record.force) for name, force in forces.items()}
+    forces = plain.forces(record.inputs) if plain else {}
     return Validation(
         record,
         saved,
         ErrorsThere.of(error, record.force),
         float(inside[known].mean()) if known.any() else math.nan,
         float(found.outside.mean()),
-        plain,
+        {name: ErrorsThere.of(record.force - force, record.force) for name, force in forces.items()},
+    )
+
+
+def _validate_length(saved: SavedFit, record: Record, error: Array, plain: Simpler | None) -> Validation:
+    """`error` (n,) in N is that of the force at the measured length. Raises DataError where no row is left, or the fit
+    has no stable length for one."""
+    rows = np.flatnonzero(~at_limit(record))
+    if not len(rows):
+        raise DataError(f"{record.source or record.name}: the length never moves with the pressure; vary it further")
+    inputs, load = record.inputs.take(rows), load_of(record)[rows]
+    found = predict_length(saved.branches, inputs, load)
+    lost = np.isnan(found.contraction)
+    if lost.any():
+        row = int(rows[lost.argmax()]) + 1
+        state = f"{load[lost][0]:.3g} N at {inputs.pressure[lost][0]:.3g} MPa"
+        raise DataError(
+            f"{record.source or record.name}: sample {row} ({state}), and {int(lost.sum()) - 1} more: the fit of "
+            f"{saved.path or saved.law} has no stable length there. Leave them out with --where, or fit such states"
+        )
+    x, length = inputs.displacement_mm, record.specimen.initial_length_mm
+    off = x - length * found.contraction
+    known = np.isfinite(found.half_reading)
+    beside = plain.contractions(inputs, load) if plain else {}
+    return Validation(
+        record,
+        saved,
+        ErrorsThere.of(off, x),
+        float((np.abs(off) <= found.half_reading)[known].mean()) if known.any() else math.nan,
+        float(found.outside.mean()),
+        {name: ErrorsThere.of(x - length * e, x) for name, e in beside.items()},
+        ErrorsThere.of(error[rows], record.force[rows]),
+        len(record) - len(rows),
     )

@@ -73,7 +73,7 @@ def test_a_kind_is_said_by_inspect_and_by_the_specimen(answer, ask, clean, write
     for text in (f'kind = "isotonic"\n{specimen}', f'{specimen}kind = "isotonic"\n'):
         told = write_record(clean.read_text(), specimen=text)
         assert answer("inspect", told)[1]["kind"] == "isotonic"
-        message, code = refused(ask, "compare", told, *LAW)
+        message, code = refused(ask, "diagnose", told, *LAW)
         assert code == 4 and "an isotonic test" in message
     wrong = write_record(clean.read_text(), specimen=f'kind = "isochoric"\n{specimen}')
     message, code = refused(ask, "inspect", wrong)

@@ -81,7 +81,15 @@ def written(tmp_path_factory):
     shutil.copytree(poor.parent, tree)
     (tree / "bad.csv").write_text("time_s,force_N\n0,1\n", encoding="utf-8")
     run("fit", poor, *law, "--json", folder / "fit.json")
+    weights = folder / "weights" / "record.csv"
+    write_case(weights.parent, make_record(Plan(4, law[1], protocol="weight_ramps")))
+    run("fit", weights, *law, "--json", folder / "weights.json")
+    (folder / "loads.csv").write_text("pressure_MPa,force_N\n0.3,100\n", encoding="utf-8")
     asked = [
+        ("fit", weights, *law),
+        ("compare", weights, *law),
+        ("validate", folder / "weights.json", weights),
+        ("predict", folder / "weights.json", "--at", folder / "loads.csv"),
         ("fit", rubbing, "--method", "both"),
         ("fit", rubbing, *law, "--method", "two-stage"),
         ("compare", rubbing),

@@ -6,6 +6,7 @@ from corpus import DISPLACEMENT, FORCE, HEADERS, PRESSURE, ROWS, as_text, values
 
 from pam_ident.core import DataError, UsageError
 from pam_ident.records import read_record
+from pam_ident.records.record import rebuilt
 from pam_ident.records.where import rows_where
 from pam_ident.tasks.setup import Setup
 
@@ -76,7 +77,7 @@ def test_no_row_is_bad_data(record):
 
 def test_a_gap_begins_a_segment_and_strokes_stay(record):
     """A pause of the clock is 2 s at least: rows that go for less leave no gap."""
-    slow = read_record(record.source)
+    slow = rebuilt(record, record.specimen, "isobaric")
     assert len(np.unique(rows_where(slow, "time_s < 0.3 or time_s > 0.8").inputs.segment)) == 2
     assert len(np.unique(rows_where(slow, "cycle == 1").inputs.segment)) == 1
 

@@ -1,0 +1,305 @@
+"""The length at which a model carries a load: what a fit leaves where the load is held and the length answers.
+
+A model foretells the contraction ε at which F(p, ε; θ) = W, p the pressure and W the load. Its slopes over the
+parameters are those of an implicit function, dε/dθ = −(∂F/∂θ)/(∂F/∂ε) (Dini's theorem; Dontchev & Rockafellar 2014,
+Implicit Functions and Solution Mappings, theorem 1B.1). Where the force does not fall with the contraction no length is
+stable, and none is foretold.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..core import DataError, Inputs
+from ..effects._history import acceleration
+from ..model import Model
+from ..records import Record
+from ..records.kind import kind_of
+from ..records.motion import position_noise
+from ..records.record import calmed
+from ..records.run_constants import GRAVITY
+from .covariance import Sums, sums
+from .problem import Problem, Solution, Whiten, all_rows
+from .readings import with_memory
+from .solve import solve, table
+from .solvers import Solver, VariableProjection
+
+Array = np.ndarray
+Values = Mapping[str, float]
+ROOM = 0.05
+"""Contraction by which a muscle may be off what its braid could reach, because its angle or length at rest are."""
+PLACES, ROUNDS = 25, 60
+"""Contractions among which the first equilibrium is sought, and halvings of the way between two, at most."""
+EXACT_N, EXACT = 1e-9, 1e-14
+"""Miss of the load in N, and width in contraction, at which an equilibrium is found."""
+LEAST_SLOPE = 1e-3
+"""Fall of the force over the whole length beside the load, below which no length is foretold."""
+ONE_WEIGHT = 0.05
+"""Distance of two loads beside the larger, up to which they are one weight."""
+BAND, AT_END = 4.0, 0.004
+"""Noises of the length, and share of its way as in a reversal, within which it stands at its end."""
+BEFORE, STOPPED = 0.1, 8.0
+"""Share of its way before the end in which it is seen to move, and bands by which it would have gone on, had nothing
+stopped it."""
+NO_PRESSURE = 0.02
+"""Share of the largest pressure below which a muscle is not inflated: what then carries the load are its threads."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lengths:
+    """What a model says of the lengths of n samples, (n,) each: the `load` in N, the `contraction` at which it carries
+    that, the force's `slope` there in N over the whole length, and the `residual` in mm, measured less foretold; the
+    `weight` that was held in N, and whether a sample is at the mechanical `limit` of the length. The
+    contraction is the end of what a braid reaches, and the slope 0, where the model has no stable length."""
+
+    load: Array
+    contraction: Array
+    slope: Array
+    residual: Array
+    weight: Array
+    limit: Array
+
+    @classmethod
+    def of(cls, model: Model, record: Record, values: Values) -> "Lengths":
+        """Of a model with values at the samples of a record."""
+        load = load_of(record)
+        e, slope = equilibrium(model, record.inputs, values, load)
+        length = record.specimen.initial_length_mm
+        off = record.inputs.displacement_mm - length * e
+        return cls(load, e, slope, off, weights_of(record), at_limit(record))
+
+
+def by_length(record: Record) -> bool:
+    """Whether the length answered, so that it is what a model must foretell."""
+    return kind_of(record) == "isotonic"
+
+
+def load_of(record: Record) -> Array:
+    """What the muscle carries in N, (n,): the measured force, less what of it is a load cell's white noise; of a mass
+    that was given (`load_kg`) m (g + ẍ), x the shortening."""
+    force, inputs = record.force, record.inputs
+    if "load_kg" in record.columns.get("force", "") and inputs.time is not None:
+        return force * (1.0 + 1e-3 * acceleration(inputs) / GRAVITY)
+    return force if inputs.segment is None else calmed(force, inputs.segment)
+
+
+def weights_of(record: Record) -> Array:
+    """The load in N that is held at each sample, (n,): of runs in time their medians, alike ones put together."""
+    segment = record.inputs.segment
+    held = record.force.astype(float)
+    if segment is not None:
+        for number in np.unique(segment):
+            held[segment == number] = np.median(held[segment == number])
+    values, place = np.unique(held, return_inverse=True)
+    apart = np.diff(values) > ONE_WEIGHT * np.maximum(np.abs(values[1:]), 1e-9)
+    group = np.r_[0, np.cumsum(apart)][place]
+    return np.array([np.median(held[group == g]) for g in range(group.max() + 1)])[group]
+
+
+def at_limit(record: Record) -> Array:
+    """Mask (n,) of the samples in which no balance of forces is seen: the length stands at its end while the pressure
+    goes on, as on a stop or with slack threads, or there is no pressure and the threads alone carry the weight."""
+    inputs, weight = record.inputs, weights_of(record)
+    x, p = inputs.displacement_mm, inputs.pressure
+    rising = np.ones(len(x), bool) if inputs.pressure_rate is None else inputs.pressure_rate > 0.0
+    falling = np.ones(len(x), bool) if inputs.pressure_rate is None else inputs.pressure_rate < 0.0
+    noise = 0.0 if inputs.time is None else position_noise(x, inputs.time)
+    found = p < NO_PRESSURE * p.max()
+    for w in np.unique(weight):
+        here = np.flatnonzero((weight == w) & ~found)
+        if len(here):
+            band = max(BAND * noise, AT_END * float(np.ptp(x[here])))
+            for sign, going in ((1.0, falling[here]), (-1.0, rising[here])):
+                found[here[_stopped(sign * x[here], p[here], going, band)]] = True
+    return found
+
+
+def _stopped(x: Array, p: Array, going: Array, band: float) -> Array:
+    """Mask (m,) of the samples within a `band` of the least x, if pressures that `going` to that end (mask) ran through
+    there would have moved it on, by its course just before."""
+    low = np.sort(x)[min(len(x) // 200, len(x) - 1)]
+    end, before = x <= low + band, (x > low + band) & (x <= low + band + BEFORE * np.ptp(x))
+    if np.count_nonzero(end & going) < 3 or np.count_nonzero(before) < 3 or not np.ptp(p[before]) > 0.0:
+        return np.zeros(len(x), bool)
+    course = abs(np.polyfit(p[before], x[before], 1)[0])
+    way = np.ptp(p[end & going]) * course
+    return end if way > STOPPED * band else np.zeros(len(x), bool)
+
+
+def equilibrium(model: Model, inputs: Inputs, values: Values, load: Array) -> tuple[Array, Array]:
+    """The contraction at which a model carries `load` (n,) in N, and the slope of its force there, (n,) in N each.
+
+    From the longest on, the first at which the force falls to the load, as a muscle finds it that is inflated. Where
+    the force stays above the load it is the shortest, where it stays below the longest that a braid reaches, with a
+    slope of 0; so it is where the force hardly falls. What was measured of the length does not enter.
+    """
+    low, high = _reach(inputs)
+
+    def over(e: Array) -> Array:
+        force = model.force(replace(inputs, contraction=e), values)
+        return np.nan_to_num(force - load, nan=-1e300, posinf=1e300, neginf=-1e300)
+
+    n = len(load)
+    places = np.linspace(low, high, PLACES)
+    above = np.array([over(np.full(n, e)) for e in places])
+    falls = (above[:-1] > 0.0) & (above[1:] <= 0.0)
+    known, first, row = falls.any(axis=0), falls.argmax(axis=0), np.arange(n)
+    a, b = places[first], places[first + 1]
+    e = _root(over, a, b, above[first, row], above[first + 1, row])
+    step = 1e-5
+    slope = (over(e + step) - over(e - step)) / (2.0 * step)
+    known &= slope < -LEAST_SLOPE * np.maximum(np.abs(load), 1.0)
+    end = np.where(above[0] > 0.0, high, low)
+    return np.where(known, e, end), np.where(known, slope, 0.0)
+
+
+def _reach(inputs: Inputs) -> tuple[float, float]:
+    """Contractions between which the braid ends: its threads along the axis, and at 54.7° to it (Chou & Hannaford 1996,
+    IEEE Trans. Robotics and Automation 12(1), 90–102)."""
+    cosine = math.cos(math.radians(inputs.specimen.braid_angle_deg))
+    return max(1.0 - 1.0 / cosine - ROOM, -0.5), 1.0 - 1.0 / (math.sqrt(3.0) * cosine) + ROOM
+
+
+def _root(over: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Array) -> Array:
+    """Where `over` falls through 0 between a and b, (n,) each, by the Illinois rule (Dowell & Jarratt 1971, BIT 11,
+    168–174), every fourth time by halving, lest a corner make it slow."""
+    e, last = b, np.zeros(len(a))
+    for k in range(1, ROUNDS):
+        cut = np.divide(fb * (b - a), fb - fa, out=np.zeros(len(a)), where=fb != fa)
+        e = b - cut if k % 4 else 0.5 * (a + b)
+        f = over(e)
+        if np.all((np.abs(f) < EXACT_N) | (b - a < EXACT)):
+            break
+        up = f > 0.0
+        side = np.where(up, 1.0, -1.0)
+        again = side == last
+        fa, fb = np.where(up, f, np.where(again, 0.5 * fa, fa)), np.where(up, np.where(again, 0.5 * fb, fb), f)
+        a, b, last = np.where(up, e, a), np.where(up, b, e), side
+    return e
+
+
+def problem_of(model: Model, inputs: Inputs, load: Array, whiten: Whiten = all_rows) -> Problem:
+    """Least squares of the length in mm that a model foretells under `load` (n,) in N, all its parameters curved."""
+    length, last = inputs.specimen.initial_length_mm, {}
+
+    def solved(values: Values) -> tuple[Array, Array]:
+        key = tuple(values.values())
+        if key not in last:
+            last.clear()
+            last[key] = equilibrium(model, inputs, values, load)
+        return last[key]
+
+    def design(values: Values) -> tuple[Array, Array]:
+        return np.empty((len(load), 0)), length * solved(values)[0]
+
+    def slopes(values: Values) -> Array:
+        return length * implicit(model, inputs, values, load, *solved(values))
+
+    return Problem((), model.bounded(inputs), design, inputs.displacement_mm, whiten=whiten, slopes=slopes)
+
+
+def implicit(model: Model, inputs: Inputs, values: Values, load: Array, e: Array, slope: Array) -> Array:
+    """dε/dθ at an equilibrium `e` with the force's `slope` there, (n,) each: shape (n, k), 0 where there is none."""
+    by_force = table(model, replace(inputs, contraction=e), values, load)[:, :-1]
+    falls = slope < 0.0
+    return np.where(falls[:, None], -by_force / np.where(falls, slope, -1.0)[:, None], 0.0)
+
+
+def solve_length(
+    model: Model,
+    record: Record,
+    rows: Array,
+    start: Values,
+    held: Values,
+    solver: Solver | None = None,
+) -> tuple[Solution, Whiten]:
+    """Least squares of the length over `rows` (mask, (n,)), from the best of several beginnings: values that are given,
+    those of a fit of the force, which is blind where there is one load, and those of an ideal braid's force. What the
+    rows of a run share of the error of its load is evened out, by what is returned beside the solution.
+
+    Raises DataError for an effect that remembers the way, which would foretell the length by the length.
+    """
+    inputs, load, _ = taken = _rows(record, rows)
+    memory = with_memory(model, inputs, load)
+    if memory:
+        raise DataError(
+            f"{record.source or record.name}: {memory[0].label} remembers the way, and in an isotonic test the way is "
+            "what the model must foretell; leave the effect out"
+        )
+    problem = problem_of(model, inputs, load).holding(**held)
+    beginnings = [start] if start and set(start) >= set(model.names) else _beginnings(model, *taken, held)
+    ways = [_from(problem, one) for one in beginnings]
+    ranked = sorted(ways, key=lambda way: way.starts(1)[0].cost)
+    solver = solver or VariableProjection(keep=1)
+    found = [solver.solve(way) for way in ranked[:2]]
+    best = min(found, key=lambda one: float(np.sum(problem.residual(one.values) ** 2)))
+    even = _evened(model, record, rows, {**best.values, **held})
+    if even is not all_rows:
+        best = solver.solve(_from(replace(problem, whiten=even), best.values))
+    return replace(best, values=best.values | dict(held)), even
+
+
+def _from(problem: Problem, values: Values) -> Problem:
+    names = {p.name for p in problem.params}
+    return replace(problem, start={name: value for name, value in values.items() if name in names})
+
+
+def _evened(model: Model, record: Record, rows: Array, values: Values) -> Whiten:
+    """Takes out of `rows` what those of a run share, because its load is the mean of a noisy load cell: the inverse
+    root of σ²1 + s²bbᵀ, s the error of the mean and b what a newton of it makes of the length."""
+    segment, force, load = record.inputs.segment, record.force[rows], load_of(record)[rows]
+    if segment is None or np.array_equal(force, load):
+        return all_rows
+    inputs = record.inputs.take(rows)
+    e, slope = equilibrium(model, inputs, values, load)
+    length, segment = inputs.specimen.initial_length_mm, segment[rows]
+    square = float(np.mean((inputs.displacement_mm - length * e) ** 2))
+    shared: list[tuple[Array, Array, float]] = []
+    for number in np.unique(segment):
+        run = np.flatnonzero((segment == number) & (slope < 0.0))
+        by_newton, off = length / slope[run], force[run] - load[run]
+        size = float(np.linalg.norm(by_newton))
+        if len(run) and np.ptp(load[run]) == 0.0 and off.any() and square > 0.0:
+            ratio = float(np.mean(off**2)) / len(run) * size**2 / square
+            shared.append((run, by_newton / size, 1.0 - 1.0 / math.sqrt(1.0 + ratio)))
+
+    def even(m: Array) -> Array:
+        found = m.copy()
+        for run, along, part in shared:
+            found[run] -= part * np.multiply.outer(along, along @ m[run])
+        return found
+
+    return even if shared else all_rows
+
+
+def _rows(record: Record, rows: Array) -> tuple[Inputs, Array, Array]:
+    """Inputs, load and held weight of some rows (mask, (n,))."""
+    return record.inputs.take(rows), load_of(record)[rows], weights_of(record)[rows]
+
+
+def _beginnings(model: Model, inputs: Inputs, load: Array, weight: Array, held: Values) -> list[dict[str, float]]:
+    neutral, found = model.neutral(inputs), []
+    if len(np.unique(weight)) > 1:
+        found.append(solve(model, inputs, load, all_rows, quick=True, held=held).values)
+    p, e = (np.linspace(float(v.min()), float(v.max()), 12) for v in (inputs.pressure, inputs.contraction))
+    p, e = (grid.ravel() for grid in np.meshgrid(p, e))
+    law = replace(model, terms=())
+    own = {name: value for name, value in held.items() if name in law.names}
+    states = Inputs(p, e, inputs.specimen, np.zeros(len(p)))
+    ideal = solve(law, states, inputs.specimen.ideal_force(p, e), all_rows, quick=True, held=own)
+    return [*found, {**neutral, **ideal.values, **held}]
+
+
+def sums_of(model: Model, record: Record, rows: Array, values: Values, even: Whiten, cluster: Array | None) -> Sums:
+    """Sums of the length's Jacobian and residual over `rows` (mask, (n,)), in mm, as `even` makes them.
+
+    The slopes are those at the weights as they were held: what inertia and friction make of a measured load is no
+    second weight, without which most laws are known but for a factor.
+    """
+    inputs, load, weight = _rows(record, rows)
+    length = inputs.specimen.initial_length_mm
+    slopes = length * implicit(model, inputs, values, weight, *equilibrium(model, inputs, values, weight))
+    residual = length * equilibrium(model, inputs, values, load)[0] - inputs.displacement_mm
+    return sums(even(np.column_stack([slopes, residual])), cluster)

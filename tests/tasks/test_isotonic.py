@@ -1,0 +1,135 @@
+"""What the verbs answer of weights that a muscle of the virtual rig lifts: the length, or one sentence."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pam_ident.core import DataError, UsageError
+from pam_ident.records import read_record
+from pam_ident.rig import Plan, make_record, write_case
+from pam_ident.schema.diagnosis import comparison_json
+from pam_ident.schema.fit import fit_json
+from pam_ident.schema.prediction import validation_json
+from pam_ident.tasks.add import add_effects
+from pam_ident.tasks.compare import compare_record, failure_picture
+from pam_ident.tasks.diagnose import diagnose_record
+from pam_ident.tasks.fit import FitOptions, fit_record
+from pam_ident.tasks.gate import Refused
+from pam_ident.tasks.ladder import climb_ladder
+from pam_ident.tasks.law_choice import settle
+from pam_ident.tasks.predict import predict_at, read_fit, validate_fit
+from pam_ident.tasks.setup import AUTO, Setup
+
+SETUP = Setup("exponential_law")
+NOISE_MM = 0.025
+
+
+@pytest.fixture(scope="module")
+def cases(tmp_path_factory):
+    """One muscle of the rig under weights and on isobars: the records' files."""
+    folder = tmp_path_factory.mktemp("rig")
+    for protocol in ("weight_ramps", "weight_stairs", "standard"):
+        write_case(folder / protocol, make_record(Plan(4, protocol=protocol)))
+    return {path.name: path / "record.csv" for path in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def saved(cases, tmp_path_factory):
+    """Fits to each of them, read back from their files."""
+    folder = tmp_path_factory.mktemp("fits")
+
+    def fitted(name):
+        answer = fit_record(read_record(cases[name]), SETUP)
+        path = folder / f"{name}.json"
+        path.write_text(json.dumps(fit_json(name, SETUP.law, answer), default=lambda a: a.tolist()))
+        return read_fit(path)
+
+    return {name: fitted(name) for name in ("weight_ramps", "standard")}
+
+
+def test_a_fit_says_its_errors_in_mm_and_what_the_newtons_are(cases):
+    answer = fit_record(read_record(cases["weight_ramps"]), SETUP)
+    assert not answer.problems and answer.passive is None
+    found = fit_json("w", SETUP.law, answer)
+    one = found["branches"]["together"]
+    assert one["rmse_mm"] < NOISE_MM and one["max_error_mm"] < 8 * NOISE_MM and one["r2"] > 0.999
+    assert one["rmse_N"] == pytest.approx(2.0, rel=0.1)  # the load cell's noise, at the measured length
+    assert one["left_out"] == 0 and len(one["weights_N"]) == 3
+    assert one["noise_floor_N"] is None and one["noise_floor_mm"] == pytest.approx(one["rmse_mm"], rel=0.1)
+    assert found["loops"] == [] and one["simpler"]["mean_over_pressure"] is None
+
+
+def test_a_fit_of_isobars_has_no_millimetres(cases):
+    one = fit_json("s", SETUP.law, fit_record(read_record(cases["standard"]), SETUP))["branches"]["together"]
+    assert not [key for key in one if key.endswith("_mm") or key in ("left_out", "weights_N")]
+
+
+def test_compare_says_under_which_weight_the_length_fails(cases):
+    found = compare_record(read_record(cases["weight_ramps"]), Setup("hildebrandt"))
+    assert "misses the length by 0.0" in found.sentence and " mm rms" in found.sentence
+    told = comparison_json("w", found)
+    weights = told["by"]["load_N"]
+    assert [w["rms_N"] for w in weights] == [None] * 3 and sum(w["share"] for w in weights) == pytest.approx(1.0)
+    assert min(w["rms_mm"] for w in weights) > NOISE_MM
+    assert told["follows"] == [] and told["map"]["rms_N"] is None and np.nanmax(told["map"]["rms_mm"]) > 0.0
+    assert len(told["by"]["pressure_MPa"]) == 10 and told["rmse_mm"] == found.fit.length_errors.rmse
+    with pytest.raises(UsageError, match="--out draws an error of the force"):
+        failure_picture(found, ".svg")
+
+
+def test_a_fit_on_isobars_foretells_lengths_and_the_reverse(cases, saved):
+    lengths = validate_fit(saved["standard"], read_record(cases["weight_stairs"]))
+    assert lengths.in_mm and lengths.trial.rmse < NOISE_MM and lengths.coverage > 0.9
+    assert "predicts the length of" in lengths.sentence and not lengths.as_well
+    told = validation_json("f", "w", lengths)
+    assert told["rmse_mm"] == lengths.trial.rmse and told["rmse_N"] == lengths.in_force.rmse
+    own = fit_record(read_record(cases["standard"]), SETUP).fits["together"].rmse
+    forces = validate_fit(saved["weight_ramps"], read_record(cases["standard"]))
+    assert not forces.in_mm and forces.trial.rmse < 1.3 * own and "rmse_mm" not in validation_json("f", "s", forces)
+
+
+def test_the_static_curve_is_foretold_at_other_loads(saved, tmp_path):
+    made = make_record(Plan(4, protocol="weight_ramps"))
+    table = pd.DataFrame(
+        {"pressure_MPa": np.tile(np.linspace(0.3, 0.5, 5), 2), "force_N": np.repeat([100.0, 230.0], 5)}
+    )
+    table.to_csv(tmp_path / "loads.csv", index=False)
+    for one in saved.values():
+        frame = predict_at(one, tmp_path / "loads.csv")
+        length = made.muscle.specimen.initial_length_mm
+        truth = made.muscle.contraction(table["pressure_MPa"].to_numpy(), table["force_N"].to_numpy()) * length
+        assert np.abs(frame["displacement_mm"] - truth).max() < 0.1
+        assert np.all((frame["mean_low_mm"] - 0.02 < truth) & (truth < frame["mean_high_mm"] + 0.02))
+    assert np.isfinite(predict_at(saved["standard"], tmp_path / "loads.csv")["reading_low_mm"]).all()
+    table.assign(force_N=1e5).to_csv(tmp_path / "heavy.csv", index=False)
+    assert predict_at(saved["standard"], tmp_path / "heavy.csv")["outside"].all()
+    table.assign(force_N=-5e3).to_csv(tmp_path / "pushed.csv", index=False)
+    assert predict_at(saved["standard"], tmp_path / "pushed.csv")["displacement_mm"].isna().all()
+
+
+def test_what_cannot_be_answered_is_refused_in_one_sentence(cases):
+    record = read_record(cases["weight_ramps"])
+    for ask in (diagnose_record, climb_ladder):
+        with pytest.raises(Refused, match="an isotonic test"):
+            ask(record, SETUP)
+    with pytest.raises(Refused, match="an isotonic test"):
+        add_effects(record, Setup("exponential_law", ("coulomb_friction",)))
+    with pytest.raises(Refused, match="Name one with --law"):
+        settle(record, Setup(AUTO))
+    for wish in ({"method": "two-stage"}, {"intervals": "profile"}, {"loss": "huber"}):
+        with pytest.raises(UsageError, match="the length answers"):
+            fit_record(record, SETUP, FitOptions(**wish))
+    with pytest.raises(DataError, match="remembers the way"):
+        fit_record(record, Setup("exponential_law", ("creep",)))
+
+
+@pytest.mark.parametrize("name", ["01.57", "06.28", "181607", "182351"])
+def test_a_sandbag_says_that_one_weight_is_not_enough(realdata, name):
+    file = realdata / "mit2151_mckibben300mm" / "deadweight" / f"{name}.dat"
+    answer = fit_record(read_record(file), Setup("modified_chou_hannaford"))
+    assert "one_weight" in [doubt.code for doubt in answer.warnings]
+    assert any("hang other weights" in problem for problem in answer.problems)
+    assert not answer.fits["together"].estimates[0].identified
+    assert (answer.fits["together"].lengths.limit.sum() > 1800) == (name == "182351")
