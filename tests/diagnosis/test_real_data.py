@@ -13,7 +13,7 @@ from pam_ident.diagnosis import diagnose, heldout_rmse
 from pam_ident.diagnosis.heldout import in_best_forms
 from pam_ident.fitting import fit
 from pam_ident.model import Model
-from pam_ident.records import read_record
+from pam_ident.records import read_record, thinned
 from pam_ident.records.datasets import dataset_record
 
 pytestmark = pytest.mark.long
@@ -184,3 +184,22 @@ def test_the_bladder_alone_explains_the_plateaus_of_a_hand_made_muscle(bench, re
     assert found.rungs[1].effects == ("bladder_elasticity:yeoh",)
     assert found.rungs[0].fit.rmse > 70.0 and found.rungs[1].fit.rmse < 4.0 and found.rungs[1].heldout_rmse < 4.0
     assert found.rungs[-1].heldout_rmse < found.rungs[1].heldout_rmse
+
+
+FRICTION = {"coulomb_friction", "pressure_friction", "presliding_hysteresis", "stribeck_friction"}
+
+
+def test_a_cylinders_seal_rubs_with_a_part_that_grows_with_pressure(realdata):
+    """Known beforehand: an area of 519 mm² by calliper, and a seal's friction that grows with pressure. Each pressure
+    was driven at one speed each way, so that no record of it can tell friction from damping."""
+    home = realdata / "cylinder_oring"
+    record = thinned(read_record(str(home / "*.csv"), home / "specimen.toml"), 10_000)
+    found = diagnose(Model.build("polynomial"), record)
+    assert found.verdict == "unknown_effect"  # no form reaches the sensor's noise
+    assert found.selected and FRICTION.issuperset(found.selected)
+    assert any("pressure_friction" in {name, *group} for name in found.selected for group in found.groups or ((),))
+    assert any("viscous_damping" in group for group in found.groups)
+    assert not found.best.impossible
+    assert found.best.rmse < 0.2 * found.base.rmse
+    assert found.best.values["a0"] == pytest.approx(519.0, rel=0.01)
+    assert 0.3 < found.noise_floor < 0.5  # 0.38 N between repeated strokes
