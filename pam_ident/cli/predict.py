@@ -17,7 +17,10 @@ def predict(
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
 ) -> None:
-    """Force of a saved fit at given states, with 95 % intervals of its mean and of a new reading, as CSV."""
+    """Force of a saved fit at given states, with 95 % intervals.
+
+    Intervals for the mean and for a new reading, as CSV.
+    """
     from ..core.files import check_target, write_whole
 
     if out is not None:
