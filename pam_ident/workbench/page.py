@@ -58,12 +58,13 @@ class Workbench(Viewer):
         self.setup = Setup(law, effects, effect_files, free_geometry, specimen)
         _ = self.setup.model
         self.work: Work[Found] | None = None
+        self.spare: Work[Found] | None = None
         self.asking = self.history.draft is not None and bool(self.history.draft.problem)
         self._make_side()
         self._make_main()
         self._clock = None
         if pn.state.curdoc is not None:
-            pn.state.on_session_destroyed(lambda _: self.work and self.work.stop())
+            pn.state.on_session_destroyed(lambda _: self._halt())
         if self.bench is not None:
             self.setup = self.bench.setup
         elif record is not None:
@@ -147,13 +148,17 @@ class Workbench(Viewer):
 
     def _begin(self, begin: Callable[[], Iterator[Found]]) -> None:
         """Start work; what was under way is told to stop, and what it finds is not looked at."""
-        if self.work is not None:
-            self.work.stop()
+        self._halt()
         self.error.visible = False
         self.work = Work(begin)
         if self._clock is None and _loop_runs():
             self._clock = pn.state.add_periodic_callback(self.look, TICK_MS)
         self._busy()
+
+    def _halt(self) -> None:
+        for work in (self.work, self.spare):
+            if work is not None:
+                work.stop()
 
     def look(self) -> None:
         """Show what the work has found since the last look, and how far it is."""
@@ -185,7 +190,23 @@ class Workbench(Viewer):
             if self._clock is not None:
                 self._clock.stop()
                 self._clock = None
+                if not work.stopped:
+                    self._go_ahead()
         self._busy(work.stopped)
+
+    def _go_ahead(self) -> None:
+        """Find what the likeliest candidate would lead to, while a person looks at the page."""
+        bench, history = self.bench, self.history
+        if bench is None or not bench.previews:
+            return
+
+        def begin() -> Iterator[Found]:
+            step = bench.adding(bench.previews[0].label)
+            if history.known(step) is None:
+                history.ahead = step.diagnosed()
+            yield from ()
+
+        self.spare = Work(begin)
 
     def wait(self) -> None:
         """Until the work is done, everything shown. For notebooks and tests, where nobody looks in between."""
@@ -207,8 +228,7 @@ class Workbench(Viewer):
         """The bench as fitted, then diagnosed, then with its candidates tried; what is known is not asked again."""
         known = self.history.known(bench)
         yield True, known or bench
-        if known is None:
-            yield from _found(bench)
+        yield from _found(known or bench)
 
     def _change(self, change: Callable[[Bench], Bench]) -> None:
         bench = self.bench
@@ -293,9 +313,8 @@ class Workbench(Viewer):
     def _on_step(self, key: str) -> None:
         """Go back or forth; nothing is worked out anew."""
         at = {"undo": self.history.at - 1, "redo": self.history.at + 1}.get(key)
-        if self.work is not None:
-            self.work.stop()
-            self.work = None
+        self._halt()
+        self.work = None
         if self.history.go(int(key) if at is None else at) and self.bench is not None:
             self.setup = self.bench.setup
             self.error.visible = False
@@ -353,9 +372,12 @@ class Workbench(Viewer):
 
 
 def _found(bench: Bench | None) -> Iterator[Found]:
-    if bench is not None and not bench.held:
+    if bench is None or bench.held:
+        return
+    if bench.diagnosis is None:
         bench = bench.diagnosed()
         yield False, bench
+    if not bench.previews:
         yield False, bench.tried()
 
 
