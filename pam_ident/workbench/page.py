@@ -18,6 +18,7 @@ from ..records.record import rebuilt
 from ..records.specimen_file import specimen_toml
 from ..tasks.setup import Setup
 from . import words
+from .ahead import Ahead
 from .bench import Bench
 from .cards import Cards
 from .draft import Draft
@@ -58,7 +59,7 @@ class Workbench(Viewer):
         self.setup = Setup(law, effects, effect_files, free_geometry, specimen)
         _ = self.setup.model
         self.work: Work[Found] | None = None
-        self.spare: Work[Found] | None = None
+        self.ahead = Ahead()
         self.asking = self.history.draft is not None and bool(self.history.draft.problem)
         self._make_side()
         self._make_main()
@@ -112,7 +113,7 @@ class Workbench(Viewer):
                 ("Answer all the same", "default"),
             )
         )
-        self.stop.on_click(lambda _: self.work and self.work.stop())
+        self.stop.on_click(lambda _: self._halt())
         self.find.on_click(lambda _: self._begin(lambda: _found(self.bench)) if self.bench else None)
         self.anyway.on_click(lambda _: self._change(lambda bench: bench.all_the_same()))
         self.draft = Drafting(self._on_open, lambda: self._ask(False))
@@ -148,7 +149,8 @@ class Workbench(Viewer):
 
     def _begin(self, begin: Callable[[], Iterator[Found]]) -> None:
         """Start work; what was under way is told to stop, and what it finds is not looked at."""
-        self._halt()
+        if self.work is not None:
+            self.work.stop()
         self.error.visible = False
         self.work = Work(begin)
         if self._clock is None and _loop_runs():
@@ -156,9 +158,9 @@ class Workbench(Viewer):
         self._busy()
 
     def _halt(self) -> None:
-        for work in (self.work, self.spare):
-            if work is not None:
-                work.stop()
+        self.ahead.stop()
+        if self.work is not None:
+            self.work.stop()
 
     def look(self) -> None:
         """Show what the work has found since the last look, and how far it is."""
@@ -191,22 +193,8 @@ class Workbench(Viewer):
                 self._clock.stop()
                 self._clock = None
                 if not work.stopped:
-                    self._go_ahead()
+                    self.ahead.begin(self.bench, self.history)
         self._busy(work.stopped)
-
-    def _go_ahead(self) -> None:
-        """Find what the likeliest candidate would lead to, while a person looks at the page."""
-        bench, history = self.bench, self.history
-        if bench is None or not bench.previews:
-            return
-
-        def begin() -> Iterator[Found]:
-            step = bench.adding(bench.previews[0].label)
-            if history.known(step) is None:
-                history.ahead = step.diagnosed()
-            yield from ()
-
-        self.spare = Work(begin)
 
     def wait(self) -> None:
         """Until the work is done, everything shown. For notebooks and tests, where nobody looks in between."""
@@ -228,6 +216,10 @@ class Workbench(Viewer):
         """The bench as fitted, then diagnosed, then with its candidates tried; what is known is not asked again."""
         known = self.history.known(bench)
         yield True, known or bench
+        if known is None:
+            known = self.ahead.awaited(bench, self.history)
+            if known is not None:
+                yield False, known
         yield from _found(known or bench)
 
     def _change(self, change: Callable[[Bench], Bench]) -> None:
