@@ -76,6 +76,7 @@ def test_it_opens_with_the_answer_and_nothing_else(opened, width):
         assert min(sizes) > 8.0
     sure = opened.get_by_text("How sure: ").first.bounding_box()
     assert width < 1400 or sure["y"] + sure["height"] <= 900
+    assert opened.evaluate("document.documentElement.scrollHeight") < 6000, "the details are folded"
     assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
 
 
