@@ -1,4 +1,5 @@
-"""Seconds from a click to its answer on the page, in a real browser: adding, undoing, removing, another law.
+"""Seconds from a click to its answer on the page, in a real browser: adding, undoing, removing, another
+law, and adding the likeliest candidate.
 
     python benchmarks/workbench.py [--record NAME]
 
@@ -34,6 +35,8 @@ LAWS = (
     "Polynomial slope and intercept over pressure",
 )
 """Each once: what was asked before is not asked again, and would take no time."""
+LOOKED_S = 5.0
+"""How long a person looks at the candidates before choosing the likeliest."""
 
 
 def main() -> None:
@@ -66,11 +69,14 @@ def main() -> None:
         for law in LAWS:
             choose = page.get_by_label("Force law")
             found.setdefault("law", []).append(timed(page, program, lambda c=choose, law=law: c.select_option(law)))
+            likeliest = page.get_by_role("group", name="Candidates").get_by_role("button").first
+            time.sleep(LOOKED_S)
+            found.setdefault("likeliest", []).append(timed(page, program, likeliest.click))
         browser.close()
         server.kill()
     for name, times in found.items():
         shown, named, worked = (statistics.median(each) for each in zip(*times, strict=True))
-        print(f"{name:8} shown {shown:.2f} s, named {named:.2f} s, worked {worked:.2f} s (median of {len(times)})")
+        print(f"{name:9} shown {shown:.2f} s, named {named:.2f} s, worked {worked:.2f} s (median of {len(times)})")
 
 
 def timed(page: Page, program: psutil.Process, act) -> tuple[float, float, float]:

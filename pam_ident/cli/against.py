@@ -14,7 +14,7 @@ def against(
     asked: options.Asked = options.NOTHING,
     out: Annotated[str | None, options.option("--out", "FILE.html", "Write a page about both, too.")] = None,
 ) -> None:
-    """Set two records beside each other: new and aged, two muscles, two rigs.
+    """Compare two records: new and aged, two muscles, two rigs.
 
     Tells what differs in force, in parameters with intervals, in the effects that are missing, and in what the law's
     error follows.

@@ -36,7 +36,7 @@ def challenge(
     scheduler: options.Scheduler = None,
     json: options.JsonFile = None,
 ) -> None:
-    """Hide effects in simulated records, diagnose them, and score the answers.
+    """Hide effects in simulated records, and score the diagnosis.
 
     The hidden effects stay sealed until all answers are there. To take it yourself: `pam-ident rig DIR`, answer, then
     `pam-ident challenge --out DIR --answers FILE.jsonl`.

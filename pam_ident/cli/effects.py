@@ -20,7 +20,7 @@ class EffectGroup(TyperGroup):
 app = typer.Typer(
     cls=EffectGroup,
     rich_markup_mode=None,
-    help="List the known effects, tell all about one by its name, write one of your own, check it.",
+    help="List the known effects; `effects NAME` tells all about one.",
 )
 EffectFile = Annotated[str, typer.Argument(metavar="FILE.py", help="Python file of an effect.", show_default=False)]
 
@@ -66,7 +66,7 @@ def show(
         text.say(f"Warning: {effect.warning}")
     for form in effect.forms:
         text.say("", f"form {form.name}: {form.formula}")
-        rows = [(p.symbol or p.name, p.unit, f"{p.lower:g} to {p.upper:g}", p.doc) for p in form.params]
+        rows = [(p.symbol or p.name, p.unit, text.bounds(p), p.doc) for p in form.params]
         text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
         for p in form.params:
             if p.range is not None:

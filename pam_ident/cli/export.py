@@ -34,7 +34,7 @@ def export(
     ] = "together",
     asked: options.Asked = options.NOTHING,
 ) -> None:
-    """Write a fitted model for another program: C, FMU, MATLAB, Python, MuJoCo, JSON."""
+    """Write a fitted model as C, FMU, MATLAB, Python, MuJoCo, JSON."""
     from ..core import UsageError
     from ..tasks.export import check_export, export_fit, export_record
 

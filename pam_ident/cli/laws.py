@@ -19,7 +19,7 @@ def laws(
     ] = None,
     json: options.JsonFile = None,
 ) -> None:
-    """List the force laws that are known, those with the fewest parameters first; or tell all about one."""
+    """List the force laws; `laws NAME` tells all about one."""
     from ..laws import get_law, listed
     from ..schema.catalogue import laws_json
 
@@ -38,7 +38,7 @@ def laws(
 
 
 def _print_one(law: "Law") -> None:
-    rows = [(p.symbol or p.name, p.unit, f"{p.lower:g} to {p.upper:g}", p.doc) for p in law.params]
+    rows = [(p.symbol or p.name, p.unit, text.bounds(p), p.doc) for p in law.params]
     text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
     if law.min_levels > 1:
         text.say(f"{text.INDENT}needs {law.min_levels} pressures at least to tell its parameters apart")

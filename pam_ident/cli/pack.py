@@ -22,7 +22,10 @@ def pack(
     json: options.JsonFile = None,
     where: options.Where = None,
 ) -> None:
-    """One folder with a record's data, units, specimen and metadata, which every command reads: a Data Package."""
+    """Put a record and all that belongs to it into one folder.
+
+    Data, units, specimen and metadata as a Data Package, which every command reads.
+    """
     from ..export.package import check_folder, write_package
     from ..records.gate import doubts_of
     from ..records.package import metadata_of, told

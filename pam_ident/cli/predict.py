@@ -17,9 +17,10 @@ def predict(
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
 ) -> None:
-    """Force of a saved fit at given states, with 95 % intervals of its mean and of a new reading, as CSV.
+    """Force of a saved fit at given states, with 95 % intervals.
 
-    Where the states hold a force and no length, the length at which the muscle carries it.
+    Intervals for the mean and for a new reading, as CSV. Where the states hold a force and no length, the length at
+    which the muscle carries it.
     """
     from ..core.files import check_target, write_whole
 

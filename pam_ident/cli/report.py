@@ -15,7 +15,10 @@ def report(
     also: options.Also = None,
     heldout: options.Heldout = None,
 ) -> None:
-    """Write all of it into one file: HTML that needs no network, Markdown with figures beside it, or PDF."""
+    """Write all of it into one file: HTML, Markdown or PDF.
+
+    The HTML needs no network; Markdown has its figures in a folder beside it.
+    """
     from ..core import PamError
     from ..parallel.executor import Executor
     from ..schema.diagnosis import diagnosis_json

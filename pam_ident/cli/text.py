@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import typer
 
 if TYPE_CHECKING:
+    from ..core import Param
     from ..fitting import Fit
     from ..fitting.fit import Estimate
     from ..model import Model
@@ -163,6 +164,12 @@ def interval_of(estimate: "Estimate") -> str:
         digits = min(max(math.floor(math.log10(abs(estimate.value) / estimate.stderr)) + 3, 3), 8)
     low, high = (number(end, digits) if math.isfinite(end) else "open" for end in (estimate.low, estimate.high))
     return f"{low} to {high}"
+
+
+def bounds(param: "Param") -> str:
+    """The values that a parameter may take."""
+    low, high = (f"{end:g}" if math.isfinite(end) else "" for end in (param.lower, param.upper))
+    return f"{low} to {high}" if low and high else f"{low} or more" if low else f"{high} or less" if high else "any"
 
 
 def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:

@@ -69,7 +69,7 @@ def track(
     ] = None,
     json: options.JsonFile = None,
 ) -> None:
-    """Run fitted models in a leg with two muscles: PID, and PID with each model ahead.
+    """Run fitted models in the controller of a leg of two muscles.
 
     Without --plant and --controller the bundled muscle and ladder are taken.
     """

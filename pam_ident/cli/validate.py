@@ -23,7 +23,10 @@ def validate(
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
 ) -> None:
-    """Hold a saved fit against another record: its errors, how many readings its intervals hold, simpler models."""
+    """Test a saved fit on another record, beside simpler models.
+
+    Tells its errors, and how many readings lie in its intervals.
+    """
     from ..schema.prediction import validation_json
     from ..tasks.predict import read_fit, validate_fit
     from ..tasks.setup import load

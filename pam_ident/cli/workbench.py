@@ -24,7 +24,7 @@ def workbench(
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Open no browser; the address is printed.")] = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Try effects on a record by hand, on a page in the browser of this machine.
+    """Try effects on a record by hand, on a page in the browser.
 
     Needs the extra `workbench`. Ends with Ctrl-C.
     """

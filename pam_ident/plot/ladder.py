@@ -56,7 +56,7 @@ def draw(ladder: Ladder, names: Sequence[str] = (), width: float = WIDTH) -> Fig
     x = np.arange(len(shown.names))
     axes.axhline(shown.noise_floor, color=GREY, linestyle="--", linewidth=1.2)
     axes.plot(x, shown.rmse, marker="o", color=BLUE, linewidth=1.6, label="on the fitted data")
-    label = "on held-out data" + (", chosen anew" if ladder.nested else "")
+    label = "on held-out data" + (", nested" if ladder.nested else "")
     axes.plot(x, shown.heldout, marker="s", color=VERMILION, linewidth=1.3, linestyle=":", label=label)
     for i, value in enumerate(shown.rmse):
         # Below and to the left: the curves fall from the left, and the held-out error lies above.

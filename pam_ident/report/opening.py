@@ -62,7 +62,7 @@ def _fall(section: Section) -> str:
     if after is None:
         return f"{law.model.law.title} leaves {newtons(law.rmse)} rms; the noise is about {floor}."
     return (
-        f"{law.model.law.title} leaves {newtons(law.rmse)} rms. With what was missing {newtons(after.rmse)} are left; "
+        f"{law.model.law.title} leaves {newtons(law.rmse)} rms. With that added, {newtons(after.rmse)} are left; "
         f"the noise is about {floor}."
     )
 

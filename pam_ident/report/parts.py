@@ -96,14 +96,14 @@ def _candidates(section: Section, easel: Easel) -> Part | None:
     if diagnosis.verdict == "adequate":
         table, text = (
             tables.not_judged(diagnosis),
-            "Nothing is missing. These effects are neither likely nor ruled out.",
+            "Nothing is missing. These effects cannot be judged from this record.",
         )
         return (
             Part(f"{easel.prefix}-candidates", "What was not judged", (text,), tables=(table,)) if table.rows else None
         )
     caption = (
         "What each effect would leave of the error. In grey italics: effects that this "
-        "record cannot show or that the law already imitates; they are neither likely nor ruled out."
+        "record cannot show or that the law already imitates; they may be there or not."
     )
     picture = easel.hang(plot.candidates.draw(diagnosis), "Bars of the error that each candidate would leave", caption)
     notes = groups(diagnosis, titles(diagnosis.best.model))

@@ -88,7 +88,7 @@ def _set(text: str) -> str:
 
 def heldout(rung: Rung) -> str:
     """What the error of a rung on held-out data is called."""
-    return "held-out error" + ("" if rung.refit_rmse is None else ", chosen anew")
+    return ("" if rung.refit_rmse is None else "nested ") + "held-out error"
 
 
 def titles(model: Model) -> dict[str, str]:

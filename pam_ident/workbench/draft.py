@@ -138,7 +138,9 @@ def _columns(table: Table, mapping: Told | None) -> tuple[DraftColumn, ...]:
     guesses = guess_columns(table.headers, numbers) if mapping is None or not mapping.columns else None
     found = []
     for k, (name, column, values) in enumerate(zip(table.names, cells, numbers, strict=True)):
-        finite = values[np.isfinite(values)]
+        later = [] if block is None else block.cells[k][ROWS :: max(len(block.cells[k]) // ROWS, 1)]
+        finite = np.array([*values, *(number_of(cell, table.decimal) for cell in later)])
+        finite = finite[np.isfinite(finite)]
         low, high = (float(finite.min()), float(finite.max())) if len(finite) else (np.nan, np.nan)
         text = tuple(f"{cell:.6g}" if isinstance(cell, float) else str(cell)[:24] for cell in column[:SHOWN])
         one = DraftColumn(name, text, low, high, guesses[k] if guesses else Guess())

@@ -14,12 +14,14 @@ MOST_ROWS = 1_000_000
 
 @dataclass
 class History:
-    """The `steps` taken, the one that is shown (`at`), the one `pinned` as A, and the `draft` of what was dropped."""
+    """The `steps` taken, the one that is shown (`at`), the one `pinned` as A, the `draft` of what was dropped, and
+    what was found `ahead` of a step that is likely to be taken."""
 
     steps: list[Bench] = field(default_factory=list)
     at: int = -1
     pinned: Bench | None = None
     draft: Draft | None = None
+    ahead: Bench | None = None
 
     @property
     def bench(self) -> Bench | None:
@@ -27,8 +29,9 @@ class History:
         return self.steps[self.at] if self.steps else None
 
     def known(self, bench: Bench) -> Bench | None:
-        """A step with the same model of the same record that was diagnosed already."""
-        alike = (one for one in self.steps if one.record is bench.record and one.setup == bench.setup and not one.held)
+        """A step with the same model of the same record that was diagnosed already, or one that was found ahead."""
+        steps = [*self.steps, *([self.ahead] if self.ahead else [])]
+        alike = (one for one in steps if one.record is bench.record and one.setup == bench.setup and not one.held)
         return None if bench.held else next((one for one in alike if one.previews or one.diagnosis), None)
 
     def push(self, bench: Bench) -> None:

@@ -18,6 +18,7 @@ from ..records.record import rebuilt
 from ..records.specimen_file import specimen_toml
 from ..tasks.setup import Setup
 from . import words
+from .ahead import Ahead
 from .bench import Bench
 from .cards import Cards
 from .draft import Draft
@@ -58,12 +59,13 @@ class Workbench(Viewer):
         self.setup = Setup(law, effects, effect_files, free_geometry, specimen)
         _ = self.setup.model
         self.work: Work[Found] | None = None
+        self.ahead = Ahead()
         self.asking = self.history.draft is not None and bool(self.history.draft.problem)
         self._make_side()
         self._make_main()
         self._clock = None
         if pn.state.curdoc is not None:
-            pn.state.on_session_destroyed(lambda _: self.work and self.work.stop())
+            pn.state.on_session_destroyed(lambda _: self._halt())
         if self.bench is not None:
             self.setup = self.bench.setup
         elif record is not None:
@@ -111,7 +113,7 @@ class Workbench(Viewer):
                 ("Answer all the same", "default"),
             )
         )
-        self.stop.on_click(lambda _: self.work and self.work.stop())
+        self.stop.on_click(lambda _: self._halt())
         self.find.on_click(lambda _: self._begin(lambda: _found(self.bench)) if self.bench else None)
         self.anyway.on_click(lambda _: self._change(lambda bench: bench.all_the_same()))
         self.draft = Drafting(self._on_open, lambda: self._ask(False))
@@ -155,6 +157,11 @@ class Workbench(Viewer):
             self._clock = pn.state.add_periodic_callback(self.look, TICK_MS)
         self._busy()
 
+    def _halt(self) -> None:
+        self.ahead.stop()
+        if self.work is not None:
+            self.work.stop()
+
     def look(self) -> None:
         """Show what the work has found since the last look, and how far it is."""
         with self.page.turn:
@@ -185,6 +192,8 @@ class Workbench(Viewer):
             if self._clock is not None:
                 self._clock.stop()
                 self._clock = None
+                if not work.stopped:
+                    self.ahead.begin(self.bench, self.history)
         self._busy(work.stopped)
 
     def wait(self) -> None:
@@ -208,7 +217,10 @@ class Workbench(Viewer):
         known = self.history.known(bench)
         yield True, known or bench
         if known is None:
-            yield from _found(bench)
+            known = self.ahead.awaited(bench, self.history)
+            if known is not None:
+                yield False, known
+        yield from _found(known or bench)
 
     def _change(self, change: Callable[[Bench], Bench]) -> None:
         bench = self.bench
@@ -293,9 +305,8 @@ class Workbench(Viewer):
     def _on_step(self, key: str) -> None:
         """Go back or forth; nothing is worked out anew."""
         at = {"undo": self.history.at - 1, "redo": self.history.at + 1}.get(key)
-        if self.work is not None:
-            self.work.stop()
-            self.work = None
+        self._halt()
+        self.work = None
         if self.history.go(int(key) if at is None else at) and self.bench is not None:
             self.setup = self.bench.setup
             self.error.visible = False
@@ -353,9 +364,12 @@ class Workbench(Viewer):
 
 
 def _found(bench: Bench | None) -> Iterator[Found]:
-    if bench is not None and not bench.held:
+    if bench is None or bench.held:
+        return
+    if bench.diagnosis is None:
         bench = bench.diagnosed()
         yield False, bench
+    if not bench.previews:
         yield False, bench.tried()
 
 

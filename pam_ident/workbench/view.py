@@ -30,6 +30,8 @@ TIPS = [
     ("at", "@pressure{0.000} MPa, @contraction{0.0 %}, @branch"),
     ("time", "@seconds{0.00} s"),
 ]
+CLEAR: dict[str, Any] = {"background_fill_color": None, "border_fill_color": None}
+"""From the first stroke on: of a ground that is painted and then cleared the edges stay."""
 ZOOM = {
     "Zoom in": "const d = (r.end - r.start) / 4; r.start += d; r.end -= d",
     "Zoom out": "const d = (r.end - r.start) / 2; r.start -= d; r.end += d",
@@ -42,14 +44,13 @@ const dark = window.matchMedia("(prefers-color-scheme: dark)")
 const paint = () => {
   const ink = dark.matches ? "#e6e9ed" : "#1f2933", line = dark.matches ? "#3d4650" : "#d5dae1"
   for (const one of figures) {
-    one.setv({ background_fill_color: null, border_fill_color: null, outline_line_color: line })
+    one.outline_line_color = line
     for (const axis of [...one.below, ...one.left])
       axis.setv({ axis_label_text_color: ink, major_label_text_color: ink, axis_line_color: line,
                   major_tick_line_color: line, minor_tick_line_color: null })
     for (const grid of one.center) if (grid.type.endsWith("Grid")) grid.grid_line_color = line
-    for (const legend of one.center) if (legend.type.endsWith("Legend"))
-      legend.setv({ background_fill_color: dark.matches ? "#1b2026" : "#ffffff", label_text_color: ink,
-                    border_line_color: line })
+    for (const legend of one.above) if (legend.type.endsWith("Legend"))
+      legend.setv({ background_fill_color: null, label_text_color: ink })
     if (one.title) one.title.text_color = ink
   }
 }
@@ -84,8 +85,9 @@ class Views:
         across = Span(dimension="height", line_dash="dotted", line_color="gray")
         for one in (self.force, self.error):
             one.add_tools(self.hover, CrosshairTool(overlay=across))
-            one.legend.orientation, one.legend.location, one.legend.padding = "horizontal", "top_right", 3
+            one.legend.update(orientation="horizontal", padding=0, margin=2, border_line_color=None)
             one.legend.label_text_font_size = "12px"
+            one.add_layout(one.legend[0], "above")  # beside the samples, not over them
         self.along = pn.widgets.Select(label="Along", options=["time"], width=140, stylesheets=[STYLE])
         self.along.param.watch(lambda _: in_turn(self._place), "value")
         self.maps = [self._map(), self._map()]
@@ -97,7 +99,7 @@ class Views:
     def _figure(self, label: str, height: int) -> Any:
         made = figure(
             height=height, sizing_mode="stretch_width", x_range=self.x, y_range=Range1d(), y_axis_label=label,
-            tools="box_zoom,pan,xwheel_zoom", active_drag="box_zoom", toolbar_location=None,
+            tools="box_zoom,pan,xwheel_zoom", active_drag="box_zoom", toolbar_location=None, **CLEAR,
         )  # fmt: skip
         return made
 
@@ -106,7 +108,7 @@ class Views:
             {name: [] for name in ("left", "right", "row", "pressure", "mean", "error", "rms", "share")}
         )
         made = figure(height=260, width=350, x_range=Range1d(), y_range=Range1d(), x_axis_label=ALONG["contraction"],
-                      y_axis_label=ALONG["pressure"], tools="", toolbar_location=None)  # fmt: skip
+                      y_axis_label=ALONG["pressure"], tools="", toolbar_location=None, **CLEAR)  # fmt: skip
         drawn = made.hbar(
             y="row", left="left", right="right", height=1.0, source=cells, line_color=None,
             fill_color=linear_cmap("mean", RdBu11, -1.0, 1.0),

@@ -208,7 +208,7 @@ def not_judged(bench: Bench | None) -> Markup:
     ]
     if not lines:
         return Markup("")
-    return Markup("<details><summary>Neither likely nor ruled out: {}</summary><ul>{}</ul></details>").format(
+    return Markup("<details><summary>Not judged from this record: {}</summary><ul>{}</ul></details>").format(
         len(lines), Markup("").join(lines)
     )
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -116,6 +117,7 @@ def test_a_reader_that_goes_away_is_no_fault(root, process):
     assert done.stderr == ""
 
 
-def test_no_arguments_shows_the_help(ask):
+def test_no_arguments_shows_the_help_with_every_command_in_a_whole_sentence(ask):
     result = ask()
     assert result.exit_code == 2 and "diagnose" in result.output
+    assert not re.search(r"\.\.\.$", result.output.partition("Commands:")[2], re.M)

@@ -99,6 +99,7 @@ def test_mistyped_names_are_answered_by_those_like_them(ask, clean):
 def test_one_law_and_one_effect_in_full(ask):
     law, effect = ask("laws", "sarosi").stdout, ask("effects", "creep").stdout
     assert "F = (s1 p + s2) exp(s3 ε)" in law and "-400 to -1" in law and "chou_hannaford" not in law
+    assert "any" in law and "inf" not in law + effect
     assert effect == ask("effects", "show", "creep").stdout and "form textbook" in effect
 
 

@@ -122,7 +122,7 @@ def test_opens_with_what_is_missing_in_plain_words(parsed, diagnosis):
     body = parsed.text
     order = [
         "Missing: Coulomb friction.",
-        "With what was missing",
+        "With that added",
         "Before: ",
         "The error as effects are added",
         "follows the direction of motion",

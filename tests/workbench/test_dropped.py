@@ -8,6 +8,7 @@ import pytest
 
 from pam_ident.core import DataError, PamError
 from pam_ident.workbench import dropped
+from pam_ident.workbench.draft import Draft
 
 HEADER = b"time_s,pressure_bara,displacement_mm,force_N\n"
 
@@ -67,3 +68,9 @@ def test_what_was_assumed_is_told_without_it(specimen):
     record, _ = dropped.read_dropped({"r.csv": HEADER + rows + b"21,,5,500\n", "specimen.toml": specimen}, None)
     assert [note.code for note in record.notes] == ["absolute_pressure", "empty_cells"]
     assert "(first r.csv, row 22)" in record.notes[1].text
+
+
+def test_the_range_that_is_shown_of_a_column_is_that_of_the_whole_file():
+    rows = b"".join(b"%d,3,%d,500\n" % (k, k // 100) for k in range(9000))
+    (time, _, stroke, _) = Draft.of({"r.csv": HEADER + rows}).columns
+    assert time.high == pytest.approx(9000, rel=0.01) and stroke.high >= 88 and (time.low, stroke.low) == (0, 0)

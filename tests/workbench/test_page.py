@@ -1,6 +1,7 @@
 """The page without a browser: its widgets are used as a person's clicks would use them."""
 
 import threading
+import time
 from dataclasses import replace
 
 import pytest
@@ -10,7 +11,9 @@ pn = pytest.importorskip("panel")
 import pam_ident.tasks.diagnose as tasks_diagnose  # noqa: E402
 from pam_ident.core import UsageError  # noqa: E402
 from pam_ident.records import read_record  # noqa: E402
-from pam_ident.workbench import Workbench  # noqa: E402
+from pam_ident.tasks.diagnose import diagnose_record  # noqa: E402
+from pam_ident.tasks.setup import Setup  # noqa: E402
+from pam_ident.workbench import Workbench, bench  # noqa: E402
 from pam_ident.workbench.page import _found as found_of  # noqa: E402
 
 
@@ -87,6 +90,26 @@ def test_undo_and_redo_show_what_was_found_and_a_new_step_forgets_what_was_undon
     page.side.sliders._handle_msg({"name": "mu", "value": None})
     page.wait()
     assert page.bench.held == {} and page.bench.diagnosis is not None
+
+
+def test_what_the_likeliest_candidate_leads_to_is_found_before_it_is_chosen(page, monkeypatch):
+    asked = []
+    monkeypatch.setattr(bench, "diagnose_record", lambda *given: asked.append(given) or diagnose_record(*given))
+    page.ahead.begin(page.bench, page.history)
+    choose(page, page.candidates, page.candidates.items[0]["key"])
+    assert "Adequate" in page.verdict.object and not page.error.visible and page.candidates.items == []
+    assert len(asked) == 1, "what is under way is waited for"
+
+
+@pytest.mark.parametrize(("law", "effect"), [("sarosi", ""), ("exponential_law", "coulomb_friction")])
+def test_the_error_of_a_step_on_5000_rows_takes_a_second_of_a_processor_and_waits_for_no_name(law, effect):
+    setup = Setup("exponential_law")
+    before = bench.Bench.begin(setup.read("hidden_effect"), "hidden_effect", setup)
+    begun = time.process_time()
+    step = before.adding(effect) if effect else bench.Bench.begin(before.record, "hidden_effect", Setup(law))
+    _, shown = next(Workbench()._told(step))
+    assert time.process_time() - begun < 1.0 and len(shown.record) > 4500
+    assert shown.fit.rmse != before.fit.rmse and shown.diagnosis is None
 
 
 def test_a_pinned_model_is_compared_and_what_was_done_outlives_the_page(page):
