@@ -9,7 +9,7 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def reported(ask, rubbing, tmp_path_factory):
+def reported(ask, rubbing, tmp_path_factory, one_process):
     out = tmp_path_factory.mktemp("report") / "page.html"
     result = ask("report", rubbing, "--law", "exponential_law", "--out", out)
     assert result.exit_code == 0, result.output

@@ -11,7 +11,6 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from pam_ident.cli import app
-from pam_ident.parallel.executor import Executor
 from pam_ident.rig import Plan, Protocol, Secret, make_record, write_case
 from pam_ident.tasks.demo import STAGES
 from pam_ident.validation.selftest import Recovery
@@ -63,10 +62,10 @@ def leaves(value, path="", under=""):
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory):
+def written(tmp_path_factory, one_process):
     """What the program wrote, objects by schema: runs that together fill every key."""
     folder = tmp_path_factory.mktemp("contract")
-    law = ("--law", "exponential_law")
+    law, few = ("--law", "exponential_law"), ("--only", "pressure_friction")
     clean, rubbing, rub, doubtful = (folder / name / "record.csv" for name in ("clean", "rubbing", "rub", "doubtful"))
     write_case(clean.parent, make_record(Plan(44, law[1], protocol=SHORT)))
     write_case(rubbing.parent, make_record(Plan(44, law[1], secrets=(Secret("pressure_friction"),), protocol=SHORT)))
@@ -86,10 +85,10 @@ def written(tmp_path_factory):
         ("fit", rubbing, *law, "--method", "two-stage"),
         ("compare", rubbing),
         ("diagnose", poor, *law),
-        ("diagnose", rub),
+        ("diagnose", rub, *few),
         ("add", rubbing, "--effect", "pressure_friction"),
-        ("ladder", clean),
-        ("ladder", clean, *law, "--heldout", "cycle"),
+        ("ladder", clean, *few),
+        ("ladder", clean, *law, *few, "--heldout", "cycle"),
         ("against", clean, rubbing),
         ("validate", folder / "fit.json", rubbing),
         ("predict", folder / "fit.json", "--at", poor, "--out", folder / "force.csv"),
@@ -105,13 +104,13 @@ def written(tmp_path_factory):
         ("batch", tree, "--out", folder / "results"),
     ]
     for verb in ("fit", "compare", "diagnose", "ladder", "add", "inspect"):
-        more = () if verb == "inspect" else law if verb != "add" else (*law, "--effect", "bladder_elasticity")
-        asked.append((verb, doubtful, *more))
+        more = {"inspect": (), "add": (*law, "--effect", "bladder_elasticity"), "ladder": (*law, *few)}
+        asked.append((verb, doubtful, *more.get(verb, law)))
     asked += [("validate", folder / "fit.json", doubtful), ("against", rubbing, doubtful, *law)]
     answers = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("pam_ident.tasks.demo.STAGES", STAGES[1:2])  # all three take half a minute
-        patch.setattr(Executor, "of_cores", lambda *_: Executor())  # processes of their own would load all anew
+        patch.setattr("pam_ident.tasks.demo.render", lambda story: "")  # its page has tests of its own
         patch.setattr("pam_ident.validation.challenge.answer_case", guess)
         patch.setattr("pam_ident.validation.selftest._recover", lambda: Recovery(1.0, "adequate", "creep", ("creep",)))
         for words in asked:

@@ -225,7 +225,7 @@ def record():
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory, record):
+def files(tmp_path_factory, record, one_process):
     """A record on disk, and what the program writes about it: a fit, fits by branch, a ladder."""
     from typer.testing import CliRunner
 
