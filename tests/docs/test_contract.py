@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pandas as pd
@@ -87,8 +88,8 @@ def written(tmp_path_factory, one_process):
         ("diagnose", poor, *law),
         ("diagnose", rub, *few),
         ("add", rubbing, "--effect", "pressure_friction"),
-        ("ladder", clean, *few),
-        ("ladder", clean, *law, *few, "--heldout", "cycle"),
+        ("ladder", clean, "--heldout", "refit"),
+        ("ladder", clean, *law, "--heldout", "cycle"),
         ("against", clean, rubbing),
         ("validate", folder / "fit.json", rubbing),
         ("predict", folder / "fit.json", "--at", poor, "--out", folder / "force.csv"),
@@ -104,12 +105,13 @@ def written(tmp_path_factory, one_process):
         ("batch", tree, "--out", folder / "results"),
     ]
     for verb in ("fit", "compare", "diagnose", "ladder", "add", "inspect"):
-        more = {"inspect": (), "add": (*law, "--effect", "bladder_elasticity"), "ladder": (*law, *few)}
+        more = {"inspect": (), "add": (*law, "--effect", "bladder_elasticity"), "ladder": (*law, "--heldout", "refit")}
         asked.append((verb, doubtful, *more.get(verb, law)))
     asked += [("validate", folder / "fit.json", doubtful), ("against", rubbing, doubtful, *law)]
     answers = {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pam_ident.tasks.demo.STAGES", STAGES[1:2])  # all three take half a minute
+        name, setup, about = STAGES[1]  # all three take half a minute
+        patch.setattr("pam_ident.tasks.demo.STAGES", [(name, replace(setup, heldout="refit"), about)])
         patch.setattr("pam_ident.tasks.demo.render", lambda story: "")  # its page has tests of its own
         patch.setattr("pam_ident.validation.challenge.answer_case", guess)
         patch.setattr("pam_ident.validation.selftest._recover", lambda: Recovery(1.0, "adequate", "creep", ("creep",)))
