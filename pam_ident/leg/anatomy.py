@@ -116,4 +116,3 @@ def leg_of(tables: Tables) -> Leg:
 
 LEG = leg_of(DEFAULT)
 """The leg of the examples."""
-KNEE = LEG.knee

@@ -133,6 +133,7 @@ def test_lag_through_an_orifice_is_one_effect(tmp_path):
     assert diagnose(Model.build(CHOU), read_record(tmp_path / "record.csv")).selected == ("pressure_lag",)
 
 
+@LONG
 def test_no_free_form_stands_beside_a_pattern(tmp_path):
     write_case(tmp_path, make_record(Plan(18, CHOU, unknown=Secret("screw_ripple", "harmonics", 3.2))))
     answer = diagnose(Model.build(CHOU), read_record(tmp_path / "record.csv"))
