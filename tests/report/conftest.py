@@ -5,6 +5,5 @@ from pathlib import Path
 
 _figures = runpy.run_path(str(Path(__file__).parents[1] / "plot" / "conftest.py"))
 record, table, diagnosis, ladder, make_record, make_diagnosis = (
-    _figures[name]
-    for name in ("record", "table", "diagnosis", "ladder", "make_record", "make_diagnosis")
+    _figures[name] for name in ("record", "table", "diagnosis", "ladder", "make_record", "make_diagnosis")
 )
