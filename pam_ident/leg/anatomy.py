@@ -116,3 +116,4 @@ def leg_of(tables: Tables) -> Leg:
 
 LEG = leg_of(DEFAULT)
 """The leg of the examples."""
+KNEE = LEG.knee

@@ -5,11 +5,10 @@ import pytest
 from scipy.optimize import fsolve
 
 from pam_ident.core import UsageError
-from pam_ident.leg.anatomy import LEG
+from pam_ident.leg.anatomy import KNEE, LEG
 from pam_ident.leg.arrays import jax, jnp
 from pam_ident.leg.four_bar import FourBar
 
-KNEE = LEG.knee
 RANGE = np.radians(np.linspace(-5.0, 75.0, 161))
 STEP = 1e-5
 
