@@ -151,12 +151,12 @@ def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, na
 @pytest.mark.parametrize(
     ("unknown", "form", "kind"),
     [
-        ("screw_ripple", "textbook", "periodic"),
         ("rub", "fold", "local"),
         ("wandering_sensor", "length", "trend"),
         *(
             pytest.param(*case, marks=LONG)
             for case in (
+                ("screw_ripple", "textbook", "periodic"),  # in test_experiment.py, too
                 ("screw_ripple", "hum", "periodic"),
                 ("rub", "textbook", "local"),
                 ("rub", "leaned_on", "local"),
