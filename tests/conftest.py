@@ -10,6 +10,9 @@ for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 os.environ.pop("COLUMNS", None)  # a worker of pytest-xdist has it: no test's terminal is as wide as the tester's
 
 import pytest  # noqa: E402
+import threadpoolctl  # noqa: E402
+
+threadpoolctl.threadpool_limits(1)  # a plugin of pytest may have imported numpy before
 
 ROOT = Path(__file__).parents[1]
 
@@ -53,6 +56,16 @@ def nist() -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def one_process():
+    """What the program shares out to a process for each core is done in this one: each would load all anew."""
+    from pam_ident.parallel.executor import Executor
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Executor, "of_cores", lambda *_: Executor())
+        yield
+
+
 @pytest.fixture(scope="session")
 def chromium() -> str:
     """Path of a chromium; skips where there is none, or fails if PAM_IDENT_REQUIRE_BROWSER is set."""
@@ -64,12 +77,18 @@ def chromium() -> str:
     return found
 
 
-@pytest.fixture
-def page(chromium: str):
-    """An empty page of a headless chromium that cannot reach any network."""
+@pytest.fixture(scope="module")
+def browser(chromium: str):
+    """A headless chromium; each test opens contexts of its own in it."""
     sync_api = pytest.importorskip("playwright.sync_api")
     with sync_api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
-        context = browser.new_context(offline=True)
-        yield context.new_page()
+        yield browser
         browser.close()
+
+
+@pytest.fixture
+def page(browser):
+    """An empty page that cannot reach any network."""
+    with browser.new_context(offline=True) as context:
+        yield context.new_page()

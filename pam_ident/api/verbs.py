@@ -197,7 +197,7 @@ def ladder(
 
     Example:
         >>> import pam_ident as pam
-        >>> print(len(pam.ladder("nothing_hidden", "exponential_law")), "rung")
+        >>> print(len(pam.ladder("nothing_hidden", "exponential_law", heldout="refit")), "rung")
         1 rung
     """
     from ..tasks.ladder import climb_ladder
@@ -235,7 +235,7 @@ def report(
 
     Example:
         >>> import pam_ident as pam
-        >>> print(pam.report("nothing_hidden", "exponential_law", out="answer.html"))
+        >>> print(pam.report("nothing_hidden", "exponential_law", out="answer.html", heldout="refit"))
         answer.html
     """
     from ..tasks.report import check_report, report_record

@@ -256,7 +256,7 @@ def test_36_diagnose(diagnosis, tmp_path):
 
 
 def test_37_ladder(record):
-    found = pam.ladder(record, "exponential_law", only="coulomb_friction")
+    found = pam.ladder(record, "exponential_law", only="coulomb_friction", heldout="refit")
     assert found.effects == ("coulomb_friction",) and found.rungs["rmse_N"].is_monotonic_decreasing
     assert isinstance(found.plot(), Axes) and len(repr(found)) < 500
 

@@ -11,7 +11,7 @@ import pytest
 @pytest.fixture(scope="module")
 def reported(ask, rubbing, tmp_path_factory):
     out = tmp_path_factory.mktemp("report") / "page.html"
-    result = ask("report", rubbing, "--law", "exponential_law", "--out", out)
+    result = ask("report", rubbing, "--law", "exponential_law", "--heldout", "refit", "--out", out)
     assert result.exit_code == 0, result.output
     return result, out, out.read_text(encoding="utf-8")
 

@@ -67,7 +67,7 @@ def test_a_driver_that_no_effect_follows_is_uncovered(hidden_effect):
     ("law", "name", "form"),
     [
         (EXPONENTIAL, "viscous_damping", "thinning"),
-        (CHOU, "creep", "by_force"),
+        pytest.param(CHOU, "creep", "by_force", marks=LONG),
         pytest.param(CHOU, "series_compliance", "textbook", marks=LONG),
         pytest.param(EXPONENTIAL, "mullins_softening", "textbook", marks=LONG),
         pytest.param(CHOU, "thermal_softening", "elastic_part", marks=LONG),
@@ -89,7 +89,7 @@ def test_an_effect_that_the_catalogue_lacks_is_unknown_and_stands_alone(tmp_path
     [
         ("viscous_damping", "thinning"),
         ("threshold_pressure", "textbook"),
-        ("bladder_elasticity", "mooney_rivlin"),
+        pytest.param("bladder_elasticity", "mooney_rivlin", marks=LONG),
         pytest.param("series_compliance", "textbook", marks=LONG),
         pytest.param("thermal_softening", "elastic_part", marks=LONG),
     ],
@@ -125,6 +125,7 @@ def test_what_nobody_tried_competes_with_a_name_by_its_driver(tmp_path):
     assert following.unknown_instead(softening, [e for e in known.values() if "clock" not in e.follows]) > 0.05
 
 
+@LONG
 def test_lag_through_an_orifice_is_one_effect(tmp_path):
     """Once damping stood beside it, which follows the speed as well."""
     plan = Plan(910100027, CHOU, (Secret("pressure_lag", "orifice", 2.8),), protocol="sines")
@@ -132,13 +133,15 @@ def test_lag_through_an_orifice_is_one_effect(tmp_path):
     assert diagnose(Model.build(CHOU), read_record(tmp_path / "record.csv")).selected == ("pressure_lag",)
 
 
+@LONG
 def test_no_free_form_stands_beside_a_pattern(tmp_path):
     write_case(tmp_path, make_record(Plan(18, CHOU, unknown=Secret("screw_ripple", "harmonics", 3.2))))
     answer = diagnose(Model.build(CHOU), read_record(tmp_path / "record.csv"))
     assert answer.pattern.kind == "periodic" and answer.selected == ()
 
 
-@pytest.mark.parametrize("form", ["moving_mass", pytest.param("stick_slip", marks=LONG)])
+@LONG
+@pytest.mark.parametrize("form", ["moving_mass", "stick_slip"])
 def test_what_is_the_rigs_own_is_unknown(tmp_path, form):
     """A driver that the catalogue lacks, and teeth that only repeats of a stroke show."""
     write_case(tmp_path, make_record(Plan(15, EXPONENTIAL, unknown=Secret("dynamics", form, 3.0), sigma_N=1.0)))

@@ -148,7 +148,10 @@ def test_what_no_run_separates_is_said_with_the_test_that_would(rubbing):
 
 def test_an_unknown_pattern_brings_a_run_to_look_at_it_with(tmp_path):
     record = rig_record(tmp_path, Plan(44, EXPONENTIAL, unknown=Secret("screw_ripple", "textbook", 2.0)))
-    found = diagnose(Model.build(EXPONENTIAL), record).next_experiment
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert answer.verdict == "unknown_effect" and answer.selected == ()
+    assert answer.pattern is not None and answer.pattern.kind == "periodic"
+    found = answer.next_experiment
     assert found is not None and found.vary == ("speed",) and found.protocol is not None
     assert len(found.protocol.speeds_mm_s) == 2
 

@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pandas as pd
@@ -11,7 +12,6 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from pam_ident.cli import app
-from pam_ident.parallel.executor import Executor
 from pam_ident.rig import Plan, Protocol, Secret, make_record, write_case
 from pam_ident.tasks.demo import STAGES
 from pam_ident.validation.selftest import Recovery
@@ -63,10 +63,10 @@ def leaves(value, path="", under=""):
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory):
+def written(tmp_path_factory, one_process):
     """What the program wrote, objects by schema: runs that together fill every key."""
     folder = tmp_path_factory.mktemp("contract")
-    law = ("--law", "exponential_law")
+    law, few = ("--law", "exponential_law"), ("--only", "pressure_friction")
     clean, rubbing, rub, doubtful = (folder / name / "record.csv" for name in ("clean", "rubbing", "rub", "doubtful"))
     write_case(clean.parent, make_record(Plan(44, law[1], protocol=SHORT)))
     write_case(rubbing.parent, make_record(Plan(44, law[1], secrets=(Secret("pressure_friction"),), protocol=SHORT)))
@@ -94,9 +94,9 @@ def written(tmp_path_factory):
         ("fit", rubbing, *law, "--method", "two-stage"),
         ("compare", rubbing),
         ("diagnose", poor, *law),
-        ("diagnose", rub),
+        ("diagnose", rub, *few),
         ("add", rubbing, "--effect", "pressure_friction"),
-        ("ladder", clean),
+        ("ladder", clean, "--heldout", "refit"),
         ("ladder", clean, *law, "--heldout", "cycle"),
         ("against", clean, rubbing),
         ("validate", folder / "fit.json", rubbing),
@@ -113,13 +113,14 @@ def written(tmp_path_factory):
         ("batch", tree, "--out", folder / "results"),
     ]
     for verb in ("fit", "compare", "diagnose", "ladder", "add", "inspect"):
-        more = () if verb == "inspect" else law if verb != "add" else (*law, "--effect", "bladder_elasticity")
-        asked.append((verb, doubtful, *more))
+        more = {"inspect": (), "add": (*law, "--effect", "bladder_elasticity"), "ladder": (*law, "--heldout", "refit")}
+        asked.append((verb, doubtful, *more.get(verb, law)))
     asked += [("validate", folder / "fit.json", doubtful), ("against", rubbing, doubtful, *law)]
     answers = {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pam_ident.tasks.demo.STAGES", STAGES[1:2])  # all three take half a minute
-        patch.setattr(Executor, "of_cores", lambda *_: Executor())  # processes of their own would load all anew
+        name, setup, about = STAGES[1]  # all three take half a minute
+        patch.setattr("pam_ident.tasks.demo.STAGES", [(name, replace(setup, heldout="refit"), about)])
+        patch.setattr("pam_ident.tasks.demo.render", lambda story: "")  # its page has tests of its own
         patch.setattr("pam_ident.validation.challenge.answer_case", guess)
         patch.setattr("pam_ident.validation.selftest._recover", lambda: Recovery(1.0, "adequate", "creep", ("creep",)))
         for words in asked:

@@ -27,9 +27,9 @@ FIRST = [
     "pam_ident.records.datasets.dataset_record",
     "pam_ident.tasks.setup.Setup",
     "pam_ident.tasks.fit.fit_record",
-    "pam_ident.tasks.ladder.climb_ladder",
+    pytest.param("pam_ident.tasks.ladder.climb_ladder", marks=pytest.mark.long),  # as pam.ladder
     "pam_ident.tasks.diagnose.diagnose_record",
-    "pam_ident.tasks.report.report_record",
+    pytest.param("pam_ident.tasks.report.report_record", marks=pytest.mark.long),  # as pam.report
     "pam_ident.batch.run.run_batch",
 ]
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE

@@ -91,10 +91,15 @@ def small(monkeypatch):
         monkeypatch.setattr(readings, name, size)
 
 
+@pytest.fixture(scope="module")
+def plain():
+    return clean_record(per_move=60, per_hold=20)
+
+
 @pytest.mark.parametrize("label", FORMS)
-def test_what_is_read_in_chunks_is_the_same_as_read_whole(label, small):
+def test_what_is_read_in_chunks_is_the_same_as_read_whole(label, plain, small):
     """The gradient of each form that a large fit takes, chunk by chunk, against the whole Jacobian's."""
-    made = clean_record(per_move=60, per_hold=20)
+    made = plain
     model = Model.build("exponential_law", (label,))
     ((effect, form),) = [(term.effect, term.form) for term in model.terms]
     if not pays_in_chunks(model, made, np.ones(len(made), bool)):

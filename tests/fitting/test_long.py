@@ -72,7 +72,12 @@ def assert_same(one, other):
     assert one.valid == other.valid
 
 
-@pytest.mark.parametrize("law", list(catalogue()))
+SHORT = ("exponential_law", "polynomial", "martens_boblan")
+
+
+@pytest.mark.parametrize(
+    "law", [*SHORT, *(pytest.param(law, marks=pytest.mark.long) for law in catalogue() if law not in SHORT)]
+)
 def test_parameters_and_errors_are_those_of_the_fit_in_memory(path, law):
     for one, other in both_ways(path, Model.build(law)).values():
         assert_same(one, other)

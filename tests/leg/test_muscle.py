@@ -242,7 +242,7 @@ def files(tmp_path_factory, record):
         "fit": ("fit", "--effect", "coulomb_friction:held", "--branch", "together"),
         "apart": ("fit", "--branch", "separate"),
         "one": ("fit", "--branch", "contraction"),
-        "ladder": ("ladder",),
+        "ladder": ("ladder", "--heldout", "refit"),
     }.items():
         command = [words[0], str(folder / "record.csv"), "--law", "exponential_law", *words[1:]]
         result = CliRunner().invoke(app, [*command, "--json", str(folder / f"{name}.json")])

@@ -12,18 +12,16 @@ from pam_ident.rig import PROTOCOLS, Plan, make_record
 
 
 def plain_pivots(x, threshold):
-    found, low, high, heading = [0], 0, 0, 0
+    found, furthest, heading = [0], {1: 0, -1: 0}, 0
     for i in range(1, len(x)):
-        high = i if x[i] > x[high] else high
-        low = i if x[i] < x[low] else low
-        if heading >= 0 and x[high] - x[i] > threshold:
-            if heading > 0 or x[high] - x[0] > threshold:
-                found.append(high)
-            heading, low, high = -1, i, i
-        elif heading <= 0 and x[i] - x[low] > threshold:
-            if heading < 0 or x[0] - x[low] > threshold:
-                found.append(low)
-            heading, low, high = 1, i, i
+        for side in (1, -1):
+            furthest[side] = i if side * (x[i] - x[furthest[side]]) > 0 else furthest[side]
+        for side, k in tuple(furthest.items()):
+            if heading != -side and side * (x[k] - x[i]) > threshold:
+                if heading == side or side * (x[k] - x[0]) > threshold:
+                    found.append(k)
+                heading, furthest = -side, {1: i, -1: i}
+                break
     return found if found[-1] == len(x) - 1 else [*found, len(x) - 1]
 
 

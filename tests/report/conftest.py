@@ -4,7 +4,6 @@ import runpy
 from pathlib import Path
 
 _figures = runpy.run_path(str(Path(__file__).parents[1] / "plot" / "conftest.py"))
-record, table, diagnosis, ladder, with_pattern, make_record, make_diagnosis = (
-    _figures[name]
-    for name in ("record", "table", "diagnosis", "ladder", "with_pattern", "make_record", "make_diagnosis")
+record, table, diagnosis, ladder, make_record, make_diagnosis = (
+    _figures[name] for name in ("record", "table", "diagnosis", "ladder", "make_record", "make_diagnosis")
 )

@@ -12,7 +12,7 @@ import pytest
 from pam_ident.report.markdown import code, escape
 from pam_ident.report.words import plain
 from pam_ident.tasks.report import report_record
-from pam_ident.tasks.setup import Setup
+from pam_ident.tasks.setup import REFIT, Setup
 
 HOSTILE = {
     "script": "<script>alert(1)</script>",
@@ -84,7 +84,8 @@ def told(record, tmp_path_factory):
     for which, words in (("kind", KIND), ("hostile", HOSTILE)):
         path = write(folder / which, record, words)
         form = words["handler"] + words["turned"]
-        setup = Setup("modified_chou_hannaford", (f"mine:{form}",), (str(folder / which / "mine.py"),))
+        own = (f"mine:{form}",), (str(folder / which / "mine.py"),)
+        setup = Setup("modified_chou_hannaford", *own, heldout=REFIT)
         for suffix in ("html", "md"):
             out = folder / which / f"{words['handler']} (a) [b].{suffix}"
             report_record(str(path), setup, str(out))
