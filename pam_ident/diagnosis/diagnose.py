@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from ..core import UsageError
-from ..core.digits import newtons, number, percent, probability
+from ..core.digits import newtons, probability
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
@@ -16,31 +16,20 @@ from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
-from .adequacy import NEARLY_ALL, Adequacy, needless
+from .answer import answer_of, standing
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
 from .follows import ROWS, Following, could_be_tried, steadied
 from .heldout import heldout_nearby, heldout_rmse, in_best_forms
 from .nouns import Candidate, Diagnosis, Pattern
-from .patterns import catalogue as catalogue_of_patterns
 from .probability import probabilities
-from .select import EXACT, in_spite_of, investigate
+from .remainder import pattern_of
+from .select import EXACT
 from .selection import FittedSet, Selection
 
 Array = np.ndarray
-REMAINDER = 0.25
-"""Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
-OF_ALL = 0.03
-"""Share of what is to be explained that it must be, too: a form that is not exactly right may leave less."""
-MOSTLY, UNDER_A_NAME = 0.5, 0.1
-"""Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
 TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
-CORNER = 5
-"""Samples around a corner of the motion, where a position that is a little off is most."""
-HEAVY, STRUCK, LASTING = 3.0, 0.1, 0.3
-"""Excess kurtosis of the innovations, share of their squares that lies far out, and share of these samples after
-which the next is still off, from which bursts are told: noise with heavy tails strikes single samples."""
 
 
 def diagnose(
@@ -101,14 +90,14 @@ def diagnose(
     seen = [e for e in candidates if not e.missing(record.inputs)]
     known = [*seen, *(term.effect for term in model.terms)]
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
-    answer = _answer(alone, candidates, known, following, tried, odds)
+    answer = answer_of(alone, candidates, known, following, tried, odds)
     if tried and answer.lacking:  # what it leaves is asked what it follows, as the law's error was
         further = [e.name for e in seen if e.name not in tried and answer.lacking.left.supports(e.follows)]
-        wider = _answer(alone, candidates, known, following, tried + further, odds) if further else answer
+        wider = answer_of(alone, candidates, known, following, tried + further, odds) if further else answer
         answer = answer if wider.lacking else wider
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
-        selection, lacking = _standing(answer, candidates, lacking)
+        selection, lacking = standing(answer, candidates, lacking)
         fitted = lacking.fitted
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     named = [t for t in fitted.terms if t.effect.candidate]
@@ -120,7 +109,7 @@ def diagnose(
     if lacking and not patterns:
         pattern = lacking.pattern()
     else:
-        pattern = _pattern(selection, fitted if patterns else selection.refit(named, fitted.values))
+        pattern = pattern_of(selection, fitted if patterns else selection.refit(named, fitted.values))
     said = _impossible(base, best, fitted, ruled_out)
     pattern = said if said and (pattern is None or pattern.kind == said.kind) else pattern
     follows = following.shares()
@@ -169,45 +158,6 @@ def diagnose(
     )
 
 
-@dataclass(frozen=True)
-class _Answer:
-    """A set and what it was selected from, and the set beside the free model where it is incomplete."""
-
-    selection: Selection
-    fitted: FittedSet
-    lacking: Adequacy | None
-
-
-def _answer(
-    alone: Fit,
-    candidates: list[Effect],
-    known: list[Effect],
-    following: Following,
-    tried: list[str],
-    odds: Mapping[str, float] | None,
-) -> _Answer:
-    """The answer of the effects `tried`, complete or not."""
-    selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
-    fitted = _likely(selection, fitted)
-    likely = [t for t in fitted.terms if not t.effect.candidate or following.unknown_instead(t.effect, known) < 0.5]
-    fitted = selection.refit(likely, fitted.values)
-    if any(not t.effect.candidate for t in fitted.terms):
-        fitted = selection.refit([t for t in fitted.terms if not t.form.free], fitted.values)
-    whole = all(t.effect.candidate for t in fitted.terms)
-    remains = whole and bool(fitted.terms) and _remainder(selection, fitted) is not None
-    return _Answer(selection, fitted, Adequacy.lacking(selection, fitted, remains))
-
-
-def _standing(answer: _Answer, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:
-    """Of an incomplete answer the names that stand, and what they are selected from."""
-    if answer.fitted.terms and lacking.comes_back > answer.selection.noise.too_small:
-        selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.comes_back)
-        firm = replace(lacking, fitted=fitted)
-        if all(t.effect.candidate for t in fitted.terms) and firm.unexplained[1] < 1.0 - NEARLY_ALL:
-            return selection, firm
-    return answer.selection, lacking.standing()
-
-
 def _allowed(
     extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[str, ...], also: tuple[str, ...]
 ) -> list[Effect]:
@@ -231,21 +181,6 @@ def _asked_for(effect: Effect, names: set[str]) -> Effect:
     """The effect as a candidate in the forms that are asked for, where it is none by itself."""
     forms = tuple(f for f in effect.forms if not names.isdisjoint((effect.name, f"{effect.name}:{f.name}")))
     return effect if effect.candidate or not forms else replace(effect, forms=forms, candidate=True)
-
-
-def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:
-    """The set without what is likelier out than in, all fits weighed, or needless beside the drivers of the others; the
-    likeliest name stays."""
-    named = [t for t in fitted.terms if t.effect.candidate]
-    if len(named) < 2:
-        return fitted
-    chance = probabilities(selection, groups(selection, fitted))
-    for term in sorted(named, key=lambda t: chance[t.effect.name])[:-1]:
-        others = [t for t in fitted.terms if t.effect is not term.effect]
-        rest = selection.in_best_forms(selection.refit(others, fitted.values))
-        if chance[term.effect.name] < 0.5 or needless(selection, term.effect, rest):
-            fitted = rest
-    return fitted
 
 
 def _confirmed(base: Fit, heldout: float, named: list[Term], fitted: FittedSet) -> tuple[Fit, float, list[Term]]:
@@ -312,63 +247,6 @@ def fit_onto(base: Fit, model: Model, start: Mapping[str, float]) -> Fit:
 def _start(fitted: FittedSet, named: list[Term]) -> dict[str, float]:
     names = {f"{t.effect.name}." for t in named}
     return {k: v for k, v in fitted.values.items() if "." not in k or any(k.startswith(n) for n in names)}
-
-
-def _pattern(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """The pattern in a set, in the words of the contract; a large remainder without a shape is one too."""
-    term = next((t for t in fitted.terms if not t.effect.candidate), None)
-    if term is None:
-        return _remainder(selection, fitted)
-    name = term.effect.name
-    explained = selection.empty.squares - fitted.squares
-    rest = selection.refit(fitted.without(term), fitted.values)
-    share = min(max((rest.squares - fitted.squares) / max(explained, 1e-9), 0.0), 1.0)
-    at = {p.name: fitted.values[f"{name}.{p.name}"] for p in term.form.nonlinear}
-    value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
-    shape = catalogue_of_patterns()[name]
-    along = shape.elsewhere.get(term.form.name, shape.coordinate)
-    text = f"{shape.words(at, along)} ({term.form.name}), {percent(share)} of what is left unexplained"
-    return Pattern(shape.kind, along, value, unit, float(share), text)
-
-
-def _remainder(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    n = len(selection.record)
-    left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
-    most_of_it = bool(fitted.terms) and left > MOSTLY * all_of_it
-    if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < OF_ALL * all_of_it:
-        return None if fitted.terms else _bursts(selection, fitted)
-    size = selection.noise.sigma * math.sqrt(left / n)
-    share = min(left / all_of_it, 1.0)
-    text = f"about {newtons(size)} rms without a shape of its own, {percent(share)} of what is left unexplained"
-    return Pattern("other", "contraction", None, "", share, text)
-
-
-def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What strikes now and then and dies away is in no normal noise, however coloured: its tails are too heavy.
-
-    At the corners of the motion it is the position's, wherever the force is steep.
-    """
-    inputs = selection.record.inputs
-    if inputs.time is None:
-        return None
-    moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
-    corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
-    if corner.all():
-        return None
-    residual = selection.view(fitted).residual
-    time, left, residual = inputs.time[~corner], selection.noise.whiten(residual)[~corner], residual[~corner]
-    square = float(np.mean(left**2))
-    if not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
-        return None
-    far = np.abs(left) > 5.0 * float(np.median(np.abs(left))) / 0.6745
-    share = float(np.sum(left[far] ** 2) / np.sum(left**2))
-    rest = residual / (float(np.median(np.abs(residual))) / 0.6745)
-    lasting = np.roll(rest, -1) * np.sign(rest) > 2.0
-    if share < STRUCK or np.mean(lasting[far]) < LASTING:
-        return None
-    worst = float(time[np.argmax(np.abs(left))])
-    text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {number(worst)} s"
-    return Pattern("other", "time", worst, "s", share, text)
 
 
 def _ranking(

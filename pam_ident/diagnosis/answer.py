@@ -1,0 +1,68 @@
+"""The answer to a record by the effects that are tried, and which of its names stand where it is incomplete."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from ..effects import Effect
+from ..fitting import Fit
+from .adequacy import NEARLY_ALL, Adequacy, needless
+from .confounding import groups
+from .follows import Following
+from .probability import probabilities
+from .remainder import remainder_of
+from .select import in_spite_of, investigate
+from .selection import FittedSet, Selection
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A set and what it was selected from, and the set beside the free model where it is incomplete."""
+
+    selection: Selection
+    fitted: FittedSet
+    lacking: Adequacy | None
+
+
+def answer_of(
+    alone: Fit,
+    candidates: list[Effect],
+    known: list[Effect],
+    following: Following,
+    tried: list[str],
+    odds: Mapping[str, float] | None,
+) -> Answer:
+    """The answer of the effects `tried`, complete or not."""
+    selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
+    fitted = _likely(selection, fitted)
+    likely = [t for t in fitted.terms if not t.effect.candidate or following.unknown_instead(t.effect, known) < 0.5]
+    fitted = selection.refit(likely, fitted.values)
+    if any(not t.effect.candidate for t in fitted.terms):
+        fitted = selection.refit([t for t in fitted.terms if not t.form.free], fitted.values)
+    whole = all(t.effect.candidate for t in fitted.terms)
+    remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None
+    return Answer(selection, fitted, Adequacy.lacking(selection, fitted, remains))
+
+
+def standing(answer: Answer, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:
+    """Of an incomplete answer the names that stand, and what they are selected from."""
+    if answer.fitted.terms and lacking.comes_back > answer.selection.noise.too_small:
+        selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.comes_back)
+        firm = replace(lacking, fitted=fitted)
+        if all(t.effect.candidate for t in fitted.terms) and firm.unexplained[1] < 1.0 - NEARLY_ALL:
+            return selection, firm
+    return answer.selection, lacking.standing()
+
+
+def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:
+    """The set without what is likelier out than in, all fits weighed, or needless beside the drivers of the others; the
+    likeliest name stays."""
+    named = [t for t in fitted.terms if t.effect.candidate]
+    if len(named) < 2:
+        return fitted
+    chance = probabilities(selection, groups(selection, fitted))
+    for term in sorted(named, key=lambda t: chance[t.effect.name])[:-1]:
+        others = [t for t in fitted.terms if t.effect is not term.effect]
+        rest = selection.in_best_forms(selection.refit(others, fitted.values))
+        if chance[term.effect.name] < 0.5 or needless(selection, term.effect, rest):
+            fitted = rest
+    return fitted

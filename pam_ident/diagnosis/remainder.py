@@ -1,0 +1,80 @@
+"""What a set of effects leaves beyond noise, in the words of the contract."""
+
+import math
+
+import numpy as np
+
+from ..core.digits import newtons, number, percent
+from .nouns import Pattern
+from .patterns import catalogue as catalogue_of_patterns
+from .selection import FittedSet, Selection
+
+REMAINDER = 0.25
+"""Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
+OF_ALL = 0.03
+"""Share of what is to be explained that it must be, too: a form that is not exactly right may leave less."""
+MOSTLY, UNDER_A_NAME = 0.5, 0.1
+"""Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
+CORNER = 5
+"""Samples around a corner of the motion, where a position that is a little off is most."""
+HEAVY, STRUCK, LASTING = 3.0, 0.1, 0.3
+"""Excess kurtosis of the innovations, share of their squares that lies far out, and share of these samples after
+which the next is still off, from which bursts are told: noise with heavy tails strikes single samples."""
+
+
+def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """The pattern in a set, in the words of the contract; a large remainder without a shape is one too."""
+    term = next((t for t in fitted.terms if not t.effect.candidate), None)
+    if term is None:
+        return remainder_of(selection, fitted)
+    name = term.effect.name
+    explained = selection.empty.squares - fitted.squares
+    rest = selection.refit(fitted.without(term), fitted.values)
+    share = min(max((rest.squares - fitted.squares) / max(explained, 1e-9), 0.0), 1.0)
+    at = {p.name: fitted.values[f"{name}.{p.name}"] for p in term.form.nonlinear}
+    value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
+    shape = catalogue_of_patterns()[name]
+    along = shape.elsewhere.get(term.form.name, shape.coordinate)
+    text = f"{shape.words(at, along)} ({term.form.name}), {percent(share)} of what is left unexplained"
+    return Pattern(shape.kind, along, value, unit, float(share), text)
+
+
+def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """What a set leaves, where that is too much for noise, or strikes in bursts; else None."""
+    n = len(selection.record)
+    left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
+    most_of_it = bool(fitted.terms) and left > MOSTLY * all_of_it
+    if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < OF_ALL * all_of_it:
+        return None if fitted.terms else _bursts(selection, fitted)
+    size = selection.noise.sigma * math.sqrt(left / n)
+    share = min(left / all_of_it, 1.0)
+    text = f"about {newtons(size)} rms without a shape of its own, {percent(share)} of what is left unexplained"
+    return Pattern("other", "contraction", None, "", share, text)
+
+
+def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """What strikes now and then and dies away is in no normal noise, however coloured: its tails are too heavy.
+
+    At the corners of the motion it is the position's, wherever the force is steep.
+    """
+    inputs = selection.record.inputs
+    if inputs.time is None:
+        return None
+    moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
+    corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
+    if corner.all():
+        return None
+    residual = selection.view(fitted).residual
+    time, left, residual = inputs.time[~corner], selection.noise.whiten(residual)[~corner], residual[~corner]
+    square = float(np.mean(left**2))
+    if not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
+        return None
+    far = np.abs(left) > 5.0 * float(np.median(np.abs(left))) / 0.6745
+    share = float(np.sum(left[far] ** 2) / np.sum(left**2))
+    rest = residual / (float(np.median(np.abs(residual))) / 0.6745)
+    lasting = np.roll(rest, -1) * np.sign(rest) > 2.0
+    if share < STRUCK or np.mean(lasting[far]) < LASTING:
+        return None
+    worst = float(time[np.argmax(np.abs(left))])
+    text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {number(worst)} s"
+    return Pattern("other", "time", worst, "s", share, text)
