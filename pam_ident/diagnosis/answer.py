@@ -15,7 +15,7 @@ from .selection import FittedSet, Selection
 
 
 @dataclass(frozen=True)
-class Answer:
+class Selected:
     """A set and what it was selected from, and the set beside the free model where it is incomplete."""
 
     selection: Selection
@@ -30,7 +30,7 @@ def answer_of(
     following: Following,
     tried: list[str],
     odds: Mapping[str, float] | None,
-) -> Answer:
+) -> Selected:
     """The answer of the effects `tried`, complete or not."""
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
@@ -40,10 +40,10 @@ def answer_of(
         fitted = selection.refit([t for t in fitted.terms if not t.form.free], fitted.values)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None
-    return Answer(selection, fitted, Adequacy.lacking(selection, fitted, remains))
+    return Selected(selection, fitted, Adequacy.lacking(selection, fitted, remains))
 
 
-def standing(answer: Answer, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:
+def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:
     """Of an incomplete answer the names that stand, and what they are selected from."""
     if answer.fitted.terms and lacking.comes_back > answer.selection.noise.too_small:
         selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.comes_back)

@@ -1,7 +1,6 @@
 """A load cell, or its amplifier, at its end."""
 
 import numpy as np
-from scipy.special import pdtrc
 
 from ..core import Inputs
 
@@ -36,8 +35,11 @@ def clipped_rows(inputs: Inputs, force: Array) -> Array:
     for end, inner in ((0, slice(1, 1 + NEXT)), (-1, slice(-1 - NEXT, -1))) if len(readings) > 1 else ():
         here, near = force == readings[end], readings[inner]
         moves = np.ptp(contraction[here]) > MOVES * np.ptp(contraction)
+        if counts[end] < PILED * counts[inner].max() or not (moves or noisy):
+            continue
+        from scipy.special import pdtrc  # slow to import, and seldom needed
+
         expected = counts[inner].sum() * step / np.abs(near - readings[end]).max()
-        piled = counts[end] >= PILED * counts[inner].max() and pdtrc(counts[end] - 1, expected) < CHANCE
-        if piled and (moves or noisy):
+        if pdtrc(counts[end] - 1, expected) < CHANCE:
             out |= np.convolve(here, np.ones(2 * BESIDE + 1), "same") > 0.0
     return out if out.sum() <= MOST * len(out) else np.zeros(len(force), bool)
