@@ -60,6 +60,7 @@ def sine(folder: Path, frequency: str) -> Record:
         table["F_N"].to_numpy(),
         time=table["t_s"].to_numpy(),
         level=np.zeros(len(table)),
+        said_kind="dynamic",  # no load to speak of: a law is held against the force, not against the length
     )
     return replace(record, level=np.round(pressure, 2))  # one run, but many pressures
 

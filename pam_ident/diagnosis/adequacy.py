@@ -24,7 +24,7 @@ PATTERN_MARGIN = 20.0
 INEXACT, EXACT = 0.005, 0.001
 """Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
 that forms may leave which follow the same, because together they can come near to much."""
-NEARLY_ALL = 0.95
+NEARLY_ALL = 0.98
 """Share of what is to be explained from which names stand that what is left does not overturn."""
 
 

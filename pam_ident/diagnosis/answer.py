@@ -44,9 +44,14 @@ def answer_of(
 
 
 def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:
-    """Of an incomplete answer the names that stand, and what they are selected from."""
+    """Of an incomplete answer the names that stand, and what they are selected from.
+
+    Of those that what is left does not overturn, one for each driver: two together can imitate much.
+    """
     if answer.fitted.terms and lacking.comes_back > answer.selection.noise.too_small:
         selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.comes_back)
+        heaviest = {t.effect.follows[:1]: t for t in sorted(fitted.terms, key=lambda t: selection.weight(fitted, t))}
+        fitted = selection.refit(list(heaviest.values()), fitted.values)
         firm = replace(lacking, fitted=fitted)
         if all(t.effect.candidate for t in fitted.terms) and firm.unexplained[1] < 1.0 - NEARLY_ALL:
             return selection, firm

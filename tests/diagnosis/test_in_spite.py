@@ -17,7 +17,7 @@ def nothing() -> Record:
     return thinned(read_record(dataset_record("nothing_hidden")), 1600)
 
 
-@pytest.mark.parametrize(("size", "rough"), [(40.0, 0.3), (150.0, 0.1)])
+@pytest.mark.parametrize(("size", "rough"), [(80.0, 0.2), (150.0, 0.1)])
 def test_friction_that_no_form_reaches_keeps_its_name_and_leaves_something_unknown(
     nothing: Record, size: float, rough: float
 ) -> None:
