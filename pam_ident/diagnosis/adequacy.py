@@ -98,11 +98,14 @@ class Adequacy:
         return (left - noise) / noise, (left - noise) / max(alone - noise, 1e-9 * noise)
 
     @cached_property
+    def residual(self) -> np.ndarray:
+        """What the set leaves in N, (n,), fitted without whitening."""
+        return self.selection.plain_residual(self.fitted.terms, self.fitted.values)
+
+    @cached_property
     def comes_back(self) -> float:
         """Share of the squares that the set leaves in its strokes which repeats of them share: no noise does that."""
-        selection, fitted = self.selection, self.fitted
-        left = selection.plain_residual(fitted.terms, fitted.values)
-        return comes_back(selection.record, left, ~selection.noise.outlier)
+        return comes_back(self.selection.record, self.residual, ~self.selection.noise.outlier)
 
     @property
     def complete(self) -> bool:

@@ -48,8 +48,9 @@ def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> t
 
     Of those that what is left does not overturn, one for each driver: two together can imitate much.
     """
-    if answer.fitted.terms and lacking.comes_back > answer.selection.noise.too_small:
-        selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.comes_back)
+    share = lacking.comes_back
+    if answer.fitted.terms and share > answer.selection.noise.too_small:
+        selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.residual, share)
         heaviest = {t.effect.follows[:1]: t for t in sorted(fitted.terms, key=lambda t: selection.weight(fitted, t))}
         fitted = selection.refit(list(heaviest.values()), fitted.values)
         firm = replace(lacking, fitted=fitted)

@@ -88,24 +88,30 @@ def investigate(
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _without_small(final, final.refit(seen, found.values))
-    left = final.noise_left_by(kept)
-    if len(kept.terms) < len(found.terms) and left.whole <= base.rmse:
-        final = Selection(base, candidates, noise=left, before=selection)
-        kept = final.refit(kept.terms, kept.values)
+    if len(kept.terms) < len(found.terms):
+        left = final.noise_left_by(kept)
+        if left.whole <= base.rmse:
+            final = Selection(base, candidates, noise=left, before=selection)
+            kept = final.refit(kept.terms, kept.values)
     return final, kept
 
 
 def in_spite_of(
-    selection: Selection, candidates: Sequence[Effect], fitted: FittedSet, share: float, most: int = 3
+    selection: Selection,
+    candidates: Sequence[Effect],
+    fitted: FittedSet,
+    left: np.ndarray,
+    share: float,
+    most: int = 3,
 ) -> tuple[Selection, FittedSet]:
-    """The answer that is not overturned by what a set leaves, of whose squares repeats share that `share`.
+    """The answer that is not overturned by what a set leaves, `left` (n,) in N, of whose squares repeats share that
+    `share`.
 
     It is no noise, so forms are not exactly right, those of rivals no more than its own. What they miss is the same in
     every repeat: it has SHAPES degrees of freedom in each group of repeats, and over these the variance that a
     difference between two sets must stand out from (overdispersion: McCullagh & Nelder 1989, section 4.5).
     """
     outlier = selection.noise.outlier
-    left = selection.plain_residual(fitted.terms, fitted.values)
     white = selection.noise_in(left, selection.law, len(fitted.values), outlier, white=True)
     freedom = SHAPES * max(len(repeats(selection.record, ~outlier)), 1)
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
@@ -133,9 +139,9 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
     """All answers and all their parts by their full criterion, least first, each with the noise that it leaves."""
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
     fits = [_likeliest([selection for selection, _ in selections], terms, start) for terms, start in sets.values()]
-    found = [(*full_criterion(selection, found), found) for selection, found in fits]
+    weighed = [(*full_criterion(selection, found), found) for selection, found in fits]
     largest = selections[0][0].base.rmse
-    possible = [item for item in found if item[1].whole <= largest or not item[2].terms]
+    possible = [item for item in weighed if item[1].whole <= largest or not item[2].terms]
     return sorted(possible, key=lambda item: item[0])
 
 
