@@ -23,6 +23,8 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
         twins = _same_form(selection, term)
         twins += [n for n in _close(selection, fitted, rest, term.effect) if n not in twins]
         twins += [n for n in _fitted(selection, fitted, term.effect) if n not in twins]
+        if selection.record.inputs.slide is not None:
+            twins += [n for n in _same_when_locked(selection, term.effect) if n not in twins]
         if one_speed(selection.record):
             twins += [n for n in _same_at_one_speed(selection, rest, term.effect) if n not in twins]
         twins = [n for n in twins if n not in fitted.names]
@@ -69,6 +71,13 @@ def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str
     names = dict.fromkeys(name for v in close for name in v.names - rest)
     others = [e.name for e in _others(selection, fitted, effect)]
     return [name for name in names if name in others and name != effect.name]
+
+
+def _same_when_locked(selection: Selection, effect: Effect) -> list[str]:
+    """Effects that follow the speed, as this one does: nobody measures how far the braid of a locked muscle slides, and
+    it slides as fast as the pressure changes."""
+    alike = [e.name for e in selection.candidates if e.follows[:1] == effect.follows[:1] == ("speed",)]
+    return [name for name in alike if name != effect.name]
 
 
 def _same_at_one_speed(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:

@@ -84,6 +84,8 @@ def diagnose(
     candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
     if record.inputs.time is None:
         candidates = [replace(effect, forms=effect.written) for effect in candidates if effect.written]
+    if record.inputs.slide is not None:
+        candidates = [_one_a_driver(effect) for effect in candidates]
     steady, unsure = steadied(record)
     alone = fit(model, steady, start=base.values, detail=False)
     following = Following(steady, model, alone.values, unsure)
@@ -104,7 +106,8 @@ def diagnose(
     weights = {t.effect.name: selection.weight(fitted, t) for t in fitted.terms}
     named.sort(key=lambda t: -weights[t.effect.name])
     heldout = heldout_rmse(model, record, base)
-    best, after, named, ruled_out = _possible(base, heldout, named, fitted)
+    least = selection.noise.too_small * selection.noise.whole**2
+    best, after, named, ruled_out = _possible(base, heldout, named, fitted, least)
     patterns = [t for t in fitted.terms if not t.effect.candidate]
     if lacking and not patterns:
         pattern = lacking.pattern()
@@ -177,14 +180,24 @@ def _allowed(
     return fewer
 
 
+def _one_a_driver(effect: Effect) -> Effect:
+    """The effect as one of which a set has one for each driver: in a locked muscle nobody measures how far the braid
+    slides, and two names together can imitate much."""
+    driver = {"way": "rest"}.get(effect.follows[0], effect.follows[0]) if effect.follows else effect.name
+    return replace(effect, alike=driver)
+
+
 def _asked_for(effect: Effect, names: set[str]) -> Effect:
     """The effect as a candidate in the forms that are asked for, where it is none by itself."""
     forms = tuple(f for f in effect.forms if not names.isdisjoint((effect.name, f"{effect.name}:{f.name}")))
     return effect if effect.candidate or not forms else replace(effect, forms=forms, candidate=True)
 
 
-def _confirmed(base: Fit, heldout: float, named: list[Term], fitted: FittedSet) -> tuple[Fit, float, list[Term]]:
-    """Fit, held-out error and names once every name has gone without which held-out data are predicted better.
+def _confirmed(
+    base: Fit, heldout: float, named: list[Term], fitted: FittedSet, least: float
+) -> tuple[Fit, float, list[Term]]:
+    """Fit, held-out error and names once every name has gone without which held-out data are predicted better, or of
+    which less than `least` (N²) of the mean square error comes: steady inputs round the corners of a drive.
 
     In a short table held-out data choose the forms, too.
     """
@@ -194,24 +207,34 @@ def _confirmed(base: Fit, heldout: float, named: list[Term], fitted: FittedSet) 
         if not terms:
             return heldout, base, terms
         terms = in_best_forms(base, terms) if table else terms
-        model = base.model.adding(*terms)
-        found = fit_onto(base, model, _start(fitted, terms))
-        return heldout_rmse(model, base.record, found), found, terms
+        found = _onto(base, terms, fitted)
+        return heldout_rmse(found.model, base.record, found), found, terms
 
     after, best, named = attempt(named)
     while named and not (math.isnan(after) or after < heldout):
         attempts = [attempt([t for t in named if t is not gone]) for gone in named]
         after, best, named = min(attempts, key=lambda item: item[0])
+    while named and not table:
+        fewer = [(_onto(base, [t for t in named if t is not gone], fitted).rmse, gone) for gone in named]
+        error, slightest = min(fewer, key=lambda item: item[0])
+        if error**2 - best.rmse**2 >= least:
+            break
+        after, best, named = attempt([t for t in named if t is not slightest])
     return best, after, named
 
 
+def _onto(base: Fit, terms: list[Term], fitted: FittedSet) -> Fit:
+    """A base fit with some terms of a set."""
+    return fit_onto(base, base.model.adding(*terms), _start(fitted, terms)) if terms else base
+
+
 def _possible(
-    base: Fit, heldout: float, named: list[Term], fitted: FittedSet
+    base: Fit, heldout: float, named: list[Term], fitted: FittedSet, least: float
 ) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
     """What `_confirmed` finds once every name has gone whose value nature does not allow, and the fits with those."""
     ruled_out: dict[str, Fit] = {}
     while True:
-        best, after, named = _confirmed(base, heldout, named, fitted)
+        best, after, named = _confirmed(base, heldout, named, fitted, least)
         wrong = {e.name.partition(".")[0] for e in _wrong(best, fitted)} & {t.effect.name for t in named}
         if not wrong:
             return best, after, named, ruled_out

@@ -59,8 +59,7 @@ def _way(inputs: Inputs) -> Array | None:
         return None
     x = inputs.way_mm
     way = np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
-    stroke = max(float(np.ptp(x)), 1e-9)
-    share = way[:, None] / (stroke * np.array([0.03, 0.1, 0.25]))
+    share = way[:, None] / (max(float(way.max()), 1e-9) * np.array([0.03, 0.1, 0.25]))
     return np.maximum(0.0, 1.0 - share) * inputs.direction[:, None]
 
 
@@ -78,7 +77,7 @@ def _cycle(inputs: Inputs) -> Array | None:
     if inputs.cycle is None or len(np.unique(inputs.cycle)) < 2:
         return None
     count = inputs.cycle - inputs.cycle.min()
-    way = way_travelled(inputs) / max(float(np.ptp(inputs.way_mm)), 1e-9)
+    way = way_travelled(inputs) / max(inputs.reach_mm, 1e-9)
     states = [np.exp(-count), 1.0 / (1.0 + count), np.log1p(way)]
     if inputs.segment is not None:
         test = cycles_of_test(inputs) - 1.0

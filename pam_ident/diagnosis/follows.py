@@ -218,12 +218,14 @@ class Following:
     def drivers(self) -> frozenset[str]:
         """The likeliest drivers, and those that could stand in the place of one, or beside them, at odds as good.
 
-        With one speed alone the speed and the direction of motion are one.
+        With one speed alone the speed and the direction of motion are one; and in a locked muscle, of which nobody
+        measures how far its braid slides, the way since a reversal and the relaxation since.
         """
         found = self.chosen.union(*(others for loss, others in self._instead.values() if loss < EQUAL))
         found |= {name for name in set(self.surfaces.names) - found if self.best and self._beside(name) < EQUAL}
-        same = {"speed", "direction"}
-        return found | same if one_speed(self.record) and found & same else found
+        one = [{"speed", "direction"}] if one_speed(self.record) else []
+        one += [{"way", "rest"}] if self.record.inputs.slide is not None else []
+        return found.union(*(same for same in one if found & same))
 
     @cached_property
     def needed(self) -> tuple[str, ...]:

@@ -6,8 +6,9 @@ from collections.abc import Collection, Sequence
 from .search import TEMPER
 from .selection import Selection
 
-LAPSE = 0.005
-"""Chance that the search was misled as a whole: Jeffreys' (0 + ½)/(93 + 1) after 93 near-certain, true statements."""
+LAPSE, LOCKED = 0.005, 0.12
+"""Chance that the search was misled as a whole: Jeffreys' (0 + ½)/(93 + 1) after 93 near-certain, true statements; and
+(6 + ½)/(54 + 1) for a locked muscle, of which nobody measures how far the braid slides."""
 
 
 def probabilities(
@@ -18,7 +19,7 @@ def probabilities(
     Sets that were fitted are weighed by exp(−criterion / 2·TEMPER), and the weights of those that hold the candidate,
     or a member of its `groups`, are summed. Where the likeliest of them holds a name that the `answer` has not, because
     it is too small to matter or held-out data are predicted better without, no set with that name counts. With chance
-    LAPSE nothing was learned, and all candidates are as likely.
+    LAPSE, in a locked muscle LOCKED, nothing was learned, and all candidates are as likely.
     TEMPER and LAPSE were fitted to simulated records: docs/diagnosis.md.
     """
     fitted = selection.weighed()
@@ -30,9 +31,10 @@ def probabilities(
     least = min(v.criterion for v in fitted)
     sets = [(v.names, math.exp(-(v.criterion - least) / (2.0 * TEMPER))) for v in fitted]
     total = sum(weight for _, weight in sets)
-    chance = {}
+    chance, lapse = {}, LAPSE if selection.record.inputs.slide is None else LOCKED
+    known = {regressor.effect for regressor in selection.seen.regressors}
     for candidate in selection.candidates:
         alike = {candidate.name}.union(*(group for group in groups if candidate.name in group))
         share = sum(weight for names, weight in sets if names & alike) / total
-        chance[candidate.name] = (1.0 - LAPSE) * share + LAPSE / len(selection.candidates)
+        chance[candidate.name] = (1.0 - lapse) * share + lapse / len(known)
     return chance

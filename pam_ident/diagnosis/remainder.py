@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from scipy.stats import binom
 
 from ..core.digits import newtons, number, percent
 from .nouns import Pattern
@@ -17,9 +18,9 @@ MOSTLY, UNDER_A_NAME = 0.5, 0.1
 """Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
-HEAVY, STRUCK, LASTING = 3.0, 0.1, 0.3
-"""Excess kurtosis of the innovations, share of their squares that lies far out, and share of these samples after
-which the next is still off, from which bursts are told: noise with heavy tails strikes single samples."""
+HEAVY, STRUCK, CHANCE = 3.0, 0.1, 1e-4
+"""Excess kurtosis of the innovations and share of their squares that lies far out, from which bursts are told, and the
+chance that as many of these samples have a next one that is off, too: noise with heavy tails strikes single samples."""
 
 
 def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -73,7 +74,8 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     share = float(np.sum(left[far] ** 2) / np.sum(left**2))
     rest = residual / (float(np.median(np.abs(residual))) / 0.6745)
     lasting = np.roll(rest, -1) * np.sign(rest) > 2.0
-    if share < STRUCK or np.mean(lasting[far]) < LASTING:
+    usual = 0.5 * float(np.mean(np.abs(rest) > 2.0))
+    if share < STRUCK or binom.sf(np.count_nonzero(lasting[far]) - 1, np.count_nonzero(far), usual) > CHANCE:
         return None
     worst = float(time[np.argmax(np.abs(left))])
     text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {number(worst)} s"

@@ -69,7 +69,8 @@ class Effect:
 
     `needs` names what a record must hold (branch, motion, time, cycle, temperature); `levers` what must be
     varied on the rig to see it, in the words of the contract; `special_case_of` the effect one of whose richer
-    forms is the same physics, and whose name is preferred where both explain a record alike.
+    forms is the same physics, and whose name is preferred where both explain a record alike; `alike` a group of which a
+    model takes one, where that is another than those.
     `follows` says what its force follows, in the words of `diagnosis.follows`: it is named only where the error follows
     one of these; an effect that says nothing may follow anything.
     `candidate` False keeps an effect out of the diagnosis. `simplest` is the form that goes by the effect's name: the
@@ -85,6 +86,7 @@ class Effect:
     levers: tuple[str, ...] = ()
     follows: tuple[str, ...] = ()
     special_case_of: str = ""
+    alike: str = ""
     candidate: bool = True
     warning: str = ""
     simplest: str = ""
@@ -102,8 +104,8 @@ class Effect:
 
     @property
     def exclusion_group(self) -> str:
-        """The effect that this is a special case of, or itself: of one such group a model needs one."""
-        return self.special_case_of or self.name
+        """What it is `alike`, a special case of, or itself: of one such group a model takes one."""
+        return self.alike or self.special_case_of or self.name
 
     @property
     def written(self) -> tuple[Form, ...]:

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from ..core import Inputs, Param
 from ._history import dahl_operator, stop_operator
 from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
@@ -36,7 +34,7 @@ def slipping(inputs: Inputs, width: float) -> float:
     """`width`, or what still slips in both directions: an element that never does is a spring, and the bladder's."""
     if inputs.live is not None:
         return width
-    return min(width, 0.4 * float(np.ptp(inputs.way_mm)) or width)
+    return min(width, 0.4 * inputs.reach_mm or width)
 
 
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:

@@ -26,20 +26,27 @@ def clipped_rows(inputs: Inputs, force: Array) -> Array:
     without noise repeats, too: there all others must differ. A coarse gauge repeats the reading next to its end, too.
     """
     contraction, out = inputs.contraction, np.zeros(len(force), bool)
-    readings, counts = np.unique(force, return_counts=True)
-    rest = (force > readings[0]) & (force < readings[-1])
+    rest = (force > force.min(initial=np.inf)) & (force < force.max(initial=-np.inf))
     if inputs.moving is not None:
         rest &= ~inputs.moving
     noisy = rest.any() and len(np.unique(force[rest])) > DIFFERENT * rest.sum()
-    step = np.diff(readings).min(initial=np.inf)
+    for here in ends_piled_up(force):
+        if noisy or np.ptp(contraction[here]) > MOVES * np.ptp(contraction):
+            out |= np.convolve(here, np.ones(2 * BESIDE + 1), "same") > 0.0
+    return out if out.sum() <= MOST * len(out) else np.zeros(len(force), bool)
+
+
+def ends_piled_up(force: Array) -> list[Array]:
+    """Masks (n,) of the samples that read the lowest force, and the highest, where chance gives fewer."""
+    readings, counts = np.unique(force, return_counts=True)
+    found = []
     for end, inner in ((0, slice(1, 1 + NEXT)), (-1, slice(-1 - NEXT, -1))) if len(readings) > 1 else ():
-        here, near = force == readings[end], readings[inner]
-        moves = np.ptp(contraction[here]) > MOVES * np.ptp(contraction)
-        if counts[end] < PILED * counts[inner].max() or not (moves or noisy):
+        if counts[end] < PILED * counts[inner].max():
             continue
         from scipy.special import pdtrc  # slow to import, and seldom needed
 
-        expected = counts[inner].sum() * step / np.abs(near - readings[end]).max()
+        step = np.diff(readings).min()
+        expected = counts[inner].sum() * step / np.abs(readings[inner] - readings[end]).max()
         if pdtrc(counts[end] - 1, expected) < CHANCE:
-            out |= np.convolve(here, np.ones(2 * BESIDE + 1), "same") > 0.0
-    return out if out.sum() <= MOST * len(out) else np.zeros(len(force), bool)
+            found.append(force == readings[end])
+    return found

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.digits import newtons
+from .clipped import ends_piled_up
 from .doubt import Doubt
 from .kind import kind_of
 from .record import Record
@@ -57,18 +58,16 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
             "force",
             bool(force.mean() < 0.0 and force.min() < -0.5 * np.abs(force).max()),
         )
-    for end, words in ((float(force.min()), "lowest"), (float(force.max()), "highest")):
-        yield from _doubt_limit(record, end, words)
+    for here in ends_piled_up(record.force):
+        yield from _doubt_limit(record, here)
 
 
-def _doubt_limit(record: Record, end: float, words: str) -> Iterator[Doubt]:
+def _doubt_limit(record: Record, here: Array) -> Iterator[Doubt]:
     """Many samples at the very same extreme force."""
-    here = record.force == end
-    n = int(here.sum())
-    contraction = record.inputs.contraction
+    end, n, contraction = float(record.force[here][0]), int(here.sum()), record.inputs.contraction
+    words = "lowest" if end == record.force.min() else "highest"
     moves = np.ptp(contraction[here]) > 0.03 * np.ptp(contraction) or len(np.unique(record.level[here])) > 1
-    at_all = max(3, len(here) // 100) if words == "lowest" else CLIPPED_ROWS
-    if n < at_all or here.all() or (words == "highest" and not moves):
+    if words == "highest" and not moves:
         return
     why = "the reading is clipped or the muscle is slack" if words == "lowest" else "the reading is clipped"
     cure = ", or pretension the muscle" if words == "lowest" else ""

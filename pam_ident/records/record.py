@@ -18,8 +18,12 @@ SHORT_LIST = 200
 """Most pressures that may each be an isobar's own value; more are one sensor's noise about fewer."""
 CROWD = 3
 """Most of them within 5 kPa, on average; more are the steps of a coarse sensor."""
+HELD, FAR = 50, 5.0
+"""Samples of a pressure that is held at least, and its standard deviations within which a sample is its own."""
 KPA = 1e3
 """kPa a MPa: a pressure whose course is followed has numbers of the size of a length in mm."""
+SLIGHT = 0.05
+"""Least pull of the pressure at a length, of that at the length where it pulls most: never none, nor backwards."""
 GIVE_MM_KN = 1.5
 """What threads and ends of a locked muscle give, so that its braid slides: of the size that series compliance has."""
 
@@ -147,15 +151,19 @@ def build_record(
     if time is None:
         return _table(name, specimen, pressure, contraction, force, level, direction, temperature, origin)
     kind = said_kind or find_kind(specimen, pressure, contraction, force, level, timed=True)
-    held, way, slide, driven = level, contraction, None, None
+    slide, driven = None, None
     if kind == "isometric":
-        held = _levels(contraction)
-        pull = specimen.ideal_force(pressure, held)  # by the length as it is held: its sensor's noise is no slide
-        way = slide = held + 1e-3 * GIVE_MM_KN / specimen.initial_length_mm * pull
-    if kind in ("isometric", "isotonic", "dynamic"):
-        held = held if kind == "isometric" else np.zeros(len(level))
+        held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
         driven = find_motion(time, KPA * pressure, held)
-    motion = find_motion(time, way * specimen.initial_length_mm, held)
+        per_kpa = 1e-3 * GIVE_MM_KN * _pull(force, KPA * pressure, held)
+        parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}
+        motion = replace(driven, **parts)
+        slide = held + per_kpa * KPA * pressure / specimen.initial_length_mm
+    else:
+        loaded = kind in ("isotonic", "dynamic")
+        held = np.zeros(len(level)) if loaded else level
+        driven = find_motion(time, KPA * pressure, held) if loaded else None
+        motion = find_motion(time, contraction * specimen.initial_length_mm, held)
     segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
     inputs = Inputs(
         pressure=pressure,
@@ -174,7 +182,7 @@ def build_record(
     )
     _, number = np.unique(cycle.astype(int), return_inverse=True)
     _, block = np.unique(segment * (number.max() + 1) + number, return_inverse=True)
-    smooth = motion.position / specimen.initial_length_mm
+    smooth = motion.position / specimen.initial_length_mm + (0.0 if slide is None else held)
     calm = replace(
         inputs,
         pressure=calmed(pressure, segment) if driven is None else driven.position / KPA,
@@ -214,6 +222,16 @@ def turns(x: Array, stroke: Array, segment: Array) -> Array:
     found = np.r_[False, np.diff(segment) != 0]
     found[across[np.searchsorted(run[across], np.arange(len(begins)))]] = True
     return found
+
+
+def _pull(force: Array, pressure: Array, held: Array) -> Array:
+    """How much force a unit of pressure makes at each length that is held, (n,), never less than SLIGHT of the most."""
+    slope = np.empty_like(force)
+    for length in np.unique(held):
+        rows = held == length
+        rise = pressure[rows] - pressure[rows].mean()
+        slope[rows] = (rise @ force[rows]) / max(float(rise @ rise), 1e-300)
+    return np.maximum(slope, SLIGHT * max(float(slope.max()), 1e-300))
 
 
 def _runs(segment: Array) -> Iterator[slice]:
@@ -260,19 +278,32 @@ def _table(
     return Record(name, inputs, force, level, np.zeros(len(force), int), block, inputs, block_kind=kind, **origin)  # type: ignore[arg-type]
 
 
-def _levels(pressure: Array) -> Array:
-    """Nominal pressure of each sample: its own value in a short list, else the median of its cluster (5 kPa gaps)."""
+def _levels(pressure: Array, listed: bool = True) -> Array:
+    """Nominal pressure of each sample: its own value in a short list, unless none is `listed`, else the median of its
+    cluster (5 kPa gaps)."""
     values, inverse, counts = np.unique(np.round(pressure, 6), return_inverse=True, return_counts=True)
-    return nominal(values, counts)[inverse]
+    return nominal(values, counts, listed)[inverse]
 
 
-def nominal(values: Array, counts: Array) -> Array:
+def nominal(values: Array, counts: Array, listed: bool = True) -> Array:
     """Nominal pressure in MPa of each of the pressures `values` (m,), ascending, that are read `counts` (m,) times."""
     edges = np.flatnonzero(np.diff(values) > 0.005) + 1
-    if len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST, CROWD * (len(edges) + 1)):
+    ends = zip([0, *edges][:-1], edges, [*edges, len(values)][1:], strict=True)
+    edges = np.array([k for a, k, b in ends if not _stray(values, counts, a, k, b)], int)
+    if listed and len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST, CROWD * (len(edges) + 1)):
         return values
     parts = zip(np.split(values, edges), np.split(counts, edges), strict=True)
     return np.concatenate([np.full(len(v), round(_median(v, c), 4)) for v, c in parts])
+
+
+def _stray(values: Array, counts: Array, begin: int, edge: int, end: int) -> bool:
+    """Whether of two clusters, parted at an `edge`, one is a lone sample in the noise of the other, which is held."""
+    few, many = sorted((slice(begin, edge), slice(edge, end)), key=lambda part: counts[part].sum())
+    if counts[few].sum() > 1 or counts[many].sum() < HELD:
+        return False
+    mean = np.average(values[many], weights=counts[many])
+    spread = np.sqrt(np.average((values[many] - mean) ** 2, weights=counts[many]))
+    return bool(np.abs(values[few] - mean).max() < FAR * spread)
 
 
 def _median(values: Array, counts: Array) -> float:

@@ -21,8 +21,7 @@ from ..records.kind import KINDS, kind_of
 from ..records.plausible import FAINT_MPA
 
 FITTING = {"isobaric", "isometric", "dynamic"}
-NAMING = {"isobaric", "dynamic"}
-"""Kinds of test whose force a law can be fitted to, and those whose error can be given names."""
+"""Kinds of test whose force a law can be fitted to, and whose error can be given names."""
 LITTLE, UNLIKE = 0.1, 0.3
 """Share of the squared force, and correlation with it where it varies, from which a law explains anything at all."""
 CONSTANT = 0.2
@@ -174,9 +173,9 @@ def warnings_of(one: Fit) -> tuple[Doubt, ...]:
     return (*doubts_about(one), *(Doubt("effect", f"{e.name}: {e.warning}") for e in effects if e.warning))
 
 
-def admit(record: Record, naming: bool = False, length: bool = False) -> None:
-    """Raises Refused where the kind of test is one that a fit, or with `naming` a diagnosis, cannot answer, where the
-    clock stands, and for a force beyond arithmetic. With `length` the length may have answered."""
+def admit(record: Record, length: bool = False) -> None:
+    """Raises Refused for a kind of test whose force no law can be fitted to, where the clock stands, and for a force
+    beyond arithmetic. With `length` the length may have answered."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
         text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Mend or delete the row"
@@ -186,15 +185,12 @@ def admit(record: Record, naming: bool = False, length: bool = False) -> None:
         text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Mend its unit, or leave the time out"
         raise _refused(Refused, record, "clock_scale", text)
     kind = kind_of(record)
-    if kind in (NAMING if naming else FITTING) or (length and kind == "isotonic"):
+    if kind in FITTING or (length and kind == "isotonic"):
         return
-    why = {
-        "isotonic": "no effect can be told from another in it, only `fit`, `compare` and `validate` answer",
-        "isometric": "no effect can be told from another in it, only `fit` and `compare` answer",
-    }[kind]
     text = (
-        f"an {kind} test, {KINDS[kind]}: {why}. Give an isobaric record, or say "
-        '`kind = "isobaric"` at the top of specimen.toml if this is one'
+        f"an {kind} test, {KINDS[kind]}: no effect can be told from another in it, only `fit`, `compare` and "
+        '`validate` answer. Give an isobaric record, or say `kind = "isobaric"` at the top of specimen.toml if '
+        "this is one"
     )
     raise _refused(Refused, record, "kind", text)
 
@@ -252,7 +248,7 @@ def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tupl
     """
     if len(record) >= ROWS:
         _stop(record, doubts_of(record), assume)
-    admit(record, naming=True)
+    admit(record)
     require_information(record, model)
     doubts = doubts_about(fit(model, record, detail=False))
     _stop(record, doubts, assume)

@@ -40,8 +40,8 @@ def test_what_is_assumed_is_named(clipped):
 
 
 def test_the_kind_of_test_can_be_said(frame, tmp_path):
-    told = pam.read(frame, specimen=SPECIMEN, kind="isometric")
-    with pytest.raises(Refused, match="an isometric test"):
+    told = pam.read(frame, specimen=SPECIMEN, kind="isotonic")
+    with pytest.raises(Refused, match="an isotonic test"):
         pam.diagnose(told, LAW)
     lines = [f"{key} = {value!r}" for key, value in SPECIMEN.items()]
     (tmp_path / "muscle.toml").write_text("\n".join(['kind = "isotonic"', "[specimen]", *lines]), encoding="utf-8")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.probability import LAPSE, TEMPER, probabilities
+from pam_ident.diagnosis.probability import LAPSE, LOCKED, TEMPER, probabilities
 from pam_ident.diagnosis.selection import Selection
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
@@ -17,13 +17,15 @@ from pam_ident.records import build_record
 from pam_ident.validation.calibration import reliability
 
 
-def selection(criteria, names=("a", "b", "c", "d")):
+def selection(criteria, names=("a", "b", "c", "d"), slide=None):
     return SimpleNamespace(
         weighed=lambda: [
             SimpleNamespace(names=frozenset(names), candidates=frozenset(names), criterion=criterion)
             for names, criterion in criteria.items()
         ],
         candidates=[SimpleNamespace(name=name) for name in names],
+        seen=SimpleNamespace(regressors=[SimpleNamespace(effect=name) for name in names]),
+        record=SimpleNamespace(inputs=SimpleNamespace(slide=slide)),
     )
 
 
@@ -52,6 +54,12 @@ def test_a_name_that_the_answer_has_not_is_not_stated_beside_it():
 def test_nothing_is_ever_certain_nor_ruled_out():
     found = probabilities(selection({(): 5000.0, ("a",): 0.0}), ())
     assert 0.98 < found["a"] < 1.0 and 0.0 < found["b"] < 0.01
+
+
+def test_no_name_is_near_certain_in_a_locked_muscle():
+    """Of whose braid nobody measures how far it slides."""
+    found = probabilities(selection({(): 5000.0, ("a",): 0.0}, slide=np.zeros(3)), ())
+    assert found["a"] == pytest.approx(1.0 - LOCKED + LOCKED / 4) and found["a"] < 0.92
 
 
 def test_reliability_counts_means_and_brier_by_hand():

@@ -211,12 +211,10 @@ def test_the_kind_of_test_is_found_and_can_be_said(name, kind):
 
 def test_what_a_verb_cannot_answer_is_refused():
     weight, locked = (record_of(KINDS[n](np.random.default_rng(1))) for n in ("a dead weight", "locked at one length"))
-    for naming in (False, True):
-        with pytest.raises(DataError, match="an isotonic test"):
-            admit(weight, naming)
-    admit(locked)
-    with pytest.raises(DataError, match="an isometric test"):
-        admit(locked, naming=True)
+    with pytest.raises(DataError, match="an isotonic test"):
+        admit(weight)
+    with pytest.raises(PamError, match="the length changes by"):
+        may_name(locked, SETUP.model)
     assert fit_record(locked, SETUP).fits["together"].rmse < 3.0
 
 

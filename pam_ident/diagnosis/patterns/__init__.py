@@ -29,14 +29,18 @@ def patterns(inputs: Inputs, beats: Sequence[float] = (), error_mm: float = 0.0)
     """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask.
 
     `beats` are periods in s that a spectrum shows, tried beside the slow ones; nothing is looked for over displacement
-    that is finer than the position's error in mm lets it be seen. A table of few lengths shows no pattern:
-    any curve over contraction passes through its lengths.
+    that is finer than the position's error in mm lets it be seen. A test at few lengths shows no pattern over
+    displacement: any curve over contraction passes through its lengths.
     """
-    if len(np.unique(np.round(inputs.displacement_mm, 3))) < LENGTHS:
-        return ()
+    lengths = len(np.unique(np.round(inputs.displacement_mm, 3)))
+    hidden = {"displacement", "contraction", "pressure"} if lengths < LENGTHS else set()
+    if inputs.time is None:
+        hidden.add("time")
     span = Extent.of(inputs, tuple(beats), error_mm)
-    return tuple(
-        Effect(one.name, one.title, SOURCE, tuple(one.forms(span)), test="", candidate=False)
-        for one in catalogue().values()
-        if one.coordinate != "time" or inputs.time is not None
-    )
+    found = []
+    for one in catalogue().values():
+        if hidden.issuperset((one.coordinate, *one.elsewhere.values())):
+            continue
+        forms = tuple(form for form in one.forms(span) if one.elsewhere.get(form.name, one.coordinate) not in hidden)
+        found.append(Effect(one.name, one.title, SOURCE, forms, test="", candidate=False))
+    return tuple(found)

@@ -1,0 +1,60 @@
+"""Isometric tests: what can be named where nobody measures how far the braid slides."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pam_ident.records.record import nominal
+from pam_ident.rig import Plan, Secret, make_record, write_case
+from pam_ident.tasks.diagnose import diagnose_record
+from pam_ident.tasks.setup import Setup
+
+LAW = "modified_chou_hannaford"
+
+
+def answer(folder, *hidden, protocol="locked_ramps", seed=31, **more):
+    write_case(folder, make_record(Plan(seed, LAW, hidden, protocol=protocol, **more)))
+    setup = Setup(LAW)
+    return diagnose_record(setup.read(folder / "record.csv"), setup)
+
+
+def test_friction_is_named_and_not_as_sure_as_with_a_measured_way(tmp_path):
+    found = answer(tmp_path, Secret("pressure_friction", "contact_area", 2.0))
+    assert found.selected == ("pressure_friction",)
+    assert 0.8 < found.ranking[0].probability < 0.9
+
+
+@pytest.mark.parametrize("name", ["viscous_damping", "pressure_lag"])
+def test_what_follows_the_rate_of_the_pressure_is_one_group(name, tmp_path):
+    found = answer(tmp_path, Secret(name, "textbook", 4.0))
+    assert len(found.selected) == 1
+    assert {"viscous_damping", "pressure_lag"} <= set(found.groups[0])
+
+
+def test_a_bench_that_is_leaned_on_is_a_force_for_a_while(tmp_path):
+    found = answer(tmp_path, unknown=Secret("rub", "leaned_on", 3.0))
+    assert (found.verdict, found.pattern.kind, found.pattern.coordinate) == ("unknown_effect", "local", "time")
+
+
+def test_nothing_hidden_is_nothing_named(tmp_path):
+    assert answer(tmp_path).verdict == "adequate"
+
+
+def test_steps_of_a_coarse_gauge_are_no_lengths(tmp_path):
+    write_case(tmp_path, make_record(Plan(31, LAW, protocol="locked_stairs")))
+    table = pd.read_csv(tmp_path / "record.csv")
+    table["displacement_mm"] = (table["displacement_mm"] / 0.05).round() * 0.05 + 0.02
+    table.to_csv(tmp_path / "record.csv", index=False)
+    record = Setup(LAW).read(tmp_path / "record.csv")
+    lengths = record.inputs.displacement_mm
+    assert max(len(np.unique(lengths[record.inputs.segment == k])) for k in range(5)) > 1
+    assert record.inputs.segment.max() + 1 == 5
+
+
+def test_a_lone_reading_in_the_noise_of_a_held_pressure_is_no_isobar():
+    pressure = np.r_[np.random.default_rng(1).normal(0.29, 0.003, 400), 0.2765]
+    values, counts = np.unique(np.round(pressure, 6), return_counts=True)
+    assert len(np.unique(nominal(values, counts))) == 1
+    far = np.r_[pressure[:-1], 0.2]
+    values, counts = np.unique(np.round(far, 6), return_counts=True)
+    assert len(np.unique(nominal(values, counts))) == 2
