@@ -289,7 +289,7 @@ def nominal(values: Array, counts: Array, listed: bool = True) -> Array:
     """Nominal pressure in MPa of each of the pressures `values` (m,), ascending, that are read `counts` (m,) times."""
     edges = np.flatnonzero(np.diff(values) > 0.005) + 1
     ends = zip([0, *edges][:-1], edges, [*edges, len(values)][1:], strict=True)
-    edges = np.array([k for a, k, b in ends if not _stray(values, counts, a, k, b)], int)
+    edges = np.array([k for a, k, b in ends if not _stray(values, counts, int(a), int(k), int(b))], int)
     if listed and len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST, CROWD * (len(edges) + 1)):
         return values
     parts = zip(np.split(values, edges), np.split(counts, edges), strict=True)
