@@ -87,7 +87,7 @@ def timed(page: Page, program: psutil.Process, act) -> tuple[float, float, float
     while error.text_content() == before:
         time.sleep(0.005)
     shown = time.perf_counter() - begun
-    page.locator(".badge").wait_for()
+    page.locator(".badge").wait_for(timeout=120_000)
     named, worked = time.perf_counter() - begun, sum(program.cpu_times()[:2]) - worked
     idle(page)
     return shown, named, worked

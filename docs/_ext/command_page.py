@@ -20,7 +20,7 @@ def command_page() -> str:
 def _section(path: str, command: Any, level: int) -> list[str]:
     arguments = [p for p in command.params if p.param_type_name == "argument"]
     options = [p for p in command.params if p.param_type_name == "option"]
-    words = [*(p.metavar or p.name.upper() for p in arguments), *(["[OPTIONS]"] if options else [])]
+    words = [*map(_place, arguments), *(["[OPTIONS]"] if options else [])]
     parts = ["#" * level + f" {path}", f"```text\n{' '.join([path, *words])}\n```", str(command.help or "")]
     if arguments or options:
         rows = [(f"`{p.metavar or p.name.upper()}`", _about(p)) for p in arguments]
@@ -29,6 +29,11 @@ def _section(path: str, command: Any, level: int) -> list[str]:
     for name, sub in getattr(command, "commands", {}).items():
         parts += _section(f"{path} {name}", sub, level + 1)
     return parts
+
+
+def _place(argument: Any) -> str:
+    name = (argument.metavar or argument.name.upper()) + "..." * (argument.nargs != 1)
+    return name if argument.required else f"[{name}]"
 
 
 def _option(option: Any) -> str:

@@ -60,6 +60,8 @@ def setup_of(
 
     Raises UsageError for a name, a code or a word that nobody knows, or something else than a name.
     """
+    if effects is not None and not isinstance(effects, str | Effect | Term | Iterable):
+        raise UsageError(f"effects {effects!r}: expected names, such as 'creep', or Effects")
     given = [effects] if isinstance(effects, str | Effect | Term) else list(effects or ())
     own = None
     if isinstance(law, Model):

@@ -32,8 +32,9 @@ def told(params: "pd.DataFrame") -> str:
     """Parameters as text, each value with the digits that its standard error leaves."""
     columns = {"value": "value", "stderr": "std. error", "low": "95 % from", "high": "to", "unit": "unit"}
     value, error = list(map(known_to, params["value"], params["stderr"])), [number(e, 2) for e in params["stderr"]]
-    table = params.assign(value=value, stderr=error).loc[:, list(columns)].rename(columns=columns)
-    return table.to_string(float_format="{:.5g}".format)
+    ends = {end: list(map(known_to, params[end], params["stderr"])) for end in ("low", "high")}
+    table = params.assign(value=value, stderr=error, **ends).loc[:, list(columns)].rename(columns=columns)
+    return table.to_string()
 
 
 class FitResult(Foretelling):

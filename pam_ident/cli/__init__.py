@@ -52,6 +52,7 @@ for command in (
     ladder.ladder,
     against.against,
     report.report,
+    workbench.workbench,
     validate.validate,
     predict.predict,
     export.export,
@@ -62,7 +63,6 @@ for command in (
     track.track,
     laws.laws,
     selftest.selftest,
-    workbench.workbench,
 ):
     app.command()(verb(command))
 app.add_typer(effects.app, name="effects")

@@ -16,7 +16,11 @@ STATUS = {"absorbed_by_law": "absorbed by the law", "not_excited": "not shown by
 def diagnose(
     record: Annotated[
         list[str],
-        typer.Argument(metavar="RECORD...", help="CSV records of a test rig, one or several.", show_default=False),
+        typer.Argument(
+            metavar="RECORD",
+            help="Records of a test rig, as for the other commands; one or several.",
+            show_default=False,
+        ),
     ],
     law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,

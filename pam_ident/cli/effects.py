@@ -37,8 +37,11 @@ def list_all(context: typer.Context, effect_file: options.EffectFiles = None, js
 
     found = listed(load_effect_files(context.obj))
     options.give_json(json, lambda: effects_json(found))
-    rows = [(effect.name, effect.title, ", ".join(effect.needs) or "-", effect.forms[0].formula) for effect in found]
-    text.say(*text.table(("effect", "what it is", "needs", "simplest form"), rows, left=(0, 1, 2, 3)))
+    for effect in found:
+        needs = f"{text.INDENT}needs in the record: {', '.join(effect.needs)}"
+        text.say(
+            f"{effect.name}: {effect.title}", f"{text.INDENT}{effect.forms[0].formula}", *[needs] * bool(effect.needs)
+        )
 
 
 @app.command()

@@ -24,7 +24,7 @@ def fit(
     record: Annotated[
         list[str],
         typer.Argument(
-            metavar="RECORD...",
+            metavar="RECORD",
             help="Record of a test rig: a file, a folder, a quoted glob, or the name of a bundled data set; "
             "several are fitted together.",
             show_default=False,
@@ -64,7 +64,9 @@ def fit(
     intervals: Annotated[
         str, typer.Option("--intervals", metavar="HOW", help="linear, profile (likelihood) or bootstrap (by cycles).")
     ] = "linear",
-    workers: options.Workers = None,
+    workers: Annotated[
+        int | None, options.option("--workers", "N", "Processes at a time; the answer stays the same. Default: 1.")
+    ] = None,
     scheduler: options.Scheduler = None,
     chunked: Annotated[
         bool, typer.Option("--chunked", help="Read the record in chunks, as is done where memory is short.")

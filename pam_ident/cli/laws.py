@@ -13,9 +13,7 @@ if TYPE_CHECKING:
 def laws(
     name: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[NAME]", help="One law, in full.", autocompletion=options.law_names, show_default=False
-        ),
+        typer.Argument(metavar="NAME", help="One law, in full.", autocompletion=options.law_names, show_default=False),
     ] = None,
     json: options.JsonFile = None,
 ) -> None:

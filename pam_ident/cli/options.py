@@ -77,8 +77,9 @@ Heldout = Annotated[
     str | None,
     option(
         "--heldout",
-        "length|pressure|run|cycle|muscle|refit",
-        "Hold each of these out whole and choose everything anew without it, or only refit the parameters.",
+        "WHAT",
+        "Hold out each length, pressure, run, cycle or muscle whole, and choose everything anew without it; or refit: "
+        "only fit the parameters anew.",
     ),
 ]
 Also = Annotated[
@@ -92,7 +93,7 @@ Also = Annotated[
 ]
 JsonFile = Annotated[str | None, option("--json", "FILE", "Write the answer as JSON; - for stdout, alone there.")]
 Workers = Annotated[
-    int | None, option("--workers", "N", "So many processes at a time; same answer. Default: the cores; for fit: 1.")
+    int | None, option("--workers", "N", "Processes at a time; the answer stays the same. Default: one a core.")
 ]
 Scheduler = Annotated[
     str | None, option("--scheduler", "ADDRESS", "The workers of a Dask scheduler instead, tcp://HOST:PORT.")

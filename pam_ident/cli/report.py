@@ -21,6 +21,7 @@ def report(
     """
     from ..core import PamError
     from ..parallel.executor import Executor
+    from ..report.opening import answer
     from ..schema.diagnosis import diagnosis_json
     from ..schema.prediction import law_choice_json
     from ..tasks.gate import warnings_of
@@ -41,4 +42,4 @@ def report(
     doubts = warnings_of(diagnosis.base)
     options.give_json(asked.json, lambda: diagnosis_json(record, diagnosis, doubts) | law_choice_json(choice))
     text.say(*text.chosen(choice))
-    text.say(*text.banner(doubts), diagnosis.sentence, f"report: {out}")
+    text.say(*text.banner(doubts), answer(story.sections[0]), f"report: {out}")

@@ -157,13 +157,9 @@ def error_of(estimate: "Estimate") -> str:
 
 def interval_of(estimate: "Estimate") -> str:
     """The 95 % interval, with an open end where the data do not close it."""
-    if not math.isfinite(estimate.stderr):
-        return ""
-    digits = 5
-    if estimate.value != 0 and estimate.stderr > 0:
-        digits = min(max(math.floor(math.log10(abs(estimate.value) / estimate.stderr)) + 3, 3), 8)
-    low, high = (number(end, digits) if math.isfinite(end) else "open" for end in (estimate.low, estimate.high))
-    return f"{low} to {high}"
+    from ..core.digits import interval
+
+    return interval(estimate.low, estimate.high, estimate.stderr) if math.isfinite(estimate.stderr) else ""
 
 
 def bounds(param: "Param") -> str:
@@ -210,7 +206,8 @@ def title(path: str, record: "Record") -> str:
     levels = record.levels
     span = f"{levels[0]:g} MPa" if len(levels) == 1 else f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
     masked = f" ({record.masked} more masked)" if record.masked else ""
-    return f"{path} ({record.name}): {len(record)} samples{masked}, {span}"
+    name = "" if record.name == path else f" ({record.name})"
+    return f"{path}{name}: {len(record)} samples{masked}, {span}"
 
 
 def banner(doubts: "Sequence[Doubt]") -> list[str]:
@@ -255,7 +252,7 @@ def checks(found: "Checks", in_mm: bool = False) -> list[str]:
         )
     twins: dict[str, list[str]] = {}
     for one in found.stand_ins:
-        twins.setdefault(one.calibration, []).append(" with ".join(one.parameters))
+        twins.setdefault(one.calibration, []).append(" and ".join(one.parameters))
     if twins:
         lines.append(f"{INDENT}faults of the sensors that the parameters take up without trace:")
         lines += [f"{INDENT * 2}{name.replace('_', ' ')}: by {' or '.join(how)}" for name, how in twins.items()]

@@ -10,7 +10,7 @@ from . import options, text
 
 def workbench(
     record: Annotated[
-        str | None, typer.Argument(metavar="[RECORD]", help="Record to begin with.", show_default=False)
+        str | None, typer.Argument(metavar="RECORD", help="Record to begin with.", show_default=False)
     ] = None,
     law: Annotated[
         str,

@@ -40,6 +40,11 @@ def known_to(value: float, error: float) -> str:
     return f"{round(value, max(places, 0)) + 0.0:.{max(places, 0)}f}"  # no −0
 
 
+def interval(low: float, high: float, error: float) -> str:
+    """Both ends to the same place as the value that has this standard error, `open` for one that is not closed."""
+    return " to ".join(known_to(end, error) if math.isfinite(end) else "open" for end in (low, high))
+
+
 def probability(share: float) -> str:
     """A probability in per cent; nothing is certain."""
     if share > 0.99:
@@ -48,9 +53,11 @@ def probability(share: float) -> str:
 
 
 def percent(share: float | None) -> str:
-    """A share in whole per cent; what is not all is not 100 %, and a dash stands for no value."""
+    """A share in whole per cent, a dash for no value; what is not all is not 100 %, what is not nothing not 0 %."""
     if share is None or not math.isfinite(share):
         return "-"
+    if 1e-9 < share < 0.005:
+        return "< 1 %"
     return "> 99 %" if 0.995 <= share < 1.0 - 1e-9 else f"{round(100.0 * share)} %"
 
 

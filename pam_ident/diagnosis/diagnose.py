@@ -1,7 +1,7 @@
 """Which effect is missing, how sure that is, and what is left."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -75,6 +75,24 @@ def diagnose(
         >>> print(f"{found.verdict}: {found.selected}, {found.base.rmse:.1f} → {found.best.rmse:.1f} N")
         missing_effect: ('pressure_friction',), 5.8 → 2.1 N
     """
+    steps = diagnosing(model, record, extra, without, only, odds, also)
+    found = next(steps)
+    return next(steps) if detail else found
+
+
+def diagnosing(
+    model: Model,
+    record: Record,
+    extra: tuple[Effect, ...] = (),
+    without: tuple[str, ...] = (),
+    only: tuple[str, ...] = (),
+    odds: Mapping[str, float] | None = None,
+    also: tuple[str, ...] = (),
+) -> Iterator[Diagnosis]:
+    """What `diagnose` finds without its details, and then the same with them.
+
+    Raises FitError, DataError or UsageError as `diagnose` does.
+    """
     for name, chance in (odds or {}).items():
         get_effect(name, extra)
         if not 0.0 < chance < math.inf:
@@ -123,13 +141,7 @@ def diagnose(
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
-    ranking = _ranking(base, selection, candidates, named, chance) if detail else ()
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
-    experiment = None
-    if detail:
-        experiment = (
-            after_pattern(pattern, selection, fitted) if pattern else next_experiment(selection, fitted, classes)
-        )
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
     left = selection.view(fitted).residual[~noise.outlier]
@@ -139,26 +151,32 @@ def diagnose(
         if rivals[name] >= TOLD:
             odd = probability(rivals[name])
             sentence += f" With a chance of {odd} it is, instead of {name}, something that nobody knows."
-    if pattern and detail:
-        rest = follows if best is base else Following.of(best).shares()
-        sentence += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
-    return Diagnosis(
+    found = Diagnosis(
         base,
         best,
         outcome,
         selected,
         labels,
         classes,
-        ranking,
+        _ranking(base, selection, candidates, named, chance, errors=False),
         floor,
         heldout,
         after,
         pattern,
-        experiment,
+        None,
         sentence,
         follows,
         {"followed": following.newtons_followed} if len(steady) == len(record) else {},
     )
+    yield found
+    if pattern:
+        rest = follows if best is base else Following.of(best).shares()
+        sentence += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
+        experiment = after_pattern(pattern, selection, fitted)
+    else:
+        experiment = next_experiment(selection, fitted, classes)
+    ranking = _ranking(base, selection, candidates, named, chance)
+    yield replace(found, ranking=ranking, next_experiment=experiment, sentence=sentence)
 
 
 def _allowed(
@@ -273,9 +291,15 @@ def _start(fitted: FittedSet, named: list[Term]) -> dict[str, float]:
 
 
 def _ranking(
-    base: Fit, selection: Selection, candidates: list[Effect], named: list[Term], chance: dict[str, float]
+    base: Fit,
+    selection: Selection,
+    candidates: list[Effect],
+    named: list[Term],
+    chance: dict[str, float],
+    errors: bool = True,
 ) -> tuple[Candidate, ...]:
-    """Every candidate with the error that adding it alone leaves, on all rows and held out, by a fit of its own.
+    """Every candidate with the error that adding it alone leaves, on all rows and held out, by a fit of its own; None
+    without `errors`.
 
     It has the form that was selected, else the one that the search prefers. Of a long record ROWS rows are fitted.
     """
@@ -290,10 +314,12 @@ def _ranking(
             continue
         regressor = selection.seen.regressors[best[effect.name][1]]
         term = terms.get(effect.name, regressor.term)
-        near = {f"{effect.name}.{k}": v for k, v in regressor.point.items()} if term == regressor.term else {}
-        inside, outside = _alone(base.model.adding(term), record, base.values | near)
-        heldout = None if math.isnan(outside) else outside
-        found.append(Candidate(effect.name, term.label, "candidate", chance.get(effect.name, 0.0), inside, heldout))
+        one = Candidate(effect.name, term.label, "candidate", chance.get(effect.name, 0.0))
+        if errors:
+            near = {f"{effect.name}.{k}": v for k, v in regressor.point.items()} if term == regressor.term else {}
+            inside, outside = _alone(base.model.adding(term), record, base.values | near)
+            one = replace(one, rmse_after=inside, heldout_rmse_after=None if math.isnan(outside) else outside)
+        found.append(one)
     found.sort(key=lambda s: (s.status != "candidate", -s.probability, s.effect not in terms, s.rmse_after or math.inf))
     return tuple(found)
 

@@ -95,6 +95,8 @@ def read_answer(path: str | Path, *kinds: str) -> Answer:
     hint = f"expected a file of {' or '.join(f'`pam-ident {kind} RECORD --law LAW --json FILE`' for kind in kinds)}"
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; {hint}") from None
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}); {hint}") from None
     except ValueError:

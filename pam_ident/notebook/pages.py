@@ -14,7 +14,7 @@ from ..report import tables
 from ..report.render import environment
 from ..report.svg import embed
 from ..report.tables import PageTable
-from ..report.words import number, stderr, unit
+from ..report.words import interval, stderr, unit, value_of
 from . import lines
 
 if TYPE_CHECKING:
@@ -76,18 +76,10 @@ def _record(one: "Record") -> Markup:
 
 def _fit(one: "Fit") -> Markup:
     equation = Markup("<pre>{}</pre>").format(str(one.model))
-    rows = tuple(
-        (e.name, number(e.value, 5), stderr(e), _interval(e.low, e.high), unit(e.unit), e.doc) for e in one.estimates
-    )
+    rows = tuple((e.name, value_of(e), stderr(e), interval(e), unit(e.unit), e.doc) for e in one.estimates)
     head = ("parameter", "value", "standard error", "95 % interval", "unit", "meaning")
     figure = picture(plot.measured_against_model.draw(one, limit=POINTS), "Measured and modelled force, and the error")
     return _said(lines.fit(one)) + equation + table(PageTable("Parameters", head, rows, (1, 2, 3))) + figure
-
-
-def _interval(low: float, high: float) -> str:
-    if math.isnan(low) and math.isnan(high):
-        return "–"
-    return " to ".join(number(end, 4) if math.isfinite(end) else "open" for end in (low, high))
 
 
 def _comparison(one: "Comparison") -> Markup:

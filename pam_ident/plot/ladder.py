@@ -56,8 +56,8 @@ def draw(ladder: Ladder, names: Sequence[str] = (), width: float = WIDTH) -> Fig
     x = np.arange(len(shown.names))
     axes.axhline(shown.noise_floor, color=GREY, linestyle="--", linewidth=1.2)
     axes.plot(x, shown.rmse, marker="o", color=BLUE, linewidth=1.6, label="on the fitted data")
-    label = "on held-out data" + (", nested" if ladder.nested else "")
-    axes.plot(x, shown.heldout, marker="s", color=VERMILION, linewidth=1.3, linestyle=":", label=label)
+    held_out = {"color": VERMILION, "linewidth": 1.3, "linestyle": ":", "label": "on held-out data"}
+    axes.plot(x, shown.heldout, marker="s", **held_out)
     for i, value in enumerate(shown.rmse):
         # Below and to the left: the curves fall from the left, and the held-out error lies above.
         axes.annotate(
@@ -87,7 +87,7 @@ def draw(ladder: Ladder, names: Sequence[str] = (), width: float = WIDTH) -> Fig
         fontsize=8.5,
         color=GREY,
     )
-    axes.set_ylabel("rms error (N), logarithmic")
+    axes.set_ylabel("rms error (N)")
     axes.grid(axis="x", visible=False)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, labelcolor=INK)
     return figure

@@ -6,7 +6,7 @@ from .. import plot
 from ..diagnosis.follows import told
 from .easel import Easel, Part, Picture
 from .story import Section
-from .words import VERDICTS, groups, heldout, likely, newtons, titles
+from .words import VERDICTS, groups, likely, newtons, titles
 
 HERO, BESIDE = 6.4, 5.0
 """Widths of the figures in inches; they are shown narrower than a page, and their words must stay readable."""
@@ -29,6 +29,11 @@ def opening(section: Section, easel: Easel) -> Part:
         badge=VERDICTS.get(diagnosis.verdict, (diagnosis.verdict, "")),
         opening=True,
     )
+
+
+def answer(section: Section) -> str:
+    """What the first screen says in words, for the terminal."""
+    return f"{_headline(section)} {_fall(section)}"
 
 
 def _added(section: Section) -> tuple[str, ...]:
@@ -58,7 +63,7 @@ def _headline(section: Section) -> str:
 
 
 def _fall(section: Section) -> str:
-    law, after, floor = section.before, section.after, newtons(section.diagnosis.noise_floor)
+    law, after, floor = section.before, section.after, newtons(section.noise_floor)
     if after is None:
         return f"{law.model.law.title} leaves {newtons(law.rmse)} rms; the noise is about {floor}."
     return (
@@ -87,9 +92,10 @@ def _falling(section: Section, easel: Easel) -> tuple[Picture, ...]:
     before = set(ladder.rungs[0].fit.model.effect_names)
     names = ["model as given" if before else "law alone"]
     for rung in ladder.rungs[1:]:
-        new = [f"+ {known.get(name, name)}" for name in rung.fit.model.effect_names if name not in before]
+        new = [f"+\u00a0{known.get(name, name)}" for name in rung.fit.model.effect_names if name not in before]
         before |= set(rung.fit.model.effect_names)
-        names.append("\n".join(fill(one, max(44 // len(ladder.rungs), 9)) for one in new))
+        width = max(44 // len(ladder.rungs), 9)
+        names.append("\n".join(fill(one, width, break_long_words=False) for one in new))
     label = "Falling rms error as effects are added, down to the noise"
     caption = "The error as effects are added, down to the noise."
     return (easel.hang(plot.ladder.draw(ladder, names, BESIDE), label, caption),)
@@ -105,13 +111,16 @@ def _sure(section: Section) -> str:
     diagnosis, known = section.diagnosis, titles(section.diagnosis.best.model)
     chances = {one.effect: one.probability for one in diagnosis.ranking}
     said = [f"{known.get(name, name)} {likely(chances[name])}" for name in diagnosis.selected if name in chances]
-    if section.ladder is None:
-        what, errors = "held-out error", [diagnosis.heldout_rmse, diagnosis.heldout_rmse_after]
-    else:
-        ends = section.ladder.rungs[0], section.ladder.rungs[-1]
-        what, errors = heldout(ends[1]), [rung.heldout_rmse for rung in ends]
-    fall = " → ".join(dict.fromkeys(map(newtons, errors)))
-    return f"How sure: {'; '.join([*said, f'{what}: {fall}'])}."
+    return f"How sure: {'; '.join([*said, f'held-out error: {held_out(section)}'])}."
+
+
+def held_out(section: Section) -> str:
+    """The error on held-out data before and after."""
+    diagnosis, ladder = section.diagnosis, section.ladder
+    errors = [diagnosis.heldout_rmse, diagnosis.heldout_rmse_after]
+    if ladder is not None:
+        errors = [rung.heldout_rmse for rung in (ladder.rungs[0], ladder.rungs[-1])]
+    return " → ".join(dict.fromkeys(map(newtons, errors)))
 
 
 def _next(section: Section) -> tuple[str, ...]:
@@ -121,7 +130,7 @@ def _next(section: Section) -> tuple[str, ...]:
     last = section.ladder.last if section.ladder is not None else diagnosis
     experiment = diagnosis.next_experiment if found else last.next_experiment or diagnosis.next_experiment
     if experiment is not None:
-        todo = experiment.text
+        todo = experiment.text[:1].lower() + experiment.text[1:]
     elif _verdict(section) in ("adequate", ""):
         todo = f"use the {'completed model' if section.after else 'model'}; its parameters are below."
     else:

@@ -1,12 +1,13 @@
 """What a report says about one record, part by part, in the order a reader asks."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from .. import plot
 from ..diagnosis.nouns import Diagnosis
 from . import tables
 from .easel import Easel, Part
-from .opening import opening
+from .opening import held_out, opening
 from .rungs import steps
 from .story import Section
 from .words import equation, groups, named, newtons, percent, titles
@@ -34,16 +35,16 @@ def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
 
 
 def _numbers(section: Section, easel: Easel) -> Part:
-    diagnosis = section.diagnosis
-    heldout = newtons(diagnosis.heldout_rmse)
-    if diagnosis.selected:
-        heldout += f" → {newtons(diagnosis.heldout_rmse_after)}"
-    facts = [
-        ("law", section.before.model.law.name),
-        ("held-out error", heldout),
+    fits = [section.before, *([section.after] if section.after else [])]
+    facts = (
+        ("model", " + ".join([fits[-1].model.law.name, *fits[-1].model.labels])),
+        ("error", " → ".join(newtons(one.rmse) for one in fits) + " rms"),
+        ("held-out error", held_out(section)),
+        ("noise", newtons(section.noise_floor)),
         ("record", f"{len(section.record)} samples, {len(section.record.levels)} isobars"),
-    ]
-    return Part(f"{easel.prefix}-numbers", "The answer in numbers", (diagnosis.sentence,), facts=tuple(facts))
+    )
+    text = () if section.ladder else (section.diagnosis.sentence,)  # a ladder says it of each of its steps
+    return Part(f"{easel.prefix}-numbers", "The answer in numbers", text, facts=facts)
 
 
 def _measured(section: Section, easel: Easel) -> Part:
@@ -105,7 +106,8 @@ def _candidates(section: Section, easel: Easel) -> Part | None:
         "What each effect would leave of the error. In grey italics: effects that this "
         "record cannot show or that the law already imitates; they may be there or not."
     )
-    picture = easel.hang(plot.candidates.draw(diagnosis), "Bars of the error that each candidate would leave", caption)
+    drawn = plot.candidates.draw(replace(diagnosis, noise_floor=section.noise_floor))
+    picture = easel.hang(drawn, "Bars of the error that each candidate would leave", caption)
     notes = groups(diagnosis, titles(diagnosis.best.model))
     if diagnosis.next_experiment:
         experiment = diagnosis.next_experiment

@@ -38,6 +38,11 @@ class Section:
             return self.comparison_after.fit
         return self.diagnosis.best if self.diagnosis.selected else None
 
+    @property
+    def noise_floor(self) -> float:
+        """In N, of the most complete model that was asked."""
+        return (self.ladder or self.diagnosis).noise_floor
+
 
 @dataclass(frozen=True)
 class Story:

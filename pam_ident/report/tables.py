@@ -83,7 +83,7 @@ def cells(found: Sequence[Cell]) -> PageTable:
     rows = tuple(
         (
             number(cell.pressure_MPa, 3),
-            " to ".join(f"{round(end, 4) + 0.0:.4g}".replace("-", "−") for end in cell.contraction),
+            " to ".join(f"{round(end, 4) + 0.0:.4f}".replace("-", "−") for end in cell.contraction),
             "–" if cell.branch == "static" else cell.branch,
             str(cell.n),
             number(cell.mean, 3),
@@ -159,7 +159,7 @@ def _cell(estimate: Estimate | None) -> str:
         return "–"
     if not estimate.identified:
         return f"{number(estimate.value)} (not determined)"
-    return f"{number(estimate.value)} ± {stderr(estimate)}" + (" (at its bound)" if estimate.at_bound else "")
+    return f"{value_of(estimate)} ± {stderr(estimate)}" + (" (at its bound)" if estimate.at_bound else "")
 
 
 def _by_branch(caption: str, what: str, values: Mapping[str, Mapping[str, float]], digits: int) -> PageTable:

@@ -35,7 +35,7 @@ UNSEEN = re.compile(
     r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ufffe\uffff"
     r"\ud800-\udfff]"
 )
-SHARE = re.compile(r"(\d) %")
+SHARE = re.compile(r"(?<=[<>]) (?=\d)|(?<=\d) (?=%)")
 
 
 def plain(text: str) -> str:
@@ -44,8 +44,8 @@ def plain(text: str) -> str:
 
 
 def together(text: str) -> str:
-    """The text with each per cent sign on the line of its number."""
-    return SHARE.sub("\\1\u00a0%", text)
+    """The text with each per cent sign, and > and <, on the line of its number."""
+    return SHARE.sub("\u00a0", text)
 
 
 def number(value: float | None, places: int = 4) -> str:
@@ -74,6 +74,12 @@ likely = digits.probability
 def value_of(estimate: Estimate) -> str:
     """A parameter's value with the digits that its standard error leaves."""
     return known_to(estimate.value, math.nan if estimate.at_bound else estimate.stderr)
+
+
+def interval(estimate: Estimate) -> str:
+    """The 95 % interval to the place of the value, a dash where there is none."""
+    ends = estimate.low, estimate.high
+    return "–" if all(map(math.isnan, ends)) else _set(digits.interval(*ends, estimate.stderr))
 
 
 def with_error(value: float, error: float) -> str:

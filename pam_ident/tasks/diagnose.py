@@ -7,6 +7,7 @@ from functools import partial
 
 from ..core import PamError, UsageError
 from ..diagnosis import diagnose
+from ..diagnosis.diagnose import diagnosing
 from ..diagnosis.follows import told
 from ..diagnosis.nested import anew, masks_of
 from ..diagnosis.nouns import Diagnosis
@@ -41,11 +42,21 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
         >>> print(diagnose_record(setup.read(dataset_record("nothing_hidden")), setup).sentence)
         exponential_law leaves 2.08 N rms; the noise is about 2.01 N. Nothing is missing that this record could show.
     """
+    *_, found = diagnosing_record(record, setup)
+    with computing(record):
+        return _nested(found, record, setup) if setup.held_out else found
+
+
+def diagnosing_record(record: Record, setup: Setup) -> Iterator[Diagnosis]:
+    """The answer as soon as it is there, and then the same with errors of every candidate and what to do next.
+
+    Raises FitError or DataError, NothingNamed among them.
+    """
     with computing(record):
         may_name(record, setup.model, setup.assume)
-        found = diagnose(setup.model, record, *setup.tried)
-        check_completed(found.best, setup.assume)
-        return _nested(found, record, setup) if setup.held_out else found
+        for found in diagnosing(setup.model, record, *setup.tried):
+            check_completed(found.best, setup.assume)
+            yield found
 
 
 def _nested(found: Diagnosis, record: Record, setup: Setup) -> Diagnosis:

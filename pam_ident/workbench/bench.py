@@ -19,7 +19,7 @@ from ..records.doubt import Doubt, grave
 from ..report import Story, render
 from ..report.provenance import provenance
 from ..schema.diagnosis import candidates
-from ..tasks.diagnose import diagnose_record
+from ..tasks.diagnose import diagnosing_record
 from ..tasks.gate import computing, doubts_about
 from ..tasks.ladder import ladder_by_hand
 from ..tasks.section import section_of
@@ -117,12 +117,28 @@ class Bench:
         known = catalogue(self.setup.extra).values()
         return tuple(Term(e, form).label for e in known if e.name not in held for form in e.forms)
 
-    def diagnosed(self) -> "Bench":
-        """With the diagnosis of the present model. Raises FitError or DataError, UsageError with parameters held."""
+    @property
+    def judged(self) -> bool:
+        """Whether the present model is diagnosed, and what every candidate would leave is known."""
+        found = self.diagnosis
+        return found is not None and all(
+            one.status != "candidate" or one.rmse_after is not None for one in found.ranking
+        )
+
+    def diagnosing(self) -> Iterator["Bench"]:
+        """With the diagnosis of the present model as soon as it is there, and then with all that belongs to it.
+
+        Raises FitError or DataError, UsageError with parameters held.
+        """
         if self.held:
             raise UsageError("nothing is named while a parameter is held by hand; release it first")
-        found = diagnose_record(self.record, self.setup)
-        return replace(self, diagnosis=found, first=self.first if self.fit.model.terms else found)
+        for found in diagnosing_record(self.record, self.setup):
+            yield replace(self, diagnosis=found, first=self.first if self.fit.model.terms else found)
+
+    def diagnosed(self) -> "Bench":
+        """With all of it. Raises as `diagnosing` does."""
+        *_, last = self.diagnosing()
+        return last
 
     def tried(self) -> "Bench":
         """With what each candidate would do, fitted as `adding` fits it; the most probable first, of those that are

@@ -51,7 +51,7 @@ class Drafting:
         assert self.draft is not None
         one = self.draft.columns[k]
         known = {WORDS.get(name, name.replace("_", " ")): name for name in ("", *QUANTITIES)}
-        what = pn.widgets.Select(label=f"{one.name} is", options=known, value=one.guess.quantity, width=170, **LOOK)
+        what = pn.widgets.Select(label=f"{one.name} is", options=known, value=one.guess.quantity, width=205, **LOOK)
         unit = pn.widgets.Select(label=f"Unit of {one.name}", options=_units(one.guess.quantity), width=90, **LOOK)
         unit.value = one.guess.unit if one.guess.unit in unit.options.values() else next(iter(unit.options.values()))
         factor = pn.widgets.TextInput(label=f"Factor of {one.name}", value=f"{one.factor:g}", width=80, **LOOK)
@@ -63,7 +63,7 @@ class Drafting:
         )
         for field in (what, unit, factor, offset):
             field.param.watch(change, "value")
-        return pn.FlexBox(html(str(words.column(one)), width=200, sizing_mode=None), what, unit, factor, offset,
+        return pn.FlexBox(html(str(words.column(one)), width=190, sizing_mode=None), what, unit, factor, offset,
                           sizing_mode="stretch_width", align_items="end")  # fmt: skip
 
     def _changed(self, k: int, what: Any, unit: Any, factor: Any, offset: Any, _: Any) -> None:

@@ -328,7 +328,7 @@ class Workbench(Viewer):
     def _busy(self, stopped: bool = False) -> None:
         work, bench = self.work, self.bench
         self.bar.visible = self.stop.visible = work is not None
-        waiting = work is None and bench is not None and bench.diagnosis is None and not bench.held
+        waiting = work is None and bench is not None and not bench.judged and not bench.held
         stopped_by_doubt = bench is not None and bench.stopped
         self.find.visible, self.anyway.visible = waiting and not stopped_by_doubt, waiting and stopped_by_doubt
         said = words.stage(work.stage) if work is not None else "stopped" if stopped else ""
@@ -366,9 +366,10 @@ class Workbench(Viewer):
 def _found(bench: Bench | None) -> Iterator[Found]:
     if bench is None or bench.held:
         return
-    if bench.diagnosis is None:
-        bench = bench.diagnosed()
-        yield False, bench
+    if not bench.judged:
+        for found in bench.diagnosing():
+            yield False, found
+            bench = found
     if not bench.previews:
         yield False, bench.tried()
 

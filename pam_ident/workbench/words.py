@@ -70,9 +70,9 @@ def draft(shown: Draft, wrong: str = "") -> Markup:
     else:
         unsure = [c.name for c in shown.columns if c.guess.quantity and not c.guess.sure]
         if unsure:
-            lines.append(Markup("<p><b>Guessed from the numbers, look at it: {}.</b></p>").format(", ".join(unsure)))
+            lines.append(Markup("<p><b>Guessed from the numbers, so check it: {}.</b></p>").format(", ".join(unsure)))
         lines.append(Markup("<p>Check what each column is and its unit{}, then open it.</p>").format(
-            "" if shown.has_specimen else ", type in the muscle"
+            "" if shown.has_specimen else ", type in the muscle's size"
         ))  # fmt: skip
     lines += [error(wrong)] if wrong else []
     return Markup("").join(lines)

@@ -143,6 +143,8 @@ def test_20_a_wrong_effect_is_too():
         pam.Model("exponental_law")
     with pytest.raises(UsageError, match="expected a name"):
         pam.fit("no such file", 3)
+    with pytest.raises(UsageError, match="effects 5: expected names"):
+        pam.fit("no such file", "exponential_law", effects=5)
 
 
 def test_21_both_branches_apart(record):
@@ -167,6 +169,8 @@ def test_23_params_is_a_frame(fitted):
 def test_24_summary_and_repr(fitted):
     assert "std. error" in fitted.summary() and "F = (a0 + a1 p)" in fitted.summary()
     assert len(repr(fitted)) < 400 and len(repr(fitted).splitlines()) <= 4
+    row = next(line.split() for line in fitted.summary().splitlines() if line.startswith("a1 "))
+    assert len({len(row[k].partition(".")[2]) for k in (1, 3, 4)}) == 1, "an interval ends at the place of its value"
 
 
 def test_25_residuals_has_every_coordinate(fitted):

@@ -122,7 +122,7 @@ def test_advice_on_a_static_table(ask, root):
 def test_effects_are_listed_and_shown(ask):
     text = ask("effects").stdout
     for name in ("coulomb_friction", "bladder_elasticity_printed", "force_drift"):
-        assert f"  {name} " in text
+        assert f"\n{name}: " in f"\n{text}"
     one = ask("effects", "show", "bladder_elasticity_printed").stdout
     assert "Warning: the printed form" in one and "source: equation (2)" in one
     forms = ask("effects", "show", "coulomb_friction").stdout

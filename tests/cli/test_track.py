@@ -87,7 +87,7 @@ def test_figures_are_written_and_named(ran):
         (("--unknown", "viscous_damping"), 2, ("viscous_damping", "twice")),
         (("--leg", "no_such.toml"), 4, ("no_such.toml", "--write-leg")),
         (("--cadence", "0"), 4, ("cadence", "positive")),
-        (("--plant", "no_such.json"), 4, ("no_such.json", "cannot be read", "--json")),
+        (("--plant", "no_such.json"), 4, ("no_such.json", "no such file", "--json")),
         (("--specimen", "no_such.toml"), 4, ("no_such.toml",)),
     ],
 )

@@ -122,3 +122,21 @@ def test_the_shell_completes_commands_laws_and_effects(root, words, expected):
         [sys.executable, "-m", "pam_ident"], capture_output=True, text=True, env=environment, check=False
     )
     assert expected in done.stdout.split(), done.stderr
+
+
+def test_help_names_an_argument_once_and_what_may_be_left_out_in_one_pair_of_brackets(ask):
+    usage = {verb: ask(verb, "--help").output.splitlines()[0] for verb in ("fit", "diagnose", "workbench", "laws")}
+    assert all(line.count("...") <= 1 and "[[" not in line for line in usage.values()), usage
+    assert ask("fit", "--help").output.count("--workers") == 1
+    assert "Default: 1." in ask("fit", "--help").output and "for fit" not in ask("batch", "--help").output
+
+
+def test_effects_are_listed_as_laws_are(ask):
+    lines = ask("effects").output.splitlines()
+    at = lines.index("creep: Creep and stress relaxation")
+    assert lines[at + 1 : at + 3] == ["  −G q, q̇ = ε̇ − q/τ", "  needs in the record: motion, time"]
+
+
+def test_a_fit_that_is_not_there_is_said_to_be_no_file(ask):
+    for words in (("predict", "none.json", "--at", "x.csv"), ("export", "none.json", "--to", "c", "--out", "x.h")):
+        assert "none.json: no such file; expected a file of" in ask(*words).stderr

@@ -15,7 +15,8 @@ from pam_ident.fitting import fit, fit_isobars, loop_energies
 from pam_ident.model import Model
 from pam_ident.report import Section, Story, render, tables
 from pam_ident.report.easel import Easel
-from pam_ident.report.opening import opening
+from pam_ident.report.opening import answer, opening
+from pam_ident.report.parts import parts
 from pam_ident.report.svg import embed, inline
 from pam_ident.report.words import number, standing, stderr
 
@@ -128,9 +129,9 @@ def test_opens_with_what_is_missing_in_plain_words(parsed, diagnosis):
         "follows the direction of motion",
         "How sure: Coulomb friction 97\u00a0%",
         "This record cannot tell apart: Coulomb friction (coulomb_friction); ",
-        "What to do next: Repeat the strokes at 0.1 MPa.",
+        "What to do next: repeat the strokes at 0.1 MPa.",
         "Details of made up",
-        diagnosis.sentence,
+        "The answer in numbers",
         "Measured (points)",
         "Mean error (N) in each cell",
         "This record cannot tell apart: Coulomb friction (coulomb_friction); ",
@@ -165,6 +166,16 @@ def test_what_the_answer_says_is_what_was_found(section, diagnosis):
     unknown = replace(none, verdict="unknown_effect")
     part = opening(Section(section.record, section.comparison, unknown), Easel("x", 50))
     assert part.heading == "Something is left that no known effect explains."
+
+
+def test_noise_and_held_out_error_are_the_same_all_over_the_page(section):
+    """The ladder's last model tells the noise, and what is held out is held out the same way."""
+    found = replace(section, ladder=replace(section.ladder, noise_floor=0.789))
+    first, numbers = parts(found, "x", 50)[:2]
+    assert "the noise is about 0.789 N" in answer(found) and first.text[0] in answer(found)
+    facts = dict(numbers.facts)
+    assert facts["noise"] == "0.789 N" and not numbers.text
+    assert f"held-out error: {facts['held-out error']}." in first.notes[0]
 
 
 def test_each_parameter_has_value_unit_and_standing(diagnosis):

@@ -99,7 +99,7 @@ def test_a_cell_s_numbers_appear_where_the_pointer_rests_on_it_and_in_the_table(
     assert shown.folded and len(shown.rows) == 15
     assert shown.rows[0][:4] == (
         "0.600",
-        " to ".join(f"{e:.4g}" for e in found[0].contraction).replace("-", "−"),
+        " to ".join(f"{e:.4f}" for e in found[0].contraction).replace("-", "−"),
         "–",
         "1",
     )

@@ -29,6 +29,15 @@ def test_an_effect_is_found_added_and_taken_out_again(begun):
         again.removing("creep")
 
 
+def test_the_verdict_is_there_before_the_errors_of_every_candidate(begun):
+    soon, late = begun.diagnosing()
+    assert soon.diagnosis.verdict == late.diagnosis.verdict and soon.diagnosis.labels == late.diagnosis.labels
+    first, last = (words.candidate_cards(one) for one in (soon, late))
+    assert first[0]["title"] == last[0]["title"] == "Coulomb friction"
+    assert {one.rmse_after for one in soon.diagnosis.ranking} == {None} and soon.diagnosis.next_experiment is None
+    assert late.judged and not soon.judged, "what was stopped in between is taken up again"
+
+
 def test_effects_to_add_are_those_not_in_the_model_and_wrong_names_are_refused(begun):
     assert "coulomb_friction:smooth" in begun.to_add and "creep" in begun.to_add
     added = begun.adding("coulomb_friction:smooth")

@@ -11,7 +11,7 @@ pn = pytest.importorskip("panel")
 import pam_ident.tasks.diagnose as tasks_diagnose  # noqa: E402
 from pam_ident.core import UsageError  # noqa: E402
 from pam_ident.records import read_record  # noqa: E402
-from pam_ident.tasks.diagnose import diagnose_record  # noqa: E402
+from pam_ident.tasks.diagnose import diagnosing_record  # noqa: E402
 from pam_ident.tasks.setup import Setup  # noqa: E402
 from pam_ident.workbench import Workbench, bench  # noqa: E402
 from pam_ident.workbench.page import _found as found_of  # noqa: E402
@@ -94,7 +94,7 @@ def test_undo_and_redo_show_what_was_found_and_a_new_step_forgets_what_was_undon
 
 def test_what_the_likeliest_candidate_leads_to_is_found_before_it_is_chosen(page, monkeypatch):
     asked = []
-    monkeypatch.setattr(bench, "diagnose_record", lambda *given: asked.append(given) or diagnose_record(*given))
+    monkeypatch.setattr(bench, "diagnosing_record", lambda *given: asked.append(given) or diagnosing_record(*given))
     page.ahead.begin(page.bench, page.history)
     choose(page, page.candidates, page.candidates.items[0]["key"])
     assert "Adequate" in page.verdict.object and not page.error.visible and page.candidates.items == []
