@@ -205,8 +205,8 @@ def changed_bytes(rng, data):
     flips, shifted = int(rng.integers(1, 4)), False
     for _ in range(flips):
         at, kind = int(rng.integers(len(data))), int(rng.integers(6))
-        kind = 0 if kind in (3, 4) and shifted else kind
-        shifted |= kind in (3, 4)
+        kind = 0 if kind >= 3 and shifted else kind
+        shifted |= kind >= 3
         if kind < 3:
             data[at] = int(rng.choice([0, 1, 127, 128, 255, rng.integers(256)]))
         elif kind == 3:
