@@ -14,6 +14,7 @@ from ..model import Term
 from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion
 from .follows import Following
 from .noise import Noise
+from .patterns import catalogue as catalogue_of_patterns
 from .patterns import patterns
 from .scan import Remainder, Scanned, scan
 from .search import CLOSE, Choice, beam_search
@@ -38,7 +39,8 @@ to be explained, because the law bends."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
 adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
-takes the place of names with no fewer parameters; and none where these have more, and it leaves noise alone."""
+a ripple, which no smooth form leaves, or takes the place of names with no fewer parameters; and none where these have
+more, and it leaves noise alone."""
 
 
 def investigate(
@@ -329,7 +331,8 @@ def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) 
     search = 2.0 * float(np.log(max(scanned.tried, 2)))
     known = sum(len(term.form.params) for term in fitted.terms)
     more = scanned.regressor.free - known if not scanned.onto.terms else 1
-    fault = not isinstance(scanned.regressor.term.form, AddsForce)
+    term = scanned.regressor.term
+    fault = not isinstance(term.form, AddsForce) or catalogue_of_patterns()[term.effect.name].kind == "periodic"
     simpler = more < 0 and _beyond_noise(selection, scanned.onto.criterion - scanned.gain) < EXPLAINED
     tolerance = (FAULT_TOLERANCE if fault or more <= 0 else PATTERN_TOLERANCE) * selection.excess
     if simpler:

@@ -235,7 +235,7 @@ def _lacking(record: Record, parameters: int) -> str | None:
         return "no stroke in one direction"
     if n / strokes < ROWS_A_STROKE:
         return f"{n / strokes:.2g} rows a stroke, and the least is {ROWS_A_STROKE}"
-    off = inputs.pressure - record.level
+    off = inputs.pressure - inputs.pressure.mean()
     if kind_of(record) == "dynamic" and np.mean(off[1:] * off[:-1]) < STEADY * np.mean(off**2):
         return "the pressure jumps from row to row, faster than it is logged"
     return None

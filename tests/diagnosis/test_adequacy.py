@@ -163,3 +163,13 @@ def test_noise_of_the_length_sensor_is_followed_by_nothing(tmp_path):
     write_case(tmp_path, make_record(Plan(17, EXPONENTIAL, sigma_N=1.0, gauges="noisy_length")))
     found = fit(Model.build(EXPONENTIAL), read_record(tmp_path / "record.csv"))
     assert Following.of(found).chosen == set()
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_sticking_and_letting_go_is_more_than_dry_friction(seed, tmp_path):
+    """No repeats: the pressure is switched within each stroke. Both were Coulomb friction alone, or refused."""
+    plan = Plan(seed, CHOU, unknown=Secret("dynamics", "stick_slip", 3.0), protocol="switched", sigma_N=1.0)
+    write_case(tmp_path, make_record(plan))
+    found = diagnose(Model.build(CHOU), read_record(tmp_path / "record.csv"))
+    assert found.verdict == "unknown_effect"
+    assert (found.pattern.kind, found.pattern.coordinate) == ("periodic", "the way since a reversal")

@@ -7,6 +7,7 @@ import numpy as np
 from ...core import Inputs
 from ...core.digits import number
 from ...effects import AddsForce, Form
+from ...effects._history import runs
 from ...effects.base import Array, Values, slip
 from .base import WAVE, Extent, PatternShape, searched, wave
 
@@ -23,6 +24,13 @@ def _odd_ripple(inputs: Inputs, values: Values, force: Array) -> Array:
     return _ripple(inputs, values, force) * slip(inputs)[0][:, None]
 
 
+def _stick_slip(inputs: Inputs, values: Values, force: Array) -> Array:
+    """Sticking and letting go: the first tooth begins at the reversal."""
+    x = inputs.displacement_mm
+    since = np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
+    return wave(since, values["period"]) * slip(inputs)[0][:, None]
+
+
 def _forms(span: Extent) -> Sequence[Form]:
     numbers = np.arange(1.0, max(2.0, span.stroke / max(1.0, 2.0 * span.blurred)), 0.25)[::-1]
     periods = [span.stroke / k for k in numbers if span.stroke / k < 0.5 * span.stroke]
@@ -31,6 +39,7 @@ def _forms(span: Extent) -> Sequence[Form]:
         AddsForce("even", "ripple", WAVE, _ripple, (period,)),
         AddsForce("loaded", "ripple in proportion to force", WAVE, _loaded_ripple, (period,), uses_force=True),
         AddsForce("odd", "ripple against motion", WAVE, _odd_ripple, (period,)),
+        AddsForce("stick_slip", "ripple against motion over the way since a reversal", WAVE, _stick_slip, (period,)),
     )
 
 
@@ -40,5 +49,6 @@ PATTERN = PatternShape(
     "periodic",
     "displacement",
     _forms,
-    lambda at, along: f"a ripple with a period of {number(at['period'], 3)} mm",
+    lambda at, along: f"a ripple over {along} with a period of {number(at['period'], 3)} mm",
+    {"stick_slip": "the way since a reversal"},
 )
