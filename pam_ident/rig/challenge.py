@@ -13,6 +13,7 @@ from ..core.progress import steps
 from .drives import DRIVES, PROTOCOLS
 from .faults import FAULTS
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
+from .protocol import TooShort
 from .record import Plan, RigRecord, Secret, make_record, write_case
 from .sensors import GAUGES
 
@@ -235,7 +236,7 @@ def make_challenge(
 ) -> list[dict[str, object]]:
     """Writes n cases cNNN into a folder, questions.json (case and law of each) and truth.json; returns the truth.
 
-    A draw whose effect cannot be as large as asked is drawn anew. `left_out` says, by a case's folder and record, which
+    A draw whose effect cannot be as large as asked, or whose muscle is too short for the test, is drawn anew. `left_out` says, by a case's folder and record, which
     effects or forms its question forbids; there each case hides one effect. `protocols` is one of SETS.
     """
     if protocols not in SETS:
@@ -251,7 +252,7 @@ def make_challenge(
             try:
                 record = make_record(plan)
                 break
-            except TooSmall:
+            except (TooSmall, TooShort):
                 continue
         case = folder / f"c{i:03d}"
         truth.append(write_case(case, record))

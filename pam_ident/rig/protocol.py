@@ -20,6 +20,10 @@ T = TypeVar("T", int, float)
 LEAD_S, TRAIL_S = 0.15, 0.05  # unlogged beginning and end of a hold
 
 
+class TooShort(ValueError):
+    """A muscle does not pull as far as a test asks."""
+
+
 @dataclass(frozen=True)
 class RigRun:
     """One run on the fine grid, all arrays of shape (m,); `rows` (n,) are the logged instants.
@@ -152,7 +156,7 @@ class Protocol:
         bottom, end = self.stroke_mm
         top = muscle.stroke_mm(pressure, end / muscle.specimen.initial_length_mm)
         if top - bottom < 1.0:
-            raise ValueError(f"stroke_mm = {self.stroke_mm}: the muscle pulls up to {top:.1f} mm at {pressure:g} MPa")
+            raise TooShort(f"stroke_mm = {self.stroke_mm}: the muscle pulls up to {top:.1f} mm at {pressure:g} MPa")
         return bottom, top
 
     def _minor_loops(self, log: _Log, bottom: float, top: float, speed: float) -> None:
