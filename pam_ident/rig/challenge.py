@@ -236,8 +236,9 @@ def make_challenge(
 ) -> list[dict[str, object]]:
     """Writes n cases cNNN into a folder, questions.json (case and law of each) and truth.json; returns the truth.
 
-    A draw whose effect cannot be as large as asked, or whose muscle is too short for the test, is drawn anew. `left_out` says, by a case's folder and record, which
-    effects or forms its question forbids; there each case hides one effect. `protocols` is one of SETS.
+    A draw whose effect cannot be as large as asked, or whose muscle is too short for the test, is drawn anew.
+    `left_out` says, by a case's folder and record, which effects or forms its question forbids; there each case hides
+    one effect. `protocols` is one of SETS.
     """
     if protocols not in SETS:
         raise ValueError(f"protocols {protocols!r}: one of {', '.join(SETS)}")
