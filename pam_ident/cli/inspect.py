@@ -73,9 +73,9 @@ def _motion(found: "Inspection") -> list[str]:
     speeds = ", ".join(f"{v:.3g}" for v in found.speeds) or "none"
     lines += [
         f"time        {found.duration_s:.6g} s",
-        f"strokes     {found.strokes}, at {speeds} mm/s",
+        f"strokes     {found.strokes}, {'of the pressure' if found.kind == 'isometric' else f'at {speeds} mm/s'}",
         f"holds       {found.holds} ({found.hold_samples} samples)",
-        f"cycles      {found.cycles} at most on one isobar",
+        f"cycles      {found.cycles} at most {'at one length' if found.kind == 'isometric' else 'on one isobar'}",
     ]
     if found.temperature_C is not None:
         lines.append(f"temperature {found.temperature_C[0]:.1f} to {found.temperature_C[1]:.1f} °C")

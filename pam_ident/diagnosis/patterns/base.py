@@ -48,8 +48,11 @@ class Extent:
         return cls(inputs, float(x.min()), stroke, first, duration, beats, min(BLURRED * error_mm, 0.25 * stroke))
 
     def place(self, count: int = 40) -> Param:
-        """Somewhere along the stroke but for its blurred ends, looked for at so many places."""
-        low, span = self.low + self.blurred, self.stroke - 2.0 * self.blurred
+        """Somewhere along the stroke but for its blurred ends, looked for at so many places.
+
+        The ends themselves lie half as far within the outermost readings, which are the sensor's errors at their largest.
+        """
+        low, span = self.low + 1.5 * self.blurred, self.stroke - 3.0 * self.blurred
         return Param("place", "mm", "where", low, low + span, low + span / 2, grid=steps(low, span, count))
 
     def moment(self, count: int = 150) -> Param:
