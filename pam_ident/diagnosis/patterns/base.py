@@ -50,7 +50,7 @@ class Extent:
     def place(self, count: int = 40) -> Param:
         """Somewhere along the stroke but for its blurred ends, looked for at so many places.
 
-        The ends themselves lie half as far within the outermost readings, which are the sensor's errors at their largest.
+        The ends themselves lie half as far within the outermost readings, where the sensor errs most.
         """
         low, span = self.low + 1.5 * self.blurred, self.stroke - 3.0 * self.blurred
         return Param("place", "mm", "where", low, low + span, low + span / 2, grid=steps(low, span, count))
