@@ -333,7 +333,7 @@ def test_a_file_that_is_not_whole_is_refused(files, tmp_path, change, error, tol
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        (None, "cannot be read"),
+        (None, "no such file"),
         ("no braces", "is no JSON"),
         ("[1, 2]", "schema None"),
         ('{"schema": "pam-ident/diagnosis/1"}', "pam-ident/diagnosis/1"),
