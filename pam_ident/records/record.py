@@ -155,7 +155,8 @@ def build_record(
     if kind == "isometric":
         held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
         driven = find_motion(time, KPA * pressure, held)
-        per_kpa = 1e-3 * GIVE_MM_KN * _pull(force, KPA * pressure, held)
+        pull = specimen.ideal_force(np.ones(len(held)), held)  # N/MPa; by the specimen, for states have no force
+        per_kpa = 1e-3 * GIVE_MM_KN / KPA * np.maximum(pull, SLIGHT * pull.max())
         parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}
         motion = replace(driven, **parts)
         slide = held + per_kpa * KPA * pressure / specimen.initial_length_mm
@@ -222,16 +223,6 @@ def turns(x: Array, stroke: Array, segment: Array) -> Array:
     found = np.r_[False, np.diff(segment) != 0]
     found[across[np.searchsorted(run[across], np.arange(len(begins)))]] = True
     return found
-
-
-def _pull(force: Array, pressure: Array, held: Array) -> Array:
-    """How much force a unit of pressure makes at each length that is held, (n,), never less than SLIGHT of the most."""
-    slope = np.empty_like(force)
-    for length in np.unique(held):
-        rows = held == length
-        rise = pressure[rows] - pressure[rows].mean()
-        slope[rows] = (rise @ force[rows]) / max(float(rise @ rise), 1e-300)
-    return np.maximum(slope, SLIGHT * max(float(slope.max()), 1e-300))
 
 
 def _runs(segment: Array) -> Iterator[slice]:

@@ -306,13 +306,24 @@ def states_of(at: "str | Path | pd.DataFrame", specimen: Specimen) -> Inputs:
     import pandas as pd
 
     if isinstance(at, pd.DataFrame):
-        return record_from_frame(with_force(at), specimen).inputs
-    try:
-        return read_record(at, specimen).inputs
-    except DataError as error:
-        if "no force column" not in str(error):
-            raise
-    return record_from_frame(with_force(pd.read_csv(at, sep=None, engine="python")), specimen, Path(at).name).inputs
+        table, name = at, ""
+    else:
+        try:
+            return read_record(at, specimen).inputs
+        except DataError as error:
+            if "no force column" not in str(error):
+                raise
+        table, name = pd.read_csv(at, sep=None, engine="python"), Path(at).name
+    record = record_from_frame(with_force(table), specimen, name)
+    given = {quantity_of(str(column)) for column in table}
+    if "force" in given:
+        return record.inputs
+    one = record.inputs  # as if it pulled: a force of 0 is a load that is held, and the length answers
+    motion = {"branch": one.direction, "cycle": one.cycle}
+    known = {name: values for name, values in motion.items() if name in given}
+    return inputs_of(
+        record.specimen, one.pressure, one.contraction, time_s=one.time, temperature_C=one.temperature, **known
+    )
 
 
 def with_force(frame: "pd.DataFrame") -> "pd.DataFrame":

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from pam_ident.cli import text
+from pam_ident.rig import Plan, Secret, make_record, write_case
 
 LAW = ("--law", "exponential_law")
 
@@ -44,6 +45,19 @@ def test_predict_writes_a_table(ask, answer, saved, tmp_path):
     result, found = answer("predict", saved, "--at", states, "--out", tmp_path / "force.csv")
     assert found["columns"]["force_N"] == pytest.approx(table["force_N"].tolist(), rel=1e-6)
     assert pd.read_csv(tmp_path / "force.csv").shape == (3, 10)
+
+
+def test_states_of_a_locked_muscle_need_no_force(ask, tmp_path):
+    """Taken as under no load, their friction had the sign of another motion: 11.9 N off where 2.4 N are left."""
+    secrets = (Secret("coulomb_friction", "textbook", 4.0),)
+    write_case(tmp_path, make_record(Plan(31, "modified_chou_hannaford", secrets, protocol="locked_ramps")))
+    record, model = tmp_path / "record.csv", ("--law", "modified_chou_hannaford", "--effect", "coulomb_friction")
+    assert ask("fit", record, *model, "--json", tmp_path / "fit.json").exit_code == 0
+    table = pd.read_csv(record)
+    table.drop(columns="force_N").to_csv(tmp_path / "states.csv", index=False)
+    result = ask("predict", tmp_path / "fit.json", "--at", tmp_path / "states.csv")
+    force = pd.read_csv(io.StringIO(result.stdout))["force_N"]
+    assert np.std(table["force_N"] - force) < 3.0
 
 
 def test_predict_says_why_its_intervals_are_wide(ask, saved, rubbing, tmp_path):
