@@ -149,13 +149,11 @@ class Inputs:
         """The same in mm, shape (n,)."""
         return self.displacement_mm if self.slide is None else self.slide * self.specimen.initial_length_mm
 
-    @property
+    @cached_property
     def reach_mm(self) -> float:
         """The longest way in mm without a break of the test."""
-        x, breaks = self.way_mm, self.xp.diff(self.segment) != 0 if self.segment is not None else None
-        if breaks is None or not breaks.any():
-            return float(np.ptp(x))
-        return max(float(np.ptp(part)) for part in np.split(x, np.flatnonzero(breaks) + 1))
+        breaks = [] if self.segment is None else np.flatnonzero(np.diff(self.segment)) + 1
+        return max(float(np.ptp(part)) for part in np.split(self.way_mm, breaks))
 
     def has(self, need: str) -> bool:
         """Whether the record holds what `need` names: branch, motion, time, cycle or temperature."""

@@ -7,7 +7,15 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ..core import Inputs
-from ..effects._history import acceleration, cycles_of_test, relax, runs, since_first, time_held, way_travelled
+from ..effects._history import (
+    acceleration,
+    cycles_of_test,
+    relax,
+    since_first,
+    time_held,
+    way_since_reversal,
+    way_travelled,
+)
 from ..effects.base import slip
 
 Array = np.ndarray
@@ -57,8 +65,7 @@ def _acceleration(inputs: Inputs) -> Array | None:
 def _way(inputs: Inputs) -> Array | None:
     if inputs.moving is None:
         return None
-    x = inputs.way_mm
-    way = np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
+    way = way_since_reversal(inputs)
     share = way[:, None] / (max(float(way.max()), 1e-9) * np.array([0.03, 0.1, 0.25]))
     return np.maximum(0.0, 1.0 - share) * inputs.direction[:, None]
 

@@ -172,6 +172,12 @@ def runs(inputs: Inputs) -> list[slice]:
     return [slice(begin, end) for begin, end in itertools.pairwise(bounds)]
 
 
+def way_since_reversal(inputs: Inputs) -> Array:
+    """Millimetres from where the stroke began, which goes on through its holds, shape (n,)."""
+    x = inputs.way_mm
+    return np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
+
+
 def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False, least: Array | float = -1.0) -> Array:
     """Deflection of an elastic element that slips at ±width, divided by the width, shape (n,), within ±1.
 

@@ -278,9 +278,9 @@ def _levels(pressure: Array, listed: bool = True) -> Array:
 
 def nominal(values: Array, counts: Array, listed: bool = True) -> Array:
     """Nominal pressure in MPa of each of the pressures `values` (m,), ascending, that are read `counts` (m,) times."""
-    edges = np.flatnonzero(np.diff(values) > 0.005) + 1
-    ends = zip([0, *edges][:-1], edges, [*edges, len(values)][1:], strict=True)
-    edges = np.array([k for a, k, b in ends if not _stray(values, counts, int(a), int(k), int(b))], int)
+    edges = (np.flatnonzero(np.diff(values) > 0.005) + 1).tolist()
+    ends = zip([0, *edges], edges, [*edges[1:], len(values)], strict=False)
+    edges = [k for a, k, b in ends if not _stray(values, counts, a, k, b)]
     if listed and len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST, CROWD * (len(edges) + 1)):
         return values
     parts = zip(np.split(values, edges), np.split(counts, edges), strict=True)

@@ -314,22 +314,16 @@ def states_of(at: "str | Path | pd.DataFrame", specimen: Specimen) -> Inputs:
             if "no force column" not in str(error):
                 raise
         table, name = pd.read_csv(at, sep=None, engine="python"), Path(at).name
-    record = record_from_frame(with_force(table), specimen, name)
     given = {quantity_of(str(column)) for column in table}
     if "force" in given:
-        return record.inputs
+        return record_from_frame(table, specimen, name).inputs
+    record = record_from_frame(table.assign(force_N=0.0), specimen, name)
     one = record.inputs  # as if it pulled: a force of 0 is a load that is held, and the length answers
     motion = {"branch": one.direction, "cycle": one.cycle}
     known = {name: values for name, values in motion.items() if name in given}
     return inputs_of(
         record.specimen, one.pressure, one.contraction, time_s=one.time, temperature_C=one.temperature, **known
     )
-
-
-def with_force(frame: "pd.DataFrame") -> "pd.DataFrame":
-    """The table with a column of no force, where it has none."""
-    there = any(quantity_of(str(name)) == "force" for name in frame)
-    return frame if there else frame.assign(force_N=0.0)
 
 
 def validate_fit(saved: SavedFit, record: Record) -> Validation:

@@ -1,9 +1,12 @@
 """Isometric tests: what can be named where nobody measures how far the braid slides."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from pam_ident.diagnosis.patterns import patterns
 from pam_ident.records.record import nominal
 from pam_ident.rig import Plan, Secret, make_record, write_case
 from pam_ident.tasks.diagnose import diagnose_record
@@ -34,6 +37,14 @@ def test_what_follows_the_rate_of_the_pressure_is_one_group(name, tmp_path):
 def test_a_bench_that_is_leaned_on_is_a_force_for_a_while(tmp_path):
     found = answer(tmp_path, unknown=Secret("rub", "leaned_on", 3.0))
     assert (found.verdict, found.pattern.kind, found.pattern.coordinate) == ("unknown_effect", "local", "time")
+
+
+def test_few_lengths_show_patterns_over_time_alone_and_a_table_of_few_none(tmp_path):
+    write_case(tmp_path, make_record(Plan(31, LAW, protocol="locked_stairs")))
+    inputs = Setup(LAW).read(tmp_path / "record.csv").steady
+    held = replace(inputs, contraction=np.round(inputs.contraction, 2))
+    assert {one.name for one in patterns(held)} == {"beat", "burst", "step", "trend"}
+    assert patterns(replace(held, time=None)) == ()
 
 
 def test_nothing_hidden_is_nothing_named(tmp_path):

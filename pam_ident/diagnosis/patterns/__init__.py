@@ -12,7 +12,7 @@ import numpy as np
 from ...core import Inputs
 from ...core.discover import instances
 from ...effects import Effect
-from .base import Extent, PatternShape
+from .base import SINCE_REVERSAL, Extent, PatternShape
 
 __all__ = ["Extent", "PatternShape", "catalogue", "patterns"]
 LENGTHS = 30
@@ -32,15 +32,12 @@ def patterns(inputs: Inputs, beats: Sequence[float] = (), error_mm: float = 0.0)
     that is finer than the position's error in mm lets it be seen. A test at few lengths shows no pattern over
     displacement: any curve over contraction passes through its lengths.
     """
-    lengths = len(np.unique(np.round(inputs.displacement_mm, 3)))
-    hidden = {"displacement", "contraction", "pressure"} if lengths < LENGTHS else set()
-    if inputs.time is None:
-        hidden.add("time")
+    timed, many = inputs.time is not None, len(np.unique(np.round(inputs.displacement_mm, 3))) >= LENGTHS
+    seen = {"time": timed, SINCE_REVERSAL: timed and many}
     span = Extent.of(inputs, tuple(beats), error_mm)
     found = []
     for one in catalogue().values():
-        if hidden.issuperset((one.coordinate, *one.elsewhere.values())):
-            continue
-        forms = tuple(form for form in one.forms(span) if one.elsewhere.get(form.name, one.coordinate) not in hidden)
-        found.append(Effect(one.name, one.title, SOURCE, forms, test="", candidate=False))
+        if any(seen.get(along, many) for along in (one.coordinate, *one.elsewhere.values())):
+            forms = tuple(f for f in one.forms(span) if seen.get(one.elsewhere.get(f.name, one.coordinate), many))
+            found.append(Effect(one.name, one.title, SOURCE, forms, test="", candidate=False))
     return tuple(found)

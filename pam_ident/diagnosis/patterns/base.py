@@ -19,6 +19,8 @@ BLURRED = 6.0
 one place are seen beside it, each with the force that its own error makes."""
 FAR = 8.0
 """Standard deviations at which a bell's tail stays what it is, 1e-14."""
+SINCE_REVERSAL = "the way since a reversal"
+"""A coordinate that a table has not, nor a test at few lengths."""
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
 GAIN = Param("gain", "1", "change of the force's scale", -0.9, 2.0, scale=0.01)
 ZERO = Param("zero", "MPa", "shift of the pressure", -0.3, 0.3, scale=0.002)

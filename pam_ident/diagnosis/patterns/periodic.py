@@ -7,9 +7,9 @@ import numpy as np
 from ...core import Inputs
 from ...core.digits import number
 from ...effects import AddsForce, Form
-from ...effects._history import runs
+from ...effects._history import way_since_reversal
 from ...effects.base import Array, Values, slip
-from .base import WAVE, Extent, PatternShape, searched, wave
+from .base import SINCE_REVERSAL, WAVE, Extent, PatternShape, searched, wave
 
 
 def _ripple(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -26,9 +26,7 @@ def _odd_ripple(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _stick_slip(inputs: Inputs, values: Values, force: Array) -> Array:
     """Sticking and letting go: the first tooth begins at the reversal."""
-    x = inputs.displacement_mm
-    since = np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
-    return wave(since, values["period"]) * slip(inputs)[0][:, None]
+    return wave(way_since_reversal(inputs), values["period"]) * slip(inputs)[0][:, None]
 
 
 def _forms(span: Extent) -> Sequence[Form]:
@@ -50,5 +48,5 @@ PATTERN = PatternShape(
     "displacement",
     _forms,
     lambda at, along: f"a ripple over {along} with a period of {number(at['period'], 3)} mm",
-    {"stick_slip": "the way since a reversal"},
+    {"stick_slip": SINCE_REVERSAL},
 )
