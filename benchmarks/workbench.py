@@ -9,6 +9,7 @@ Needs a chromium: PAM_IDENT_CHROMIUM, or one on the path.
 """
 
 import argparse
+import contextlib
 import os
 import re
 import shutil
@@ -44,7 +45,12 @@ def main() -> None:
     asked.add_argument("--record", default="hidden_effect")
     given = asked.parse_args()
     words = [sys.executable, "-m", "pam_ident", "workbench", given.record, "--no-browser", "--port", "0"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server, sync_playwright() as playwright:
+    with (
+        subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server,
+        contextlib.ExitStack() as last,
+        sync_playwright() as playwright,
+    ):
+        last.callback(server.kill)  # Popen waits for its end, where a browser is missing, too
         assert server.stdout is not None
         address = re.search(r"http://127\.0\.0\.1:\d+", server.stdout.readline())
         assert address is not None
@@ -73,7 +79,6 @@ def main() -> None:
             time.sleep(LOOKED_S)
             found.setdefault("likeliest", []).append(timed(page, program, likeliest.click))
         browser.close()
-        server.kill()
     for name, times in found.items():
         shown, named, worked = (statistics.median(each) for each in zip(*times, strict=True))
         print(f"{name:9} shown {shown:.2f} s, named {named:.2f} s, worked {worked:.2f} s (median of {len(times)})")

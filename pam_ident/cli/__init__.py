@@ -29,7 +29,7 @@ from . import (
     workbench,
 )
 from .completion import whole_words
-from .door import Door
+from .door import Command, Door
 from .verbs import verb
 
 app = typer.Typer(
@@ -64,7 +64,7 @@ for command in (
     laws.laws,
     selftest.selftest,
 ):
-    app.command()(verb(command))
+    app.command(cls=Command)(verb(command))
 app.add_typer(effects.app, name="effects")
 
 

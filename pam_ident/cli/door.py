@@ -4,7 +4,7 @@ import os
 import sys
 from typing import Any
 
-from typer.core import TyperGroup
+from typer.core import TyperArgument, TyperCommand, TyperGroup
 
 
 class Door(TyperGroup):
@@ -26,6 +26,18 @@ class Door(TyperGroup):
             message, code = explain(error)
             print(message, file=sys.stderr)
         sys.exit(code if isinstance(code, int) else 0)
+
+
+class Command(TyperCommand):
+    """A command whose help names its arguments without their types in Python."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """The parameters, as its help shows them and as they are parsed."""
+        params = super().get_params(ctx)
+        for one in params:
+            if isinstance(one, TyperArgument):
+                vars(one)["display_type_rich"] = lambda ctx: None
+        return params
 
 
 def explain(error: Exception) -> tuple[str, int]:

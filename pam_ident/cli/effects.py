@@ -6,6 +6,7 @@ import typer
 from typer.core import TyperGroup
 
 from . import options, text
+from .door import Command
 from .verbs import verb
 
 
@@ -44,7 +45,7 @@ def list_all(context: typer.Context, effect_file: options.EffectFiles = None, js
         )
 
 
-@app.command()
+@app.command(cls=Command)
 @verb
 def show(
     context: typer.Context,
@@ -76,7 +77,7 @@ def show(
                 text.say(f"  {p.name}: possible {p.range.low:g} to {p.range.high:g}, by {p.range.source}")
 
 
-@app.command()
+@app.command(cls=Command)
 @verb
 def new(
     file: EffectFile,
@@ -114,7 +115,7 @@ def new(
     text.say(f"{file}: effect {made}; put your formula in, then ask `pam-ident effects check {file}`")
 
 
-@app.command()
+@app.command(cls=Command)
 @verb
 def check(file: EffectFile, json: options.JsonFile = None) -> None:
     """Hold an effect of your own to what every known effect promises."""

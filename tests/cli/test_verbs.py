@@ -127,6 +127,8 @@ def test_the_shell_completes_commands_laws_and_effects(root, words, expected):
 def test_help_names_an_argument_once_and_what_may_be_left_out_in_one_pair_of_brackets(ask):
     usage = {verb: ask(verb, "--help").output.splitlines()[0] for verb in ("fit", "diagnose", "workbench", "laws")}
     assert all(line.count("...") <= 1 and "[[" not in line for line in usage.values()), usage
+    for words in (("fit",), ("predict",), ("effects", "show")):
+        assert not re.search(r"<.*str.*>", ask(*words, "--help").output), words
     assert ask("fit", "--help").output.count("--workers") == 1
     assert "Default: 1." in ask("fit", "--help").output and "for fit" not in ask("batch", "--help").output
 
