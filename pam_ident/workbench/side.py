@@ -53,7 +53,7 @@ class Side:
             html("<h2>Model</h2>"), self.law, self.geometry, self.terms, self.effect, self.form_of, self.add_other,
             html("<h2>By hand</h2>"), self.hold, self.sliders,
             html("<h2>Keep it</h2>"), self.save, self.save_specimen, self.save_columns, self.command,
-            styles={"flex": "1 1 17rem", "min-width": "0"}, css_classes=["side"],
+            styles={"flex": "1 1 17rem", "min-width": "0"}, css_classes=["side"], **LOOK,
         )  # fmt: skip
 
     def show(self, bench: Bench | None, setup: Setup) -> None:

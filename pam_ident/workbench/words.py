@@ -44,7 +44,7 @@ def head(bench: Bench | None) -> Markup:
     """Which record lies on the bench."""
     if bench is None:
         return Markup(
-            '<p class="lead">Open a record of a test rig on the left, or drop its file anywhere: the law you choose is '
+            '<p class="lead">Open a record of a test rig, or drop its file anywhere: the law you choose is '
             "fitted, and the workbench says where it fails and what is missing.</p>"
         )
     record = bench.record

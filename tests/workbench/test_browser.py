@@ -171,6 +171,15 @@ def test_a_unit_slip_names_nothing(opened, folder, foreign):
     assert opened.get_by_role("group", name="Candidates").get_by_role("button").count() == 0
 
 
+def test_on_a_narrow_screen_what_was_dropped_stands_before_the_controls(opened, foreign):
+    opened.set_viewport_size({"width": 500, "height": 900})
+    drop(opened, foreign, "rig.csv")
+    head = opened.get_by_text("What was dropped")
+    head.wait_for()
+    law = opened.get_by_label("Force law")
+    assert head.bounding_box()["y"] < 450 < law.bounding_box()["y"]
+
+
 @pytest.mark.parametrize("name", ["rig.csv", "deutsch.csv"])
 def test_a_foreign_file_goes_from_drop_to_named_effect_by_mouse(name, opened, foreign, tmp_path):
     drop(opened, foreign, name)
