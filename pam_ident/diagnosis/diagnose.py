@@ -28,8 +28,9 @@ from .select import EXACT
 from .selection import FittedSet, Selection
 
 Array = np.ndarray
-TOLD = 0.05
-"""Chance of something unknown in place of a name from which it is said."""
+TOLD, ENDED_BADLY = 0.05, 1.01
+"""Chance of something unknown in place of a name from which it is said; error of a law with a candidate, over that of
+the law alone, from which its fit has failed: an effect of size zero leaves no more."""
 
 
 def diagnose(
@@ -299,13 +300,14 @@ def _ranking(
     errors: bool = True,
 ) -> tuple[Candidate, ...]:
     """Every candidate with the error that adding it alone leaves, on all rows and held out, by a fit of its own; None
-    without `errors`.
+    without `errors`, and where that fit ended above the law's own.
 
     It has the form that was selected, else the one that the search prefers. Of a long record ROWS rows are fitted.
     """
     best = selection.seen.best_of_each(selection.penalty)
     terms = {term.effect.name: term for term in named}
     record = thinned(base.record, ROWS)
+    alone = math.sqrt(np.mean((record.force - base.model.force(record.inputs, base.values)) ** 2)) if errors else 0.0
     found = []
     for effect in candidates:
         if effect.name in selection.excluded:
@@ -318,7 +320,8 @@ def _ranking(
         if errors:
             near = {f"{effect.name}.{k}": v for k, v in regressor.point.items()} if term == regressor.term else {}
             inside, outside = _alone(base.model.adding(term), record, base.values | near)
-            one = replace(one, rmse_after=inside, heldout_rmse_after=None if math.isnan(outside) else outside)
+            if inside <= ENDED_BADLY * alone:
+                one = replace(one, rmse_after=inside, heldout_rmse_after=None if math.isnan(outside) else outside)
         found.append(one)
     found.sort(key=lambda s: (s.status != "candidate", -s.probability, s.effect not in terms, s.rmse_after or math.inf))
     return tuple(found)

@@ -120,10 +120,9 @@ class Bench:
     @property
     def judged(self) -> bool:
         """Whether the present model is diagnosed, and what every candidate would leave is known."""
-        found = self.diagnosis
-        return found is not None and all(
-            one.status != "candidate" or one.rmse_after is not None for one in found.ranking
-        )
+        ranking = self.diagnosis.ranking if self.diagnosis else ()
+        tried = [one.rmse_after is not None for one in ranking if one.status == "candidate"]
+        return self.diagnosis is not None and (any(tried) or not tried)
 
     def diagnosing(self) -> Iterator["Bench"]:
         """With the diagnosis of the present model as soon as it is there, and then with all that belongs to it.
