@@ -1,5 +1,6 @@
 """What lies on the bench: adding, removing, keeping."""
 
+import sys
 import tomllib
 from html.parser import HTMLParser
 
@@ -36,6 +37,19 @@ def test_the_verdict_is_there_before_the_errors_of_every_candidate(begun):
     assert first[0]["title"] == last[0]["title"] == "Coulomb friction"
     assert {one.rmse_after for one in soon.diagnosis.ranking} == {None} and soon.diagnosis.next_experiment is None
     assert late.judged and not soon.judged, "what was stopped in between is taken up again"
+
+
+def test_a_candidate_whose_fit_fails_leaves_no_error_to_tell(begun, monkeypatch):
+    diagnose = sys.modules["pam_ident.diagnosis.diagnose"]
+    true = diagnose._alone
+    failed = "series_compliance"
+    monkeypatch.setattr(
+        diagnose, "_alone", lambda model, *given: (1e87, 9.0) if failed in model.effect_names else true(model, *given)
+    )
+    late = begun.diagnosed()
+    errors = {one.effect: (one.rmse_after, one.heldout_rmse_after) for one in late.diagnosis.ranking}
+    assert errors.pop(failed) == (None, None) and None not in errors.pop("coulomb_friction")
+    assert late.judged, "all that can be known is known"
 
 
 def test_effects_to_add_are_those_not_in_the_model_and_wrong_names_are_refused(begun):
