@@ -307,7 +307,7 @@ def _ranking(
     best = selection.seen.best_of_each(selection.penalty)
     terms = {term.effect.name: term for term in named}
     record = thinned(base.record, ROWS)
-    alone = math.sqrt(np.mean((record.force - base.model.force(record.inputs, base.values)) ** 2)) if errors else 0.0
+    most = ENDED_BADLY * _left(base.model, record, base.values) if errors else 0.0
     found = []
     for effect in candidates:
         if effect.name in selection.excluded:
@@ -320,7 +320,7 @@ def _ranking(
         if errors:
             near = {f"{effect.name}.{k}": v for k, v in regressor.point.items()} if term == regressor.term else {}
             inside, outside = _alone(base.model.adding(term), record, base.values | near)
-            if inside <= ENDED_BADLY * alone:
+            if inside <= most:
                 one = replace(one, rmse_after=inside, heldout_rmse_after=None if math.isnan(outside) else outside)
         found.append(one)
     found.sort(key=lambda s: (s.status != "candidate", -s.probability, s.effect not in terms, s.rmse_after or math.inf))
@@ -335,8 +335,12 @@ def _alone(model: Model, record: Record, start: Mapping[str, float]) -> tuple[fl
         whole = fit(model, record, detail=False)
         return whole.rmse, heldout_rmse(model, record, whole)
     values = solve(model, record.inputs, record.force, all_rows, start, quick=True).values
-    left = record.force - model.force(record.inputs, values)
-    return float(np.sqrt(np.mean(left**2))), heldout_nearby(model, record, values)
+    return _left(model, record, values), heldout_nearby(model, record, values)
+
+
+def _left(model: Model, record: Record, values: Mapping[str, float]) -> float:
+    """Error in N rms that a model with values leaves of all rows."""
+    return float(np.sqrt(np.mean((record.force - model.force(record.inputs, values)) ** 2)))
 
 
 def _sentence(

@@ -55,9 +55,8 @@ def one_speed(record: Record) -> bool:
     speed, moving = record.inputs.stroke_speed, record.inputs.moving
     if speed is None or moving is None or not moving.any():
         return False
-    driven = record.inputs.pressure_rate is not None
-    isobar = np.zeros(len(record)) if driven else np.unique(record.level, return_inverse=True)[1]
-    cells = (3 * isobar + record.inputs.direction)[moving]  # a direction is -1, 0 or 1
+    level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
+    cells = (level + 1j * record.inputs.direction)[moving]  # a pair as one number
     return all(_alike(speed[moving][cells == cell]) for cell in np.unique(cells))
 
 
