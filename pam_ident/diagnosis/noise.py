@@ -134,7 +134,8 @@ def estimate_noise(
         outlier = _isolated(np.abs(residual) > 5.0 * middle) | _turning(record.inputs)
     extra = np.zeros(n)
     if record.inputs.time is not None:
-        extra = (noise_around(record.inputs.displacement_mm, record.inputs.time) * slope / middle) ** 2
+        around = noise_around(record.inputs.displacement_mm, record.inputs.time)
+        extra = ((position.alone if position else around) * slope / middle) ** 2
     unread = np.where(outlier, UNREAD, extra)
     own = without_repeats(record, residual, ~outlier)
     z, whole = (np.where(outlier, 0.0, one / middle) for one in (own, residual))
