@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import FitError, PamError, Specimen, UsageError
-from ..fitting import Fit, fit, lack_of_fit, noise_floor
+from ..diagnosis import noise_floor
+from ..fitting import Fit, fit, lack_of_fit
 from ..records import Record
 from ..schema.versions import schema
 from ..tasks.gate import admit, computing, warnings_of
@@ -79,11 +80,11 @@ def _row(setup: Setup, record: Record, branch: str, diagnosis: "Diagnosis | None
 
 def _fitted(one: Fit) -> Json:
     """What a fit says; its verdict stands only where no diagnosis gave one."""
-    floor, lack = noise_floor(one), lack_of_fit(one)
+    lack = lack_of_fit(one)
     return {
         "n": int(one.rows.sum()),
         "rmse_N": one.rmse,
-        "noise_floor_N": None if floor is None else floor.sigma,
+        "noise_floor_N": noise_floor(one),
         "lack_of_fit": None if lack is None else ("adequate" if lack.adequate else "inadequate"),
         "warnings": [f"{doubt.code}: {doubt.text}" for doubt in warnings_of(one)],
         "parameters": {e.name: [e.value, e.stderr] for e in one.estimates},

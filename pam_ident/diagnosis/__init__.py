@@ -2,6 +2,7 @@
 
 from .compare import compare
 from .diagnose import diagnose
+from .floor import noise_floor
 from .heldout import heldout_rmse
 from .ladder import climb
 from .nouns import Bin, Candidate, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region, Rung
@@ -21,4 +22,5 @@ __all__ = [
     "compare",
     "diagnose",
     "heldout_rmse",
+    "noise_floor",
 ]

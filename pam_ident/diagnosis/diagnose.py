@@ -19,6 +19,7 @@ from ..records import Record, thinned
 from .answer import answer_of, standing
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
+from .floor import as_measured
 from .follows import ROWS, Following, could_be_tried, steadied
 from .heldout import heldout_nearby, heldout_rmse, in_best_forms
 from .nouns import Candidate, Diagnosis, Pattern
@@ -146,7 +147,7 @@ def diagnosing(
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
     left = selection.view(fitted).residual[~noise.outlier]
-    floor = min(noise.whole, float(np.sqrt(np.mean(left**2))), best.rmse)
+    floor = as_measured(min(noise.whole, float(np.sqrt(np.mean(left**2)))), best)
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     for name in selected:
         if rivals[name] >= TOLD:

@@ -27,10 +27,10 @@ from ..records import Record, thinned
 from .dictionary import slopes
 from .drivers import DRIVERS
 from .nouns import Follows
-from .position import PositionError, SharedNoise
 from .repeats import comes_back
 from .search import TEMPER, orthonormal
 from .surfaces import Surfaces
+from .track import SharedNoise, TrackError
 
 Array = np.ndarray
 ROWS = 10_000
@@ -65,13 +65,13 @@ def _alike(speeds: Array) -> bool:
     return float(np.quantile(speeds, 0.95)) < SPEED_RATIO * float(np.quantile(speeds, 0.05))
 
 
-def steadied(record: Record) -> tuple[Record, PositionError | None]:
-    """At most ROWS rows of a record with its steady inputs, and how far their position may be off.
+def steadied(record: Record) -> tuple[Record, TrackError | None]:
+    """At most ROWS rows of a record with its steady inputs, and how far the track of what is driven may be off.
 
     The noise of pressure and length, which a model turns into force, would follow what is measured.
     """
     fewer = thinned(record, ROWS)
-    return replace(fewer, inputs=fewer.steady), PositionError.of(fewer, record)
+    return replace(fewer, inputs=fewer.steady), TrackError.of(fewer, record)
 
 
 def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
@@ -83,17 +83,17 @@ class Following:
     """What a model leaves, and how much of it smooth surfaces over each set of drivers explain.
 
     `variance` is that of what the richest surfaces over all drivers leave, and `memory` the samples of it that count as
-    one. `unsure` is how far the position may be off: what it makes of the force is evened out.
+    one. `unsure` is how far the driven track may be off: what it makes of the force is evened out.
     """
 
     def __init__(
-        self, record: Record, model: Model, values: Mapping[str, float], unsure: PositionError | None = None
+        self, record: Record, model: Model, values: Mapping[str, float], unsure: TrackError | None = None
     ) -> None:
         self.record, self.unsure = record, unsure
         self.shared: SharedNoise | None = None
         self._look(model, values)
         if unsure is not None:
-            slope = slopes(model, record.inputs, values).contraction / record.specimen.initial_length_mm
+            slope = unsure.slope(slopes(model, record.inputs, values), record.specimen)
             self.shared = unsure.in_force(slope, math.sqrt(self.variance), every=True)
             if self.shared:
                 self._look(model, values)

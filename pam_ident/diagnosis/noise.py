@@ -12,8 +12,8 @@ from ..core import Inputs
 from ..records import Record
 from ..records.motion import noise_around
 from .noises import likelier_colour
-from .position import PositionError, SharedNoise
 from .repeats import without_repeats
+from .track import SharedNoise, TrackError
 from .whitening import BlockFilter, filter_gains, innovations
 
 Array = np.ndarray
@@ -33,7 +33,7 @@ ALIKE = 0.1
 class Noise:
     """Noise of standard deviation `sigma` (N), of whose variance `share` is correlated from sample to sample.
 
-    `whole` (N) is its size with what an unsure position adds where the force is steep. `memory` is the correlation
+    `whole` (N) is its size with what an unsure track adds where the force is steep. `memory` is the correlation
     time, in samples or in seconds as `clock` says; `gain` and `spread` are the Kalman gains and innovation deviations
     of a first-order process plus white noise, `decay` its memory from the sample before. `outlier` marks isolated
     samples that no smooth model reaches, and turning points. `deviance` is minus twice the log likelihood of the
@@ -115,7 +115,7 @@ def estimate_noise(
     parameters: float,
     outlier: Array | None = None,
     white: bool = False,
-    position: PositionError | None = None,
+    unsure: TrackError | None = None,
 ) -> Noise:
     """Noise from what a model leaves: white, or partly a first-order process.
 
@@ -125,9 +125,9 @@ def estimate_noise(
     """
     n = len(residual)
     middle, shared = _middle(residual), None
-    if position:
+    if unsure:
         for _ in range(2):  # the noise's own size is known better once the shared part is down to it
-            shared = position.in_force(slope, middle)
+            shared = unsure.in_force(slope, middle)
             middle = _middle(shared.even(residual) if shared else residual)
     residual = shared.even(residual) if shared else residual
     if outlier is None:
@@ -135,7 +135,7 @@ def estimate_noise(
     extra = np.zeros(n)
     if record.inputs.time is not None:
         around = noise_around(record.inputs.displacement_mm, record.inputs.time)
-        extra = ((position.alone if position else around) * slope / middle) ** 2
+        extra = ((unsure.alone if unsure else around) * slope / middle) ** 2
     unread = np.where(outlier, UNREAD, extra)
     own = without_repeats(record, residual, ~outlier)
     z, whole = (np.where(outlier, 0.0, one / middle) for one in (own, residual))
@@ -174,7 +174,7 @@ def _middle(residual: Array) -> float:
 
 def _isolated(far: Array) -> Array:
     """Samples that are far off singly or in twos."""
-    near = np.convolve(far.astype(float), np.ones(7), "same")
+    near = np.convolve(far.astype(float), np.ones(7))[3 : len(far) + 3]
     return far & (near <= 2.0)
 
 

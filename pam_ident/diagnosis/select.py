@@ -316,7 +316,7 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
         [] if time is None else [period for remainder in remainders for period in beats(time, remainder.view.residual)]
     )
     unsure = selection.following.unsure
-    for effect in patterns(selection.record.inputs, lines, unsure.sensor if unsure else 0.0):
+    for effect in patterns(selection.record.inputs, lines, unsure.sensor_mm if unsure else 0.0):
         for scanned in scan(effect, remainders):
             penalty = _pattern_penalty(selection, scanned, fitted)
             scans.append((scanned.onto.criterion - scanned.gain + penalty, penalty, scanned))

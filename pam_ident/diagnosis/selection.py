@@ -277,8 +277,9 @@ class Selection:
         self, left: Array, view: "View", taken: float, outlier: Array | None = None, white: bool = False
     ) -> Noise:
         """Noise in what (n,) a model of `taken` parameters leaves, in N, where the force is as steep as in a view."""
-        slope = view.around.contraction / self.record.specimen.initial_length_mm
-        return estimate_noise(self.record, left, slope, taken, outlier, white, self.following.unsure)
+        unsure, specimen = self.following.unsure, self.record.specimen
+        slope = unsure.slope(view.around, specimen) if unsure else view.around.contraction / specimen.initial_length_mm
+        return estimate_noise(self.record, left, slope, taken, outlier, white, unsure)
 
     def _drop_unseen(self, data: Compressed) -> None:
         """Note effects that the law absorbs or the record does not excite."""

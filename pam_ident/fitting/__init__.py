@@ -3,7 +3,7 @@
 from .bootstrap import bootstrap
 from .covariance import covariance
 from .fit import Fit, fit, fit_branches
-from .floor import lack_of_fit, noise_floor
+from .floor import lack_of_fit, repeat_noise
 from .isobars import IsobarTable, fit_isobars, loop_energies
 from .lmfit_bridge import from_lmfit, lmfit_result
 from .problem import Problem, Solution
@@ -32,6 +32,6 @@ __all__ = [
     "lack_of_fit",
     "lmfit_result",
     "loop_energies",
-    "noise_floor",
     "profile",
+    "repeat_noise",
 ]

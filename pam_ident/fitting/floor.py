@@ -19,7 +19,7 @@ SAME_COURSE = 0.05
 
 
 @dataclass(frozen=True)
-class NoiseFloor:
+class RepeatNoise:
     """Noise from strokes that repeat each other: standard deviation `sigma` in N, and `memory`, the number of samples
     that count as one because they are correlated. `strokes` in `groups` of one isobar, branch and speed."""
 
@@ -107,7 +107,7 @@ def nearest(x: Array, y: Array) -> Array:
     return order[np.where(x - y[order[right - 1]] < y[order[right]] - x, right - 1, right)]
 
 
-def noise_floor(fit: Fit) -> NoiseFloor | None:
+def repeat_noise(fit: Fit) -> RepeatNoise | None:
     """Noise of the record behind a fit, from strokes of one isobar, branch and speed; None without repeats.
 
     Each stroke is taken from the next of its group, at the sample of the nearest contraction, so that neither the
@@ -120,10 +120,10 @@ def noise_floor(fit: Fit) -> NoiseFloor | None:
         >>> from pam_ident.fitting import fit
         >>> from pam_ident.model import Model
         >>> from pam_ident.records import read_record
-        >>> from pam_ident.fitting import noise_floor
+        >>> from pam_ident.fitting import repeat_noise
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("exponential_law"), read_record(dataset_record("hidden_effect")))
-        >>> print(f"{found.rmse:.1f} N are left, noise is {noise_floor(found).sigma:.1f} N")
+        >>> print(f"{found.rmse:.1f} N are left, noise is {repeat_noise(found).sigma:.1f} N")
         6.3 N are left, noise is 2.1 N
     """
     groups = repeats(fit.record, fit.rows)
@@ -137,7 +137,7 @@ def noise_floor(fit: Fit) -> NoiseFloor | None:
     if not samples:
         return None
     memory = _memory(lags / max(lags[0], 1e-300))
-    return NoiseFloor(float(np.sqrt(squares / samples)), memory, sum(map(len, groups)), len(groups))
+    return RepeatNoise(float(np.sqrt(squares / samples)), memory, sum(map(len, groups)), len(groups))
 
 
 def _memory(correlation: Array) -> float:

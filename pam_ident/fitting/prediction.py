@@ -13,7 +13,7 @@ from ..model import Model
 from ..records import Record, thinned
 from .covariance import LEVEL, student
 from .fit import Fit, fit, picker
-from .floor import noise_floor
+from .floor import repeat_noise
 from .length import equilibrium
 from .solve import jacobian, solve
 
@@ -107,7 +107,7 @@ def reading_spread(one: Fit) -> ReadingSpread:
     if len(levels) <= one.model.law.min_levels:
         inner = outer = []
     e = record.inputs.contraction[rows]
-    same, noise = _half(one, cycles, "cycles"), noise_floor(one)
+    same, noise = _half(one, cycles, "cycles"), repeat_noise(one)
     return ReadingSpread(
         same,
         _wider(same, _half(one, inner, "pressures"), len(inner)),

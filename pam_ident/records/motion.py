@@ -22,6 +22,8 @@ FEWEST, SLOW_ORDERS = 12, 12
 sine, too few for a corner."""
 LARGEST = 4.0
 """Standard deviations that a sample of noise alone is off at most."""
+SETTLING, CHANCE = 8, 1e-3
+"""Samples of a hold from which it may settle along a curve, and the chance that rests are taken for that."""
 SLOPE_NOISE = 0.01
 """Share of a stroke's speed that the sensor's noise may make of the speed at a sample."""
 
@@ -179,7 +181,7 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
             direction[rows] = np.sign(x[end] - x[begin])
             speed[rows] = quantile(np.abs(slope), 0.5)
     _carry(direction, moving, stroke, speed)
-    _smooth_holds(into.position, x, np.flatnonzero(~moving), noise)
+    _smooth_holds(into.position, time, x, np.flatnonzero(~moving), noise)
     return count
 
 
@@ -345,14 +347,42 @@ def _local_slopes(time: Array, x: Array, noise: float) -> Array:
     return slope
 
 
-def _smooth_holds(position: Array, x: Array, rest: Array, noise: float) -> None:
-    """Replace the position in each hold by its mean where it does not move by more than the noise, but for samples
-    out of the noise and the hold's own scatter, in which the drive still brakes or speeds up."""
-    for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1):
-        if len(hold) >= 4 and np.std(x[hold]) < 2.0 * noise:
-            away = np.abs(x[hold] - quantile(x[hold], 0.5))
-            still = hold[away <= 3.0 * max(1.4826 * quantile(away, 0.5), noise)]
-            position[still] = x[still].mean()
+def _smooth_holds(position: Array, time: Array, x: Array, rest: Array, noise: float) -> None:
+    """Replace the position in each hold by its mean, or where holds settle by a curve, if that leaves no more than the
+    noise, but for samples out of the noise and the hold's own scatter, in which the drive still brakes or speeds up."""
+    holds = [hold for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1) if len(hold) >= 4]
+    settle = _settle(time, x, holds)
+    for hold in holds:
+        basis = settling_basis(time[hold]) if settle and len(hold) >= SETTLING else np.ones((len(hold), 1))
+        off = x[hold] - (_curve(basis, x[hold]) if basis.shape[1] > 1 else quantile(x[hold], 0.5))
+        if np.std(off) < 2.0 * noise:
+            still = np.abs(off) <= 3.0 * max(1.4826 * quantile(np.abs(off), 0.5), noise)
+            position[hold[still]] = _curve(basis[still], x[hold[still]])
+
+
+def _settle(time: Array, x: Array, holds: list[Array]) -> bool:
+    """Whether curves describe holds better than their means do, by an F test over all of them."""
+    level, curve, more, rest = 0.0, 0.0, 0, 0
+    for hold in holds:
+        if len(hold) >= SETTLING:
+            basis = settling_basis(time[hold])
+            more, rest = more + basis.shape[1] - 1, rest + len(hold) - basis.shape[1]
+            level += float(np.sum((x[hold] - x[hold].mean()) ** 2))
+            curve += float(np.sum((x[hold] - _curve(basis, x[hold])) ** 2))
+    if not level > curve > 0.0:
+        return False
+    from scipy.special import fdtrc  # slow to import, and seldom needed
+
+    return float(fdtrc(more, rest, (level - curve) / more * rest / curve)) < CHANCE
+
+
+def settling_basis(time: Array) -> Array:
+    """A parabola in the root of the time (m,) since a hold began, (m, 3): a regulator's pressure settles like that."""
+    return chebyshev.chebvander(2.0 * np.sqrt((time - time[0]) / max(float(np.ptp(time)), 1e-9)) - 1.0, 2)
+
+
+def _curve(basis: Array, x: Array) -> Array:
+    return basis @ np.linalg.lstsq(basis, x, rcond=None)[0]
 
 
 def _carry(direction: Array, moving: Array, stroke: Array, speed: Array) -> None:

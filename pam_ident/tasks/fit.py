@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from ..core import UsageError
-from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, noise_floor
+from ..diagnosis import noise_floor
+from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, repeat_noise
 from ..fitting.covariance import student
 from ..fitting.energy import energy_warning, model_loops, passive
 from ..fitting.fit import Estimate, branch_names, fit_long
-from ..fitting.floor import LackOfFit, NoiseFloor
+from ..fitting.floor import LackOfFit, RepeatNoise
 from ..fitting.identifiability import PINNED, StandIn
 from ..fitting.in_length import InLength
 from ..fitting.length import by_length
@@ -72,10 +73,12 @@ class FitOptions:
 
 @dataclass(frozen=True)
 class Checks:
-    """What a fit is held against: the noise between repeated strokes, the test for a lack of fit, and faults of the
-    sensors that its parameters take up without trace. The first two are None in a record without repeats."""
+    """What a fit is held against: the noise in N, or in mm where the length answered, that between repeated strokes and
+    the test for a lack of fit, and faults of the sensors that its parameters take up without trace. The second and
+    third are None in a record without repeats, the first three of a record in chunks."""
 
-    floor: NoiseFloor | None
+    noise: float | None
+    repeats: RepeatNoise | None
     lack: LackOfFit | None
     stand_ins: tuple[StandIn, ...]
 
@@ -238,8 +241,11 @@ def checks_of(one: Fit) -> Checks:
     """What a fit is held against; of a record in chunks the faults of its sensors alone, and where the length answered
     the noise of that alone, in mm: what repeats is the load's error, too, which is no lack of fit."""
     if one.lengths is not None:
-        return Checks(noise_floor(InLength.of(one)), None, ())
-    return Checks(*((None, None) if one.of_all else (noise_floor(one), lack_of_fit(one))), one.stand_ins)
+        repeats = repeat_noise(InLength.of(one))
+        return Checks(repeats.sigma if repeats else None, repeats, None, ())
+    if one.of_all:
+        return Checks(None, None, None, one.stand_ins)
+    return Checks(noise_floor(one), repeat_noise(one), lack_of_fit(one), one.stand_ins)
 
 
 def _with_intervals(one: Fit, setup: Setup, wishes: FitOptions) -> tuple[Fit, tuple[Profile, ...]]:

@@ -8,10 +8,10 @@ import pytest
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.experiment import Question, _expected, next_experiment
-from pam_ident.diagnosis.position import SharedNoise
 from pam_ident.diagnosis.possible_runs import possible_runs
 from pam_ident.diagnosis.select import investigate
 from pam_ident.diagnosis.strokes import Strokes, listed
+from pam_ident.diagnosis.track import SharedNoise
 from pam_ident.effects import catalogue, get_effect
 from pam_ident.fitting import fit
 from pam_ident.model import Model, Term

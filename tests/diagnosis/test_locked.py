@@ -51,6 +51,17 @@ def test_nothing_hidden_is_nothing_named(tmp_path):
     assert answer(tmp_path).verdict == "adequate"
 
 
+@pytest.mark.parametrize("seed", [31, 32, 33])
+def test_a_noisy_gauge_of_a_pressure_that_settles_is_no_relaxation(tmp_path, seed):
+    plan = Plan(seed, LAW, protocol="locked_stairs", gauges="noisy_pressure")
+    made = make_record(plan)
+    write_case(tmp_path, made)
+    setup = Setup(LAW)
+    found = diagnose_record(setup.read(tmp_path / "record.csv"), setup)
+    assert found.verdict == "adequate"
+    assert found.noise_floor == pytest.approx(made.noise_rms, rel=0.05)
+
+
 def test_steps_of_a_coarse_gauge_are_no_lengths(tmp_path):
     write_case(tmp_path, make_record(Plan(31, LAW, protocol="locked_stairs")))
     table = pd.read_csv(tmp_path / "record.csv")

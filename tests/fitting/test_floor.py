@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.fitting import fit, lack_of_fit, noise_floor
+from pam_ident.fitting import fit, lack_of_fit, repeat_noise
 from pam_ident.model import Model
 from pam_ident.records import build_record
 from pam_ident.records.datasets import dataset_record
@@ -16,19 +16,19 @@ LAW = Model.build("exponential_law")
 @pytest.mark.parametrize(("rho", "memory"), [(0.0, 1.0), (0.7, (1 + 0.7) / (1 - 0.7))])
 def test_the_floor_is_the_noise_whatever_its_colour(rho, memory, record):
     one = fit(LAW, record(n=20_000, rho=rho))
-    floor = noise_floor(one)
+    floor = repeat_noise(one)
     assert floor.sigma == pytest.approx(2.0, rel=0.06) and floor.strokes == 30 and floor.groups == 10
     assert floor.memory == pytest.approx(memory, rel=0.25)
 
 
 def test_the_floor_does_not_count_what_the_law_gets_wrong(record):
     one = fit(Model.build("modified_chou_hannaford"), record(n=5000))
-    assert one.rmse > 10.0 and noise_floor(one).sigma == pytest.approx(2.0, rel=0.06)
+    assert one.rmse > 10.0 and repeat_noise(one).sigma == pytest.approx(2.0, rel=0.06)
 
 
 def test_a_table_has_no_repeats():
     one = fit(LAW, read_record(dataset_record("dmsp20_300")))
-    assert noise_floor(one) is None and lack_of_fit(one) is None
+    assert repeat_noise(one) is None and lack_of_fit(one) is None
 
 
 @pytest.mark.long

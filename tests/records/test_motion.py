@@ -124,6 +124,22 @@ def test_a_hold_in_which_the_drive_still_brakes_keeps_the_position_of_what_rests
     assert np.max(np.abs(steady.displacement_mm[inside] - TRAVEL)) < 0.025
 
 
+@pytest.mark.parametrize("slow_s", [0.5, 1.0])
+def test_a_hold_in_which_the_drive_settles_is_followed_and_a_rest_is_one_place(slow_s):
+    """What is nearer to its end than the noise is not at its end: the same in every hold, it passes for a relaxation."""
+    noise, trapezium = 0.2, trapezoid(10.0, 4.0, 12, cycles=10, in_hold=18)
+    t, x, *_, moving, _, _ = trapezium
+    rest = record_of(t, x, noise)
+    assert np.mean(np.diff(rest.steady.displacement_mm[moving == 0.0]) == 0.0) > 0.8
+    begun = np.maximum.accumulate(np.where(np.diff(moving, prepend=1.0) != 0.0, t, 0.0))
+    short = 3.0 * noise * np.exp(-(t - begun) / slow_s) * (moving == 0.0) * np.where(x > 0.5 * TRAVEL, -1.0, 1.0)
+    off = record_of(t, x + short, noise).steady.displacement_mm - (x + short)
+    up = (moving == 0.0) & (x > 0.5 * TRAVEL)
+    at = np.round((t - begun)[up], 3)
+    alike = [off[up][at == one].mean() for one in np.unique(at)]
+    assert np.sqrt(np.mean(np.square(alike))) < 0.4 * noise
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 @pytest.mark.parametrize("per_stroke", [15, 100])
 def test_reversals_without_holds_are_found_and_nothing_is_called_a_hold(per_stroke, noise):

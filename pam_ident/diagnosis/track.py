@@ -1,4 +1,4 @@
-"""What an unsure position does to the force.
+"""What an unsure track of what is driven, the position or the pressure of a locked muscle, does to the force.
 
 The track of a stroke is a smooth curve through its samples, x̂ = B Bᵀ x with B an orthonormal basis, so its samples
 share their errors: σ² B Bᵀ is their covariance. Where the force is steep they share newtons, and what repeats in one
@@ -12,13 +12,15 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
+from ..core import Specimen
 from ..records import Record
-from ..records.motion import noise_around, smooth_basis
+from ..records.motion import noise_around, settling_basis, smooth_basis
+from .dictionary import Slopes
 
 Array = np.ndarray
 Block = tuple[Array, Array]
 NEGLIGIBLE = 0.05
-"""Share of the noise's variance below which it does not matter how unsure the position is."""
+"""Share of the noise's variance below which it does not matter how unsure the track is."""
 
 
 @dataclass(frozen=True)
@@ -80,25 +82,28 @@ class SharedNoise:
 
 
 @dataclass(frozen=True)
-class PositionError:
-    """How far the position of a record's steady inputs may be off, in mm.
+class TrackError:
+    """How far the track of a record's steady inputs may be off: the position in mm, the pressure in MPa of a `locked`
+    muscle.
 
     `blocks` are rows (m,) that were smoothed together, with the columns (m, k) of their common errors; `alone` (n,) is
-    the standard deviation of each other row, and `sensor` that of a reading.
+    the standard deviation of each other row, and `sensor_mm` that of a reading of a position that is driven.
     """
 
     blocks: tuple[Block, ...]
     alone: Array
-    sensor: float
+    locked: bool
+    sensor_mm: float
 
     @classmethod
-    def of(cls, record: Record, whole: Record) -> "PositionError | None":
+    def of(cls, record: Record, whole: Record) -> "TrackError | None":
         """That of a record in time, thinned from the `whole`, with its steady inputs; None without motion."""
-        inputs, raw = record.steady, record.inputs
+        raw, locked = record.inputs, record.inputs.slide is not None
         if raw.time is None or raw.moving is None:
             return None
-        off = noise_around(raw.displacement_mm, raw.time)
-        smoothed = inputs.displacement_mm != raw.displacement_mm
+        track, calm = ((one.pressure if locked else one.displacement_mm) for one in (raw, record.steady))
+        off = noise_around(track, raw.time)
+        smoothed = calm != track
         assert whole.inputs.moving is not None
         counts = [np.bincount(whole.stroke, weights=mask) for mask in (~whole.inputs.moving, whole.inputs.moving)]
         blocks = []
@@ -107,13 +112,23 @@ class PositionError:
             if len(group) > 1:
                 moving = bool(raw.moving[group[0]])
                 m = int(max(counts[moving][record.stroke[group[0]]], len(group)))
-                basis = smooth_basis(raw.time[group], m) if moving else np.ones((len(group), 1))
+                if moving:
+                    basis = smooth_basis(raw.time[group], m)
+                elif np.ptp(calm[group]) > 0.0:
+                    basis = settling_basis(raw.time[group])
+                else:
+                    basis = np.ones((len(group), 1))
                 basis = np.linalg.qr(basis)[0] * np.sqrt(len(group) / m)
                 blocks.append((group, off[group, None] * basis))
-        return cls(tuple(blocks), np.where(smoothed, 0.0, off), float(np.sqrt(np.mean(off**2))))
+        sensor_mm = 0.0 if locked else float(np.sqrt(np.mean(off**2)))
+        return cls(tuple(blocks), np.where(smoothed, 0.0, off), locked, sensor_mm)
+
+    def slope(self, around: Slopes, specimen: Specimen) -> Array:
+        """That of the force over the track, (n,) in N/mm or N/MPa, from a model's."""
+        return around.pressure if self.locked else around.contraction / specimen.initial_length_mm
 
     def in_force(self, slope: Array, size: float, every: bool = False) -> SharedNoise | None:
-        """In a force with a slope (n,) in N/mm and white noise of a `size` in N; None where it is negligible.
+        """In a force with a slope (n,) over the track and white noise of a `size` in N; None where it is negligible.
 
         Rows that were not smoothed are counted where `every` row is asked for.
         """
