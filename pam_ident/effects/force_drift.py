@@ -11,8 +11,8 @@ RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0, r
 LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0, range=Range(-200.0, 200.0, CELL))
 TAU = Param("tau", "s", "settling time of the drift", 5.0, 1e5, start=200.0, grid=(15.0, 60.0, 200.0, 600.0, 2000.0))
 SWING = (
-    Param("F_sin", "N", "sine part of a swing", -5000.0, 5000.0, scale=10.0),
-    Param("F_cos", "N", "cosine part of a swing", -5000.0, 5000.0, scale=10.0),
+    replace(LEVEL, name="F_sin", doc="sine part of a swing"),
+    replace(LEVEL, name="F_cos", doc="cosine part of a swing"),
 )
 SOON = replace(TAU, lower=40.0, upper=300.0, start=100.0, grid=(60.0, 200.0))
 """What settles more slowly is what powers of the time follow; faster, and one stroke alone would show it."""

@@ -126,7 +126,7 @@ def test_a_hold_in_which_the_drive_still_brakes_keeps_the_position_of_what_rests
 
 @pytest.mark.parametrize("slow_s", [0.5, 1.0])
 def test_a_hold_in_which_the_drive_settles_is_followed_and_a_rest_is_one_place(slow_s):
-    """What is nearer to its end than the noise is not at its end: the same in every hold, it passes for a relaxation."""
+    """What is nearer to its end than the noise is not there: the same in every hold, it passes for a relaxation."""
     noise, trapezium = 0.2, trapezoid(10.0, 4.0, 12, cycles=10, in_hold=18)
     t, x, *_, moving, _, _ = trapezium
     rest = record_of(t, x, noise)
