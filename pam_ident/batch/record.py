@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import FitError, PamError, Specimen, UsageError
-from ..diagnosis import noise_floor
-from ..fitting import Fit, fit, lack_of_fit
+from ..fitting import Fit, fit, lack_of_fit, repeat_noise
 from ..records import Record
 from ..schema.versions import schema
 from ..tasks.gate import admit, computing, warnings_of
@@ -80,11 +79,11 @@ def _row(setup: Setup, record: Record, branch: str, diagnosis: "Diagnosis | None
 
 def _fitted(one: Fit) -> Json:
     """What a fit says; its verdict stands only where no diagnosis gave one."""
-    lack = lack_of_fit(one)
+    floor, lack = repeat_noise(one), lack_of_fit(one)
     return {
         "n": int(one.rows.sum()),
         "rmse_N": one.rmse,
-        "noise_floor_N": noise_floor(one),
+        "noise_floor_N": None if floor is None else floor.sigma,
         "lack_of_fit": None if lack is None else ("adequate" if lack.adequate else "inadequate"),
         "warnings": [f"{doubt.code}: {doubt.text}" for doubt in warnings_of(one)],
         "parameters": {e.name: [e.value, e.stderr] for e in one.estimates},

@@ -241,15 +241,15 @@ def branch(name: str) -> str:
 
 
 def checks(found: "Checks", in_mm: bool = False) -> list[str]:
-    """What a fit is held against, a line each; the noise is of the force, or in mm of the length."""
+    """What a fit is held against, a line each; strokes differ in force, or in mm of the length."""
     lines, size = [], millimetres if in_mm else newtons
-    if found.noise is not None:
-        lines.append(f"{INDENT}the noise is about {size(found.noise)}")
-    if found.lack is not None and found.repeats is not None:
+    if found.repeats is not None:
+        memory = f", {number(found.repeats.memory, 2)} samples count as one" if found.repeats.memory > 1.5 else ""
+        lines.append(f"{INDENT}{found.repeats.strokes} repeated strokes differ by {size(found.repeats.sigma)}{memory}")
+    if found.lack is not None:
         verdict = "nothing but noise is left" if found.lack.adequate else "the model leaves more than noise"
         lines.append(
-            f"{INDENT}lack of fit, by {found.repeats.strokes} repeated strokes: {verdict} "
-            f"(F {number(found.lack.statistic, 3)}, p {found.lack.p_value:.2g})"
+            f"{INDENT}lack of fit: {verdict} (F {number(found.lack.statistic, 3)}, p {found.lack.p_value:.2g})"
         )
     twins: dict[str, list[str]] = {}
     for one in found.stand_ins:

@@ -2,7 +2,6 @@
 
 from .compare import compare
 from .diagnose import diagnose
-from .floor import noise_floor
 from .heldout import heldout_rmse
 from .ladder import climb
 from .nouns import Bin, Candidate, Comparison, Diagnosis, Experiment, Follows, Ladder, Pattern, Region, Rung
@@ -22,5 +21,4 @@ __all__ = [
     "compare",
     "diagnose",
     "heldout_rmse",
-    "noise_floor",
 ]

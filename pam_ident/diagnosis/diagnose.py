@@ -19,7 +19,6 @@ from ..records import Record, thinned
 from .answer import answer_of, standing
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
-from .floor import as_measured
 from .follows import ROWS, Following, could_be_tried, steadied
 from .heldout import heldout_nearby, heldout_rmse, in_best_forms
 from .nouns import Candidate, Diagnosis, Pattern
@@ -147,7 +146,7 @@ def diagnosing(
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
     left = selection.view(fitted).residual[~noise.outlier]
-    floor = as_measured(min(noise.whole, float(np.sqrt(np.mean(left**2)))), best)
+    floor = _as_measured(min(noise.whole, float(np.sqrt(np.mean(left**2)))), best)
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
     for name in selected:
         if rivals[name] >= TOLD:
@@ -266,6 +265,13 @@ def _wrong(fit: Fit, fitted: FittedSet) -> list[Estimate]:
     """Estimates that nature does not allow, nor their value by the steady inputs: a noisy gauge bends an estimate."""
     steady = fitted.values
     return [e for e in fit.impossible if e.range and not e.range.low <= steady.get(e.name, math.inf) <= e.range.high]
+
+
+def _as_measured(noise: float, found: Fit) -> float:
+    """Noise in N with what that of the pressure and displacement sensors adds by a fit, of its size in N without."""
+    record = found.record
+    raw, calm = (found.model.force(inputs, found.values) for inputs in (record.inputs, record.steady))
+    return min(math.hypot(noise, float(np.sqrt(np.mean((raw - calm) ** 2)))), found.rmse)
 
 
 def _impossible(base: Fit, best: Fit, fitted: FittedSet, ruled_out: Mapping[str, Fit]) -> Pattern | None:

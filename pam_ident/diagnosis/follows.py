@@ -16,7 +16,6 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
-from scipy.special import expit
 
 from ..core.digits import percent
 from ..effects.base import Effect
@@ -257,7 +256,7 @@ class Following:
             return 0.0
         if loss < 0.0:
             loss = self.evidence(self.likeliest(open_)) - self.evidence(self.best)
-        return float(expit(-loss / (2.0 * TEMPER)))
+        return 0.5 - 0.5 * math.tanh(loss / (4.0 * TEMPER))
 
     def supports(self, follows: Sequence[str]) -> bool:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may.

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from scipy.stats import binom
 
 from ..core.digits import newtons, number, percent
 from .nouns import Pattern
@@ -75,7 +74,9 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     rest = residual / (float(np.median(np.abs(residual))) / 0.6745)
     lasting = np.roll(rest, -1) * np.sign(rest) > 2.0
     usual = 0.5 * float(np.mean(np.abs(rest) > 2.0))
-    if share < STRUCK or binom.sf(np.count_nonzero(lasting[far]) - 1, np.count_nonzero(far), usual) > CHANCE:
+    from scipy.special import bdtrc  # slow to import, and seldom needed
+
+    if share < STRUCK or bdtrc(np.count_nonzero(lasting[far]) - 1, np.count_nonzero(far), usual) > CHANCE:
         return None
     worst = float(time[np.argmax(np.abs(left))])
     text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {number(worst)} s"

@@ -1,8 +1,8 @@
 """Heavy tails: noise in which far samples are less rare than in normal noise."""
 
+import math
+
 import numpy as np
-from scipy.optimize import minimize
-from scipy.special import gammaln
 
 Array = np.ndarray
 NORMAL = 200.0
@@ -16,6 +16,7 @@ def deviance_saved(before: Array, after: Array) -> float:
     normal noise of unit variance that is the fall of the squares; with heavy tails a far sample counts for much less,
     and so does what brings it near.
     """
+    from scipy.optimize import minimize  # slow to import, and seldom needed
 
     def kernel(z: Array, at: Array) -> float:
         freedom, scale = 1.0 + np.exp(at[0]), np.exp(at[1])
@@ -23,7 +24,7 @@ def deviance_saved(before: Array, after: Array) -> float:
 
     def deviance(at: Array) -> float:
         freedom = 1.0 + np.exp(at[0])
-        whole = gammaln(freedom / 2.0) - gammaln((freedom + 1.0) / 2.0) + 0.5 * np.log(freedom) + at[1]
+        whole = math.lgamma(freedom / 2.0) - math.lgamma((freedom + 1.0) / 2.0) + 0.5 * np.log(freedom) + at[1]
         return kernel(after, at) + 2.0 * len(after) * float(whole)
 
     bounds = [(0.0, np.log(NORMAL)), (None, None)]

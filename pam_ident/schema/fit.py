@@ -117,10 +117,10 @@ def length_json(one: "Fit") -> Json:
 
 
 def _checks(checks: "Checks", one: "Fit") -> Json:
-    noise, repeats, lack = checks.noise, checks.repeats, checks.lack
+    repeats, lack = checks.repeats, checks.lack
     return {
-        **({"noise_floor_N": noise} if one.lengths is None else {"noise_floor_N": None, "noise_floor_mm": noise}),
-        "noise_memory_samples": None if repeats is None else repeats.memory,
+        "repeats_N" if one.lengths is None else "repeats_mm": None if repeats is None else repeats.sigma,
+        "repeats_memory_samples": None if repeats is None else repeats.memory,
         "lack_of_fit": None
         if lack is None
         else {"F": lack.statistic, "freedom": list(lack.freedom), "p_value": lack.p_value},

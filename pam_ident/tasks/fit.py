@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from ..core import UsageError
-from ..diagnosis import noise_floor
 from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, repeat_noise
 from ..fitting.covariance import student
 from ..fitting.energy import energy_warning, model_loops, passive
@@ -73,11 +72,9 @@ class FitOptions:
 
 @dataclass(frozen=True)
 class Checks:
-    """What a fit is held against: the noise in N, or in mm where the length answered, that between repeated strokes and
-    the test for a lack of fit, and faults of the sensors that its parameters take up without trace. The second and
-    third are None in a record without repeats, the first three of a record in chunks."""
+    """What a fit is held against: what repeated strokes differ by, the test for a lack of fit, and faults of the
+    sensors that its parameters take up without trace. The first two are None in a record without repeats."""
 
-    noise: float | None
     repeats: RepeatNoise | None
     lack: LackOfFit | None
     stand_ins: tuple[StandIn, ...]
@@ -241,11 +238,8 @@ def checks_of(one: Fit) -> Checks:
     """What a fit is held against; of a record in chunks the faults of its sensors alone, and where the length answered
     the noise of that alone, in mm: what repeats is the load's error, too, which is no lack of fit."""
     if one.lengths is not None:
-        repeats = repeat_noise(InLength.of(one))
-        return Checks(repeats.sigma if repeats else None, repeats, None, ())
-    if one.of_all:
-        return Checks(None, None, None, one.stand_ins)
-    return Checks(noise_floor(one), repeat_noise(one), lack_of_fit(one), one.stand_ins)
+        return Checks(repeat_noise(InLength.of(one)), None, ())
+    return Checks(*((None, None) if one.of_all else (repeat_noise(one), lack_of_fit(one))), one.stand_ins)
 
 
 def _with_intervals(one: Fit, setup: Setup, wishes: FitOptions) -> tuple[Fit, tuple[Profile, ...]]:

@@ -137,7 +137,7 @@ class Workbench(Viewer):
         )  # fmt: skip
         self.right = pn.Column(
             html("<h2>What may be missing</h2>"), self.no_candidates, self.candidates, self.not_judged,
-            html("<h2>What the error follows</h2>"), self.follows,
+            self.follows,
             styles={"flex": "1 1 17rem", "min-width": "0"},
         )  # fmt: skip
         self.page = Page(
@@ -353,7 +353,7 @@ class Workbench(Viewer):
         self.no_candidates.object = str(words.no_candidates(bench))
         self.not_judged.object = str(words.not_judged(bench))
         self.pin.disabled = bench is None
-        for one in (self.view.zoom, self.view.figures, self.tabs):
+        for one in (self.view.zoom, self.view.figures, self.tabs, self.right):
             one.visible = bench is not None
         if bench is not None:
             self.view.show(bench, pinned.fit if pinned and pinned is not bench else None)

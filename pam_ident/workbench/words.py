@@ -156,9 +156,8 @@ def follows(found: tuple[Follows, ...]) -> Markup:
         )
         for k, one in enumerate(found)
     ]
-    return Markup('<div class="shares" aria-hidden="true">{}</div><p>{}</p>').format(
-        Markup("").join(parts), told(found)
-    )
+    bar = Markup('<div class="shares" aria-hidden="true">{}</div>').format(Markup("").join(parts))
+    return Markup("<h2>What the error follows</h2>{}<p>{}</p>").format(bar, told(found))
 
 
 def candidate_cards(bench: Bench | None) -> list[dict[str, Any]]:

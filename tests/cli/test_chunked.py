@@ -14,7 +14,7 @@ def test_the_answer_is_that_of_the_record_in_memory(answer, rubbing, branch):
     for name, mine in one[1]["branches"].items():
         whole = other[1]["branches"][name]
         assert set(mine) == set(whole)
-        assert mine["noise_floor_N"] is None and mine["lack_of_fit"] is None
+        assert mine["repeats_N"] is None and mine["lack_of_fit"] is None
         for key, rel in (("rmse_N", 1e-9), ("max_error_N", 1e-6), ("r2", 1e-9), ("n", 0.0)):
             assert mine[key] == pytest.approx(whole[key], rel=rel)
         assert mine["stand_ins"] == whole["stand_ins"]

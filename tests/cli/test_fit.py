@@ -47,7 +47,7 @@ def test_json_of_a_fit_is_the_contracts(answer, clean):
     }
     branch = found["branches"]["together"]
     contract = {"parameters", "rmse_N", "max_error_N", "r2", "n"}
-    more = {"noise_floor_N", "noise_memory_samples", "lack_of_fit", "stand_ins", "covariance", "reading"}
+    more = {"repeats_N", "repeats_memory_samples", "lack_of_fit", "stand_ins", "covariance", "reading"}
     more |= {"simpler", "shares_N"}
     assert set(branch) == contract | more
     names, matrix = branch["covariance"]["names"], np.array(branch["covariance"]["matrix"])

@@ -11,10 +11,8 @@ import pytest
 HEAVY = ("numpy", "scipy", "pandas", "matplotlib", "jinja2", "rich", "jax", "lmfit", "optimistix")
 
 
-UNUSED = ("matplotlib", "jinja2", "jax", "lmfit")
+UNUSED = ("matplotlib", "jinja2", "pam_ident.diagnosis", "scipy.optimize", "jax", "lmfit")
 """What a fit of one curved parameter does without."""
-UNASKED = ("pam_ident.diagnosis", "scipy.optimize")
-"""And what verbs do without that say nothing of noise."""
 
 
 @pytest.fixture
@@ -47,7 +45,7 @@ def test_a_fit_draws_nothing_and_so_loads_no_figures(process, root, clean, verb)
     code = (
         f"import sys; from pam_ident.cli import main; sys.argv = ['pam-ident', *{words.get(verb, [verb])!r}]\n"
         "try: main()\nexcept SystemExit as end: assert not end.code\n"
-        f"print([name for name in {UNUSED if verb == 'fit' else UNUSED + UNASKED!r} if name in sys.modules])"
+        f"print([name for name in {UNUSED!r} if name in sys.modules])"
     )
     done = process("-c", code)
     assert done.returncode == 0 and done.stdout.splitlines()[-1] == "[]", done.stderr

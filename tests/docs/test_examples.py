@@ -23,7 +23,7 @@ FIRST = [
     "pam_ident.model.Model.build",
     "pam_ident.fitting.Fit",
     "pam_ident.fitting.lack_of_fit",
-    "pam_ident.diagnosis.noise_floor",
+    "pam_ident.fitting.repeat_noise",
     "pam_ident.records.datasets.dataset_record",
     "pam_ident.tasks.setup.Setup",
     "pam_ident.tasks.fit.fit_record",

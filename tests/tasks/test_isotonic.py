@@ -57,7 +57,7 @@ def test_a_fit_says_its_errors_in_mm_and_what_the_newtons_are(cases):
     assert one["rmse_mm"] < NOISE_MM and one["max_error_mm"] < 8 * NOISE_MM and one["r2"] > 0.999
     assert one["rmse_N"] == pytest.approx(2.0, rel=0.1)  # the load cell's noise, at the measured length
     assert one["left_out"] == 0 and len(one["weights_N"]) == 3
-    assert one["noise_floor_N"] is None and one["noise_floor_mm"] == pytest.approx(one["rmse_mm"], rel=0.1)
+    assert "repeats_N" not in one and one["repeats_mm"] == pytest.approx(one["rmse_mm"], rel=0.1)
     assert found["loops"] == [] and one["simpler"]["mean_over_pressure"] is None
 
 

@@ -247,6 +247,13 @@ def test_a_fit_that_cannot_be_is_told_and_changes_nothing(page):
     assert page.error.visible and "temperature" in page.error.object and page.bench is before
 
 
+def test_nothing_is_told_of_a_record_before_there_is_one(page):
+    made = Workbench()
+    made.wait()
+    assert not made.right.visible and not made.follows.object
+    assert page.right.visible and "<h2>What the error follows</h2>" in page.follows.object
+
+
 def test_examples_are_records():
     page = Workbench()
     assert {"hidden_effect", "dmsp20_300"} <= set(page.side.example.options.values())
