@@ -136,6 +136,7 @@ class Selection:
         self.borrowed: dict[tuple[str, ...], FittedSet] = {}
         self.blocks: dict[str, FormBlock] = {}
         self.noises: dict[tuple[FittedSet, bool], Noise] = {}
+        self.plain: dict[tuple[object, ...], Array] = {}
         self.refits = 0
 
     def _law_alone(self) -> FittedSet:
@@ -228,10 +229,13 @@ class Selection:
 
     def plain_residual(self, terms: Sequence[Term], start: Mapping[str, float]) -> Array:
         """What a set leaves, in N (n,), fitted without whitening."""
-        clean = ~self.noise.outlier
-        model = self.base.model.adding(*terms)
-        found = solve(model, self.record.inputs, self.record.force, lambda m: m[clean], start, quick=True)
-        return self.record.force - model.force(self.record.inputs, found.values)
+        key = (labels(terms), *sorted(start.items()))
+        if key not in self.plain:
+            clean = ~self.noise.outlier
+            model = self.base.model.adding(*terms)
+            found = solve(model, self.record.inputs, self.record.force, lambda m: m[clean], start, quick=True)
+            self.plain[key] = self.record.force - model.force(self.record.inputs, found.values)
+        return self.plain[key]
 
     def refit_choice(self, data: Compressed, choice: Choice, onto: FittedSet, best: float = math.inf) -> FittedSet:
         """Fit the set `onto` with what a search found on compressed data, from where the search left it, as `refit`."""
