@@ -134,8 +134,8 @@ def estimate_noise(
         outlier = _isolated(np.abs(residual) > 5.0 * middle) | _turning(record.inputs)
     extra = np.zeros(n)
     if record.inputs.time is not None:
-        around = noise_around(record.inputs.displacement_mm, record.inputs.time)
-        extra = ((unsure.alone if unsure else around) * slope / middle) ** 2
+        off = unsure.by_itself if unsure else noise_around(record.inputs.displacement_mm, record.inputs.time)
+        extra = (off * slope / middle) ** 2
     unread = np.where(outlier, UNREAD, extra)
     own = without_repeats(record, residual, ~outlier)
     z, whole = (np.where(outlier, 0.0, one / middle) for one in (own, residual))

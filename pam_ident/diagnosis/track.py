@@ -87,11 +87,13 @@ class TrackError:
     muscle.
 
     `blocks` are rows (m,) that were smoothed together, with the columns (m, k) of their common errors; `alone` (n,) is
-    the standard deviation of each other row, and `sensor_mm` that of a reading of a position that is driven.
+    the standard deviation of each other row, `by_itself` that of every row with what the steady track is rough by, and
+    `sensor_mm` that of a reading of a position that is driven.
     """
 
     blocks: tuple[Block, ...]
     alone: Array
+    by_itself: Array
     locked: bool
     sensor_mm: float
 
@@ -121,7 +123,8 @@ class TrackError:
                 basis = np.linalg.qr(basis)[0] * np.sqrt(len(group) / m)
                 blocks.append((group, off[group, None] * basis))
         sensor_mm = 0.0 if locked else float(np.sqrt(np.mean(off**2)))
-        return cls(tuple(blocks), np.where(smoothed, 0.0, off), locked, sensor_mm)
+        alone = np.where(smoothed, 0.0, off)
+        return cls(tuple(blocks), alone, np.maximum(alone, noise_around(calm, raw.time)), locked, sensor_mm)
 
     def slope(self, around: Slopes, specimen: Specimen) -> Array:
         """That of the force over the track, (n,) in N/mm or N/MPa, from a model's."""
