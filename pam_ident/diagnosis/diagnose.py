@@ -19,7 +19,7 @@ from ..records import Record, thinned
 from .answer import answer_of, standing
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
-from .follows import ROWS, Following, could_be_tried, steadied
+from .follows import ROWS, Following, as_slow_noise, could_be_tried, steadied
 from .heldout import heldout_nearby, heldout_rmse, in_best_forms
 from .nouns import Candidate, Diagnosis, Pattern
 from .probability import probabilities
@@ -148,6 +148,8 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     floor = _as_measured(min(noise.whole, float(np.sqrt(np.mean(left**2)))), best)
     sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
+    if outcome == "adequate" and noise.coloured:
+        sentence += as_slow_noise(follows)
     for name in selected:
         if rivals[name] >= TOLD:
             odd = probability(rivals[name])

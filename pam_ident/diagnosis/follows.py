@@ -322,6 +322,17 @@ def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit)
     return ""
 
 
+def as_slow_noise(found: Sequence[Follows]) -> str:
+    """A sentence, with a blank before it, on what follows something but was taken for slow noise; empty without it."""
+    first = found[0]
+    if first.what == "noise" or first.share < WORTH_TRYING:
+        return ""
+    return (
+        f" {percent(first.share)} of the squared error follows {first.text}. Slow noise would, too, "
+        "and this record cannot tell it from an effect."
+    )
+
+
 def told(found: Sequence[Follows]) -> str:
     """The largest shares in one sentence."""
     shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]

@@ -173,3 +173,13 @@ def test_sticking_and_letting_go_is_more_than_dry_friction(seed, tmp_path):
     found = diagnose(Model.build(CHOU), read_record(tmp_path / "record.csv"))
     assert found.verdict == "unknown_effect"
     assert (found.pattern.kind, found.pattern.coordinate) == ("periodic", "the way since a reversal")
+
+
+@pytest.mark.parametrize(("seed", "noise", "what"), [(2, "slow", "the clock"), (1, "white", "")])
+def test_what_is_taken_for_slow_noise_is_said_to_be_that(tmp_path, seed, noise, what):
+    """Else nothing is missing, and yet a fifth of the error follows the clock."""
+    write_case(tmp_path, make_record(Plan(seed, EXPONENTIAL, noise=noise)))
+    found = diagnose(Model.build(EXPONENTIAL), read_record(tmp_path / "record.csv"))
+    assert found.verdict == "adequate"
+    told = f"% of the squared error follows {what}. Slow noise would, too" in found.sentence
+    assert told if what else "follows" not in found.sentence
