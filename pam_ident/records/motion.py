@@ -353,11 +353,12 @@ def _smooth_holds(position: Array, time: Array, x: Array, rest: Array, noise: fl
     holds = [hold for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1) if len(hold) >= 4]
     settle = _settle(time, x, holds)
     for hold in holds:
-        basis = settling_basis(time[hold]) if settle and len(hold) >= SETTLING else np.ones((len(hold), 1))
-        off = x[hold] - (_curve(basis, x[hold]) if basis.shape[1] > 1 else quantile(x[hold], 0.5))
+        basis = settling_basis(time[hold]) if settle and len(hold) >= SETTLING else None
+        off = x[hold] - (quantile(x[hold], 0.5) if basis is None else _curve(basis, x[hold]))
         if np.std(off) < 2.0 * noise:
             still = np.abs(off) <= 3.0 * max(1.4826 * quantile(np.abs(off), 0.5), noise)
-            position[hold[still]] = _curve(basis[still], x[hold[still]])
+            seen = x[hold[still]]
+            position[hold[still]] = seen.mean() if basis is None else _curve(basis[still], seen)
 
 
 def _settle(time: Array, x: Array, holds: list[Array]) -> bool:
