@@ -184,13 +184,17 @@ def test_a_worker_that_fails_ends_the_batch_with_what_is_finished(tree, tmp_path
 
 
 def test_ctrl_c_ends_the_command_and_its_workers(tree, tmp_path):
-    out = tmp_path / "results"
-    process = start(tree, out, "--branch", "separate", "--workers", 2, start_new_session=True)
-    while not answers(out):
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.002)
-    os.killpg(process.pid, signal.SIGINT)
-    code, _, stderr = finish(process)
+    code = 0
+    for k in range(5):  # on a busy machine a run may end before it is interrupted
+        out = tmp_path / f"results {k}"
+        process = start(tree, out, "--branch", "separate", "--workers", 2, start_new_session=True)
+        while not answers(out) and process.poll() is None:
+            time.sleep(0.002)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGINT)
+        code, _, stderr = finish(process)
+        if code:
+            break
     assert code == 130 and "Traceback" not in stderr
     end = time.monotonic() + 10.0
     with pytest.raises(ProcessLookupError):
