@@ -349,7 +349,6 @@ class Workbench(Viewer):
             self.texts[name].object = str(getattr(words, name)(bench))
         self.texts["against"].object = str(words.against(pinned, bench))
         self.steps.items = words.steps(self.history.steps, self.history.at)
-        self.candidates.items = words.candidate_cards(bench)
         self.no_candidates.object = str(words.no_candidates(bench))
         self.not_judged.object = str(words.not_judged(bench))
         self.pin.disabled = bench is None
@@ -357,6 +356,8 @@ class Workbench(Viewer):
             one.visible = bench is not None
         if bench is not None:
             self.view.show(bench, pinned.fit if pinned and pinned is not bench else None)
+        # After the traces, or a card that is pointed at as soon as it is there has lost its preview.
+        self.candidates.items = words.candidate_cards(bench)
         self.side.columns.visible = self.history.draft is not None and self.history.draft.ours
         self.side.show(bench, self.setup)
         self.draft.show(self.history.draft, self.asking)

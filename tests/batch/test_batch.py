@@ -183,9 +183,7 @@ def test_a_worker_that_fails_ends_the_batch_with_what_is_finished(tree, tmp_path
     assert len(answers(tmp_path / "out")) == 2
 
 
-@pytest.mark.filterwarnings(
-    "ignore:os.fork:RuntimeWarning"
-)  # JAX is loaded; the child only sets a signal
+@pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")  # JAX is loaded; the child only sets a signal
 def test_ctrl_c_ends_the_command_and_its_workers(tree, tmp_path):
     out = tmp_path / "results"
 
