@@ -271,9 +271,8 @@ def _wrong(fit: Fit, fitted: FittedSet) -> list[Estimate]:
 
 def _as_measured(noise: float, found: Fit) -> float:
     """Noise in N with what that of the pressure and displacement sensors adds by a fit, of its size in N without."""
-    record = found.record
-    raw, calm = (found.model.force(inputs, found.values) for inputs in (record.inputs, record.steady))
-    return min(math.hypot(noise, float(np.sqrt(np.mean((raw - calm) ** 2)))), found.rmse)
+    calm = found.model.force(found.record.steady, found.values)
+    return min(math.hypot(noise, float(np.sqrt(np.mean((found.force - calm) ** 2)))), found.rmse)
 
 
 def _impossible(base: Fit, best: Fit, fitted: FittedSet, ruled_out: Mapping[str, Fit]) -> Pattern | None:

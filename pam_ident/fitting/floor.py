@@ -123,8 +123,8 @@ def repeat_noise(fit: Fit) -> RepeatNoise | None:
         >>> from pam_ident.fitting import repeat_noise
         >>> from pam_ident.records.datasets import dataset_record
         >>> found = fit(Model.build("exponential_law"), read_record(dataset_record("hidden_effect")))
-        >>> print(f"{found.rmse:.1f} N are left, noise is {repeat_noise(found).sigma:.1f} N")
-        6.3 N are left, noise is 2.1 N
+        >>> print(f"{found.rmse:.1f} N are left, repeats differ by {repeat_noise(found).sigma:.1f} N")
+        6.3 N are left, repeats differ by 2.1 N
     """
     groups = repeats(fit.record, fit.rows)
     squares, samples, lags = 0.0, 0, np.zeros(41)
