@@ -13,7 +13,7 @@ function card(item, model) {
   button.type = "button"
   button.dataset.key = item.key
   if (item.disabled) button.setAttribute("aria-disabled", "true")
-  if (item.current) button.setAttribute("aria-current", "step")
+  if (item.current) button.setAttribute("aria-current", item.kind === "step" ? "step" : "true")
   button.append(part("span", item.title, "title"), part("span", item.text ?? "", "text"))
   if (item.bar !== undefined) {
     const bar = part("span", "", "bar")

@@ -5,11 +5,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import panel as pn
 import param
 from panel.custom import JSComponent
 
 from ..fitting import Fit
-from .parts import STYLE
+from .parts import STYLE, in_turn
 
 SPAN = 6.0
 """Standard errors to each side that a slider spans."""
@@ -32,6 +33,22 @@ class Cards(JSComponent):
         key = str(data.get("key")) if isinstance(data, dict) else ""
         if any(item["key"] == key and not item.get("disabled") for item in self.items):
             self._chosen(key)
+
+
+class Tabs(pn.Column):
+    """Parts of which one is shown, each behind a button: Panel's own tabs do not answer to the keyboard."""
+
+    def __init__(self, parts: Mapping[str, pn.viewable.Viewable], **options: Any) -> None:
+        self._parts = parts
+        self.buttons = Cards("Parts", lambda name: in_turn(lambda: self.turn_to(name)), css_classes=["strip"])
+        self.turn_to(next(iter(parts)))
+        super().__init__(self.buttons, *parts.values(), **options)
+
+    def turn_to(self, name: str) -> None:
+        """Show the part of this name alone."""
+        for title, part in self._parts.items():
+            part.visible = title == name
+        self.buttons.items = [{"key": title, "title": title, "current": title == name} for title in self._parts]
 
 
 class Sliders(JSComponent):

@@ -20,7 +20,7 @@ from ..tasks.setup import Setup
 from . import words
 from .ahead import Ahead
 from .bench import Bench
-from .cards import Cards
+from .cards import Cards, Tabs
 from .draft import Draft
 from .drafting import Drafting
 from .history import History
@@ -122,12 +122,14 @@ class Workbench(Viewer):
         self.pin.on_click(lambda _: self._on_pin())
         self.view = Views()
         self.texts = {name: html() for name in ("where", "parameters", "against", "model")}
-        self.tabs = pn.Tabs(
-            ("Where it fails", pn.Column(self.texts["where"], self.view.map, **WIDE)),
-            ("Parameters", pn.Column(self.texts["model"], self.texts["parameters"], **WIDE)),
-            ("A against B", pn.Column(self.pin, self.texts["against"], **WIDE)),
-            **WIDE, **LOOK,
-        )  # fmt: skip
+        self.tabs = Tabs(
+            {
+                "Where it fails": pn.Column(self.texts["where"], self.view.map, **WIDE),
+                "Parameters": pn.Column(self.texts["model"], self.texts["parameters"], **WIDE),
+                "A against B": pn.Column(self.pin, self.texts["against"], **WIDE),
+            },
+            **WIDE,
+        )
         self.candidates = Cards("Candidates", lambda label: self._change(lambda bench: bench.adding(label)))
         self.no_candidates, self.not_judged = html(), html()
         self.main = pn.Column(

@@ -268,7 +268,7 @@ def test_steps_are_undone_and_redone_and_outlive_a_reload(lying):
 def test_clicks_that_come_all_at_once_change_the_figures_too(lying):
     lying.get_by_role("button", name=re.compile("^Coulomb friction")).click()
     lying.get_by_text("Adequate").wait_for()
-    tabs = [lying.locator(".bk-tab", has_text=name).element_handle() for name in ("Parameters", "A against B")]
+    tabs = [lying.get_by_role("button", name=name).element_handle() for name in ("Parameters", "A against B")]
     undo = lying.get_by_role("button", name="Undo").element_handle()
     lying.evaluate("(all) => all.forEach((one) => one.click())", [*tabs, undo])
     lying.get_by_text("Effect missing").wait_for()
@@ -304,8 +304,11 @@ def test_the_figures_zoom_together_and_tell_what_is_pointed_at(lying):
 
 
 def test_a_model_is_pinned_and_a_parameter_held(lying):
-    lying.locator(".bk-tab", has_text="A against B").click()
-    lying.get_by_role("button", name="Pin this model as A").click()
+    part = lying.get_by_role("button", name="A against B")
+    part.focus()
+    part.press("Enter")
+    assert lying.evaluate(FOCUSED).strip() == "A against B"
+    lying.get_by_role("button", name="Pin this model as A").press("Enter")
     lying.get_by_label("Hold a parameter").select_option("mu")
     slider = lying.get_by_role("slider")
     slider.focus()
