@@ -9,7 +9,7 @@ def number(value: float | None, digits: int = 4) -> str:
         return "-"
     if value == 0:
         return "0"
-    size = math.floor(math.log10(abs(value)))
+    size = _size(value, digits)
     return f"{value:.{max(digits - 1 - size, 0)}f}" if -4 <= size <= 6 else f"{value:.{digits - 1}e}"
 
 
@@ -61,6 +61,6 @@ def percent(share: float | None) -> str:
     return "> 99 %" if 0.995 <= share < 1.0 - 1e-9 else f"{round(100.0 * share)} %"
 
 
-def _size(value: float) -> int:
-    """The power of ten of the first of two digits."""
-    return int(f"{abs(value):.1e}".partition("e")[2])
+def _size(value: float, digits: int = 2) -> int:
+    """The power of ten of the first of so many digits, once rounded to them."""
+    return int(f"{abs(value):.{digits - 1}e}".partition("e")[2])

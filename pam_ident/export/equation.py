@@ -4,6 +4,7 @@ import math
 import re
 
 from ..core import Param
+from ..core.digits import known_to, number
 from ..core.formula import to_latex
 from ..fitting import Fit
 from ..fitting.fit import Estimate
@@ -15,7 +16,7 @@ def equation(of: Model | Fit) -> str:
     if isinstance(of, Model):
         return str(of)
     return "\n".join(
-        [str(of.model), *(f"  {e.name} = {_number(e.value)}{_error(e)} {_unit(e.unit)}".rstrip() for e in of.estimates)]
+        [str(of.model), *(f"  {e.name} = {known_to(e.value, e.stderr)}{_error(e)} {_unit(e.unit)}".rstrip() for e in of.estimates)]
     )
 
 
@@ -56,16 +57,12 @@ def _parameter(p: Param, found: Estimate | None) -> str:
     unit = rf"\ \text{{{_plain(_unit(p.unit))}}}" if _unit(p.unit) else ""
     if found is None:
         return f"{symbol(p)}{unit}"
-    error = rf" \pm {_power(_number(found.stderr, 2))}" if math.isfinite(found.stderr) else ""
-    return f"{symbol(p)} = {_power(_number(found.value))}{error}{unit}"
-
-
-def _number(value: float, digits: int = 6) -> str:
-    return f"{value:.{digits}g}"
+    error = rf" \pm {_power(number(found.stderr, 2))}" if math.isfinite(found.stderr) else ""
+    return f"{symbol(p)} = {_power(known_to(found.value, found.stderr))}{error}{unit}"
 
 
 def _error(e: Estimate) -> str:
-    return f" ± {_number(e.stderr, 2)}" if math.isfinite(e.stderr) else ""
+    return f" ± {number(e.stderr, 2)}" if math.isfinite(e.stderr) else ""
 
 
 def _power(number: str) -> str:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from pam_ident.core.digits import interval, known_to, percent
+from pam_ident.core.digits import interval, known_to, number, percent
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,21 @@ def test_an_interval_ends_at_the_place_of_its_value(value, error, low, high, sai
     assert interval(low, high, error) == said
     places = len(known_to(value, error).partition(".")[2])
     assert len(said.split()[0].partition(".")[2]) == places
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "said"),
+    [(0.0996, 2, "0.10"), (0.0994, 2, "0.099"), (99.6, 2, "100"), (9.999, 3, "10.0"), (-0.99996, 4, "-1.000")],
+)
+def test_a_number_that_is_rounded_up_to_a_power_of_ten_gets_no_digit_more(value, digits, said):
+    assert number(value, digits) == said
+
+
+def test_a_value_ends_where_its_error_ends():
+    """`0.34 ± 0.100` was said of an error of 0.0996."""
+    for error in (0.0996, 0.0994, 0.996, 0.0104, 0.00999):
+        ends = [text.partition(".")[2] for text in (known_to(0.3377, error), number(error, 2))]
+        assert len(ends[0]) == len(ends[1]), ends
 
 
 def test_what_is_not_nothing_is_not_0_percent():

@@ -93,6 +93,8 @@ def test_a_fit_shows_its_numbers():
     text = equation(one)
     value = float(re.search(r"\n  a1 = (\S+) ± \S+ N/MPa", text)[1])
     assert value == pytest.approx(-6000.0, rel=1e-5)
+    for number, error in re.findall(r" = (\S+) ± (\S+)", text):
+        assert len(number.partition(".")[2]) == len(error.partition(".")[2]), "digits are those of the standard error"
     lines = latex_lines(one)
     for line in lines:
         parses(line)
