@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import UsageError
-from ..core.digits import three
+from ..core.digits import percent, probability, three
 from ..core.files import check_target, write_json
 from ..fitting import Fit
 from ..records.doubt import Doubt
@@ -167,7 +167,7 @@ class ComparisonResult(RecordAnswer):
         for key, bins in self.details.by.items():
             rows = [(one.label, one.n, one.mean, one.rms, one.share) for one in bins]
             frame = pd.DataFrame(rows, columns=[key, "n", "mean_N", "rms_N", "share"]).set_index(key)
-            parts.append(frame.to_string(float_format=three))
+            parts.append(frame.to_string(formatters={"share": percent}, float_format=three))
         return "\n\n".join(parts)
 
     def plot(self) -> "Axes":
@@ -250,9 +250,9 @@ class DiagnosisResult(RecordAnswer):
 
     def summary(self) -> str:
         """The sentence, what the error follows, the candidates and the next experiment, as text."""
-        parts = [repr(self), self.follows.loc[:, ["share"]].to_string(float_format="{:.2f}".format)]
+        parts = [repr(self), self.follows.loc[:, ["share"]].to_string(formatters={"share": percent})]
         if len(self.candidates):
-            parts.append(self.candidates.to_string(float_format=three))
+            parts.append(self.candidates.to_string(formatters={"probability": probability}, float_format=three))
         if self.next_experiment:
             parts.append(f"next: {self.next_experiment}")
         return "\n\n".join(parts)

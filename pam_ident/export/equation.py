@@ -16,7 +16,10 @@ def equation(of: Model | Fit) -> str:
     if isinstance(of, Model):
         return str(of)
     return "\n".join(
-        [str(of.model), *(f"  {e.name} = {known_to(e.value, e.stderr)}{_error(e)} {_unit(e.unit)}".rstrip() for e in of.estimates)]
+        [
+            str(of.model),
+            *(f"  {e.name} = {known_to(e.value, e.stderr)}{_error(e)} {_unit(e.unit)}".rstrip() for e in of.estimates),
+        ]
     )
 
 

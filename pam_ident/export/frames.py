@@ -8,6 +8,7 @@ import pandas as pd
 
 from ..core import UsageError
 from ..records import Record
+from ..schema.diagnosis import in_order
 
 if TYPE_CHECKING:
     from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
@@ -110,7 +111,7 @@ def ranking(diagnosis: "Diagnosis") -> pd.DataFrame:
             "heldout_rmse_after_N": np.nan if s.heldout_rmse_after is None else s.heldout_rmse_after,
             "why": s.why,
         }
-        for s in diagnosis.ranking
+        for s in in_order(diagnosis)
     ]
     return pd.DataFrame(rows)
 

@@ -74,18 +74,22 @@ def _part(one: "Bin | Region", in_mm: bool) -> Json:
 
 
 def candidates(diagnosis: "Diagnosis") -> "list[Candidate]":
-    """The effects that may be missing: by their probability in whole per cent, those that are alike by the error that
-    they leave. None where nothing is missing."""
-    if diagnosis.verdict == "adequate":
-        return []
-    found = [s for s in diagnosis.ranking if s.status == "candidate"]
+    """The effects that may be missing, in order. None where nothing is missing."""
+    missing = diagnosis.verdict != "adequate"
+    return [s for s in in_order(diagnosis) if missing and s.status == "candidate"]
 
-    def shown(one: "Candidate") -> tuple[float, float, bool, str]:
+
+def in_order(diagnosis: "Diagnosis") -> "list[Candidate]":
+    """The ranking by probability in whole per cent, those that are alike by the error that they leave; then the effects
+    that were not judged."""
+
+    def shown(one: "Candidate") -> tuple[bool, float, float, bool, str]:
         """Errors that read alike are alike: what lies behind the third digit differs by machine."""
         left = math.inf if one.rmse_after is None else float(f"{one.rmse_after:.3g}")
-        return -round(100 * one.probability), left, one.effect not in diagnosis.selected, one.effect
+        judged = one.status == "candidate"
+        return not judged, -round(100 * one.probability), left, one.effect not in diagnosis.selected, one.effect
 
-    return sorted(found, key=shown)
+    return sorted(diagnosis.ranking, key=shown)
 
 
 def stopped_json(record: str, law: str, n: int, doubts: "Sequence[Doubt]") -> Json:
@@ -130,7 +134,7 @@ def diagnosis_json(record: str, diagnosis: "Diagnosis", doubts: "Sequence[Doubt]
                 "rmse_after_N": s.rmse_after,
                 "heldout_rmse_after_N": s.heldout_rmse_after,
             }
-            for s in diagnosis.ranking
+            for s in in_order(diagnosis)
         ],
         "rmse_after_N": diagnosis.best.rmse,
         "heldout_rmse_N": diagnosis.heldout_rmse,

@@ -81,7 +81,11 @@ def test_in_python_and_on_the_workbench(rippled):
     details = found.details
     assert newtons(details.base.rmse) in details.sentence and newtons(details.base.rmse) in words.headline(details)
     assert details.pattern is not None and details.pattern.text in words.headline(details)
-    for told in (found.summary(), found._repr_html_(), words.headline(details), words.follows(details.follows)):
+    said = found.summary()
+    assert all(percent(one.share) in said for one in details.follows)
+    assert all(probability(one) in said for one in found.candidates["probability"])
+    assert percent(details.follows[0].share) in pam.compare(rippled, "exponential_law").summary()
+    for told in (said, found._repr_html_(), words.headline(details), words.follows(details.follows)):
         assert not strays(DRAWN.sub(" ", str(told)))
 
 

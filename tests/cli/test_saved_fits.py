@@ -166,12 +166,14 @@ def test_nothing_is_certain(share, said):
 
 def test_candidates_are_in_order_and_none_are_offered_where_nothing_is_missing(answer, ask, rubbing, clean):
     some = ("--only", "coulomb_friction", "--only", "viscous_damping", "--only", "force_bias", "--only", "creep")
-    result, _ = answer("diagnose", rubbing, *LAW, *some)
+    result, found = answer("diagnose", rubbing, *LAW, *some)
     rows = [line.split() for line in result.stdout.splitlines() if line.endswith(tuple("0123456789")) and "%" in line]
     table = [(row[0], row[-2]) for row in rows if row[0].partition(":")[0] in some]
     assert table[0][0].startswith("coulomb_friction") and [float(n) for _, n in table[1:]] == sorted(
         float(n) for _, n in table[1:]
     )
+    judged = [one["effect"] for one in found["ranking"] if one["status"] == "candidate"]
+    assert judged == [name.partition(":")[0] for name, _ in table], "JSON has the order of the text"
     assert "candidate" not in ask("diagnose", clean, *LAW, *some).stdout
 
 

@@ -15,6 +15,8 @@ from pam_ident.leg.muscle import Muscle
 from pam_ident.leg.track import Track, Tracking, TrackRung
 from pam_ident.records import read_record, record_from_frame
 from pam_ident.records.datasets import dataset_path
+from pam_ident.schema.diagnosis import candidates as shown
+from pam_ident.schema.diagnosis import diagnosis_json
 
 SHORT = """time_s,pressure_MPa,displacement_mm,force_N
 0.0,0.3,0.0,700.0
@@ -97,11 +99,12 @@ def test_a_comparison_is_a_table_of_cells_whose_shares_add_up(diagnosis):
 
 def test_a_diagnosis_and_a_ladder_are_tables_in_their_order(diagnosis, ladder):
     frame = to_frame(diagnosis)
-    assert (
-        list(frame["effect"]) == [s.effect for s in diagnosis.ranking]
-        and list(frame["selected"]) == [True] + [False] * 4
-    )
-    assert np.isnan(frame["heldout_rmse_after_N"][1]) and frame["probability"][0] == 0.97
+    candidates = ["coulomb_friction", "creep", "viscous_damping"]
+    assert list(frame["effect"]) == [*candidates, "force_bias", "thermal_softening"]
+    assert [one["effect"] for one in diagnosis_json("made up", diagnosis)["ranking"]] == list(frame["effect"])
+    assert [one.effect for one in shown(diagnosis)] == candidates, "JSON, text and tables have one order"
+    assert list(frame["selected"]) == [True] + [False] * 4 and np.isnan(frame["heldout_rmse_after_N"][2])
+    assert frame["probability"][0] == 0.97
     steps = to_frame(ladder)
     assert list(steps["effects"]) == ["", "coulomb_friction"] and steps["rmse_N"].is_monotonic_decreasing
     assert list(steps["heldout_rmse_N"]) == [8.3, 0.55]
