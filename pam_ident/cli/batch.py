@@ -71,9 +71,9 @@ def batch(
 def _print(found: "Batch") -> None:
     bad = list(found.errors.values())
     for message in bad[:MOST_ERRORS]:
-        typer.echo(message, err=True)
+        text.warn(message)
     if len(bad) > MOST_ERRORS:
-        typer.echo(f"and {len(bad) - MOST_ERRORS} more; the table has them all", err=True)
+        text.warn(f"and {len(bad) - MOST_ERRORS} more; the table has them all")
     kept = f" ({found.kept} from an earlier run)" if found.kept else ""
     text.say(*text.chosen(found.law_choice))
     text.say(

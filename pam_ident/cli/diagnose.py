@@ -60,7 +60,7 @@ def diagnose(
     answers, code = [], 0
     for path, found, choice in diagnose_records(record, setup):
         if isinstance(found, Exception):
-            typer.echo(" ".join(str(found).split()), err=True)
+            text.warn(" ".join(str(found).split()))
             code = max(code, found.exit_code)
             taken, n = law if choice is None else choice.law, getattr(found, "n", 0)
             answers.append(stopped_json(path, taken, n, options.reasons(found)) | law_choice_json(choice))

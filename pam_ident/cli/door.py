@@ -6,6 +6,8 @@ from typing import Any
 
 from typer.core import TyperArgument, TyperCommand, TyperGroup
 
+from . import text
+
 
 class Door(TyperGroup):
     """The program's outermost group of commands."""
@@ -24,7 +26,7 @@ class Door(TyperGroup):
             code = 130
         except Exception as error:
             message, code = explain(error)
-            print(message, file=sys.stderr)
+            text.warn(message)
         sys.exit(code if isinstance(code, int) else 0)
 
 
@@ -70,14 +72,14 @@ def explain(error: Exception) -> tuple[str, int]:
 
 def _usage(error: Any) -> str:
     """A message about the command line, and where its help is; the whole help where nothing was asked."""
-    text = error.format_message()
+    said = error.format_message()
     context = getattr(error, "ctx", None)
     if context is None:
-        return _short(text)
+        return _short(said)
     if type(error).__name__ == "NoArgsIsHelpError":
-        return text
-    return f"{_short(text)}\nTry '{context.command_path} --help'."
+        return said
+    return f"{_short(said)}\nTry '{context.command_path} --help'."
 
 
-def _short(text: str) -> str:
-    return " ".join(text.split())
+def _short(said: str) -> str:
+    return " ".join(said.split())

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from . import text
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
@@ -150,7 +152,7 @@ def check_json(path: str | None) -> None:
 def stop_if_invalid(record: str, problems: "Sequence[str]") -> None:
     """End with a message and exit code 3 where a fit has problems."""
     if problems:
-        typer.echo(f"{record}: the fit is not valid. {'; '.join(problems)}", err=True)
+        text.warn(f"{record}: the fit is not valid. {'; '.join(problems)}")
         raise typer.Exit(3)
 
 

@@ -31,6 +31,6 @@ def selftest(json: options.JsonFile = None) -> None:
     if not found.passed:
         short = [f"{s.name} from start {s.start}" for s in found.problems if not s.passed]
         short += [] if recovery.passed else ["the simulated records"]
-        typer.echo(f"selftest failed: {', '.join(short)}; install again, and report it if that does not help", err=True)
+        text.warn(f"selftest failed: {', '.join(short)}; install again, and report it if that does not help")
         raise typer.Exit(3)
     text.say(f"selftest passed: {len(found.problems)} certified fits, parameters and a hidden effect recovered")

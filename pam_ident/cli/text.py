@@ -7,7 +7,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 import typer
 
@@ -43,16 +43,22 @@ def say_table(table: str) -> None:
         typer.echo(table, nl=False)
 
 
-def warn(line: str) -> None:
-    """Say on stderr what is doubtful."""
+def warn(message: str) -> None:
+    """Say on stderr what is doubtful or wrong; on a terminal broken as `say` does."""
     if unfinished is not None:
         unfinished()
-    typer.echo(line, err=True)
+    width = _width(sys.stderr)
+    for line in message.splitlines():
+        typer.echo(line if width is None or len(line) <= width else _broken(line, width), err=True)
 
 
 def columns() -> int | None:
     """Width of the terminal in characters, or COLUMNS; None where the output goes elsewhere, for a program to read."""
-    return shutil.get_terminal_size().columns if sys.stdout.isatty() or "COLUMNS" in os.environ else None
+    return _width(sys.stdout)
+
+
+def _width(stream: TextIO) -> int | None:
+    return shutil.get_terminal_size().columns if stream.isatty() or "COLUMNS" in os.environ else None
 
 
 def _broken(line: str, width: int) -> str:

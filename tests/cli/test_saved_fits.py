@@ -143,6 +143,10 @@ def test_tables_are_no_wider_than_the_terminal(ask, monkeypatch, rubbing):
     ):
         lines = ask(*words).stdout.splitlines()
         assert max(map(len, lines)) <= 80, words
+    monkeypatch.setenv("COLUMNS", "60")
+    for words in (("effects", "coulom_friction"), ("fit", "hiden_effect"), ("fit", "paper_laws", "--law", "chu")):
+        lines = ask(*words).stderr.splitlines()
+        assert len(lines) > 1 and max(map(len, lines)) <= 60, words
     narrow = text.table(("name", "words"), [("a", "one two three four five six " * 4)], left=(0, 1))
     assert (
         len(narrow) > 2
