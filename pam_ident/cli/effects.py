@@ -70,7 +70,7 @@ def show(
         text.say(f"Warning: {effect.warning}")
     for form in effect.forms:
         text.say("", f"form {form.name}: {form.formula}")
-        rows = [(p.symbol or p.name, p.unit, text.bounds(p), p.doc) for p in form.params]
+        rows = [(text.named(p), p.unit, text.bounds(p), p.doc) for p in form.params]
         text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
         for p in form.params:
             if p.range is not None:

@@ -36,7 +36,7 @@ def laws(
 
 
 def _print_one(law: "Law") -> None:
-    rows = [(p.symbol or p.name, p.unit, text.bounds(p), p.doc) for p in law.params]
+    rows = [(text.named(p), p.unit, text.bounds(p), p.doc) for p in law.params]
     text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
     if law.min_levels > 1:
         text.say(f"{text.INDENT}needs {law.min_levels} pressures at least to tell its parameters apart")

@@ -168,6 +168,11 @@ def interval_of(estimate: "Estimate") -> str:
     return interval(estimate.low, estimate.high, estimate.stderr) if math.isfinite(estimate.stderr) else ""
 
 
+def named(param: "Param") -> str:
+    """A parameter by the name it has in every answer, and by its symbol where a formula has another."""
+    return f"{param.name} ({param.symbol})" if param.symbol else param.name
+
+
 def bounds(param: "Param") -> str:
     """The values that a parameter may take."""
     low, high = (f"{end:g}" if math.isfinite(end) else "" for end in (param.lower, param.upper))

@@ -92,9 +92,11 @@ def find_files(path: str | Path) -> Files:
     else:
         along = bundled(given)
         if along is None:
-            near = nearest(given, dataset_names())
-            meant = f"did you mean the data set {' or '.join(near)}?" if near else "give the path of a CSV record"
-            raise DataError(f"{given}: no such file; {meant}")
+            known = [name for name in dataset_names() if bundled(name)]
+            near = nearest(given, known)
+            if near:
+                raise DataError(f"{given}: no such file; did you mean the data set {' or '.join(near)}?")
+            raise DataError(f"{given}: no such file; give the path of a CSV record, or a data set: {', '.join(known)}")
         return replace(find_files(along), given=given)
     found.sort(key=_natural)
     return Files(given, tuple(found), found[0].parent, "")

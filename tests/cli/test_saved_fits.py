@@ -108,10 +108,13 @@ def test_mistyped_names_are_answered_by_those_like_them(ask, clean):
     ):
         result = ask(*words)
         assert result.exit_code == 2 and f"did you mean {meant}" in result.stderr and len(result.stderr) < 200
+    told = ask("fit", "none.csv").stderr
+    assert "hidden_effect" in told and "gait" not in told, "what may be asked for is listed"
 
 
 def test_one_law_and_one_effect_in_full(ask):
     law, effect = ask("laws", "sarosi").stdout, ask("effects", "creep").stdout
+    assert "mu (μ)" in ask("laws", "exponential_law").stdout
     assert "F = (s1 p + s2) exp(s3 ε)" in law and "-400 to -1" in law and "chou_hannaford" not in law
     assert "any" in law and "inf" not in law + effect
     assert effect == ask("effects", "show", "creep").stdout and "form textbook" in effect
