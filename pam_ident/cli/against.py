@@ -1,5 +1,6 @@
 """pam-ident against."""
 
+from dataclasses import replace
 from typing import Annotated
 
 import typer
@@ -39,7 +40,8 @@ def against(
     doubts = [*warnings_of(found.fits[0]), *warnings_of(found.fits[1])]
     options.give_json(asked.json, lambda: against_json(a, b, found, doubts) | law_choice_json(choice))
     if out is not None:
-        write_whole(out, against_page(found, given, setup.command("against", a, b, "--out", out)))
+        taken = setup if choice is None else replace(setup, law=choice.law)
+        write_whole(out, against_page(found, given, taken.command("against", (a, b), "--out", out)))
     text.say(*(text.title(path, record) for path, record in given.items()), *text.chosen(choice), "")
     text.say(*text.banner(doubts), found.sentence)
     for one in (records_table(found), effects_table(found), parameters_table(found)):

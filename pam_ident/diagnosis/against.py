@@ -7,7 +7,7 @@ import numpy as np
 from scipy.stats import t as student_t
 
 from ..core import FitError, Inputs
-from ..core.digits import newtons, number, percent
+from ..core.digits import newtons, percent
 from ..fitting import Fit, fit
 from ..fitting.covariance import student
 from ..fitting.solve import jacobian
@@ -208,19 +208,20 @@ def _sentence(
         names = "A", "B"
     parts = []
     if force is not None:
-        more = "more" if force.mean >= 0.0 else "less"
         parts.append(
-            f"Where both were measured, {names[1]} pulls {newtons(abs(force.mean))} {more} than {names[0]} on average "
-            f"(95 %: {number(force.low, 3)} to {newtons(force.high)}), {newtons(force.rms)} rms"
+            f"Where both were measured, {names[1]} pulls {_more(force.mean)} than {names[0]} on average "
+            f"({_between(force.low, force.high)}); the difference is {newtons(force.rms)} rms"
         )
     known = [one for one in parameters if math.isfinite(one.p)]
     apart = sorted((one for one in known if one.differs), key=lambda one: one.p)
     told = f": {', '.join(one.name for one in apart[:4])}{' …' if len(apart) > 4 else ''}" if apart else ""
-    parts.append(f"{len(apart)} of {len(known)} parameters differ beyond chance{told}")
+    parts.append(
+        f"Of {len(known)} parameters {len(apart) or 'none'} differ{'s' * (len(apart) < 2)} beyond chance{told}"
+    )
     for where, who in (("both", "both"), ("a", f"{names[0]} alone"), ("b", f"{names[1]} alone")):
         found = [one.effect for one in effects if one.where == where]
         if found:
-            parts.append(f"named in {who}: {', '.join(found)}")
+            parts.append(f"Missing in {who}: {', '.join(found)}")
     shares = [{one.what: one.share for one in each.follows} for each in (a, b)]
     words = {one.what: one.text for each in (a, b) for one in each.follows}
     moved = [(shares[1].get(w, 0.0) - shares[0].get(w, 0.0), w) for w in words if w != "noise"]
@@ -229,5 +230,19 @@ def _sentence(
         first, second = (
             f"{percent(each.get(most[1], 0.0))} in {name}" for each, name in zip(shares, names, strict=True)
         )
-        parts.append(f"of the law's squared error {first} and {second} follow {words[most[1]]}")
-    return "; ".join(parts) + "."
+        parts.append(f"Of the law's squared error {first} and {second} follow {words[most[1]]}")
+    return ". ".join(parts) + "."
+
+
+def _more(force: float) -> str:
+    return f"{newtons(abs(force))} {'more' if force >= 0.0 else 'less'}"
+
+
+def _between(low: float, high: float) -> str:
+    """The 95 % interval of a difference, in words that need no sign."""
+    if not math.isfinite(low + high):
+        return "its interval is not determined"
+    if (low >= 0.0) != (high >= 0.0):
+        return f"95 %: from {_more(low)} to {_more(high)}"
+    near, far = sorted((low, high), key=abs)
+    return f"95 %: {newtons(abs(near))} to {_more(far)}"

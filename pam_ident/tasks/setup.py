@@ -139,9 +139,10 @@ class Setup:
         prior = None if self.prior is None else os.path.abspath(self.prior)
         return replace(self, effect_files=tuple(os.path.abspath(path) for path in self.effect_files), prior=prior)
 
-    def command(self, verb: str, record: str, *more: str) -> str:
-        """The command line that asks the same again."""
-        words = ["pam-ident", verb, record, "--law", self.law]
+    def command(self, verb: str, record: str | tuple[str, ...], *more: str) -> str:
+        """The command line that asks the same again, of one record or of several."""
+        records = (record,) if isinstance(record, str) else record
+        words = ["pam-ident", verb, *records, "--law", self.law]
         for name in self.effects:
             words += ["--effect", name]
         for path in self.effect_files:

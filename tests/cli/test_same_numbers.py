@@ -66,9 +66,11 @@ def test_on_the_page_and_in_markdown(name, request, ask, tmp_path):
 
 
 def test_in_a_comparison_of_two(clean, rubbing, ask, tmp_path):
-    said = ask("against", clean, rubbing, "--law", "exponential_law", "--json", tmp_path / "ab.json",
-               "--out", tmp_path / "ab.html")  # fmt: skip
+    said = ask("against", clean, rubbing, "--json", tmp_path / "ab.json", "--out", tmp_path / "ab.html")
     assert said.exit_code == 0 and "rms" in said.stdout
+    whole = (tmp_path / "ab.html").read_text(encoding="utf-8")
+    assert whole.index("What differs") < whole.index("Contents"), "the answer comes first"
+    assert f"{clean} {rubbing} --law exponential_law --out" in whole
     page = DRAWN.sub(" ", (tmp_path / "ab.html").read_text(encoding="utf-8"))
     answer = "\n".join(texts(json.loads((tmp_path / "ab.json").read_text(encoding="utf-8"))))
     assert not strays(said.stdout) and not strays(page) and not strays(answer)

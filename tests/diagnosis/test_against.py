@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from pam_ident.diagnosis.against import _holm, against
+from pam_ident.diagnosis.against import _between, _holm, against
 from pam_ident.records import read_record, thinned
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.setup import Setup
@@ -37,6 +37,16 @@ def test_the_force_differs_by_the_friction_and_not_on_average(found):
     assert force.low < force.mean < force.high and abs(force.mean) < 1.0 < force.rms < abs(force.largest)
     friction = found.b.base.rmse**2 - found.b.best.rmse**2
     assert force.rms == pytest.approx(math.sqrt(friction), rel=0.15)
+
+
+def test_the_sentence_says_more_and_less_in_words_and_ends_each_thought(found):
+    assert _between(-0.192, -0.0165) == "95 %: 0.0165 N to 0.192 N less"
+    assert _between(0.0165, 0.192) == "95 %: 0.0165 N to 0.192 N more"
+    assert _between(-0.2, 0.1) == "95 %: from 0.200 N less to 0.100 N more"
+    assert _between(math.nan, math.nan) == "its interval is not determined"
+    thoughts = found.sentence.split(". ")
+    assert len(thoughts) == 4 and all(not one[0].islower() for one in thoughts) and " -" not in found.sentence
+    assert thoughts[2] == "Missing in hidden_effect alone: pressure_friction"
 
 
 def test_a_record_against_its_like_differs_in_nothing(found):
