@@ -7,6 +7,7 @@ from .. import plot
 from ..diagnosis.against import Against, ParameterDifference
 from ..diagnosis.follows import told
 from .easel import Easel, Part
+from .opening import BESIDE
 from .render import environment
 from .tables import PageTable
 from .tables import provenance as provenance_table
@@ -33,7 +34,7 @@ def parts(found: Against, easel: Easel) -> tuple[Part, ...]:
     """What differs in a sentence, then the effects, what the errors follow, and the parameters."""
     bars = tuple(
         easel.hang(
-            plot.follows.draw(one.follows),
+            plot.follows.draw(one.follows, BESIDE),
             f"What the law's error in {which} follows, as one bar. {told(one.follows)}",
             f"{which}, {one.base.record.name}: what the law's error follows. {told(one.follows)}",
         )

@@ -10,10 +10,12 @@ import pytest
 from matplotlib.image import imread
 
 from pam_ident.diagnosis import compare
+from pam_ident.diagnosis.against import against
 from pam_ident.diagnosis.nouns import Ladder, Rung
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.report import Section, Story, render
+from pam_ident.report.against import render_against
 
 pytestmark = pytest.mark.browser
 LAW = "modified_chou_hannaford"
@@ -193,3 +195,15 @@ def test_axe_finds_no_fault_of_weight(opened, width, rungs, scheme):
         found = axe.run(opened).response["violations"]
         told = [(one["id"], one["impact"], [n["html"][:200] for n in one["nodes"]]) for one in found]
         assert [one for one in told if one[1] in ("serious", "critical", "moderate")] == [], json.dumps(told, indent=1)
+
+
+def test_two_records_beside_each_other_open_with_what_differs_and_no_figure_is_cut(page, diagnosis, tmp_path):
+    path = tmp_path / "ab.html"
+    path.write_text(render_against(against(diagnosis, diagnosis), {}), encoding="utf-8")
+    page.set_viewport_size({"width": 500, "height": 900})
+    page.goto(path.as_uri())
+    assert page.get_by_role("heading", name="What differs").bounding_box()["y"] < 300
+    for drawing in page.locator(".drawing").all():
+        assert drawing.evaluate("(one) => one.scrollWidth - one.clientWidth") <= 1
+    page.set_viewport_size({"width": 1400, "height": 900})
+    assert page.locator(".drawing svg").first.bounding_box()["width"] < 700, "words no larger than those of the text"

@@ -41,7 +41,7 @@ def test_markdown_holds_the_same_parts_in_the_same_order(story):
         (int(level), head) for level, head in heads
     ]
     assert re.findall(r"\]\((.*?)\)", text) == [f"here/{name}" for name in figures]
-    assert len(figures) == page.count("<figure>") and all("<svg" in one for one in figures.values())
+    assert len(figures) == page.count("<figure ") and all("<svg" in one for one in figures.values())
     assert story.sections[0].diagnosis.sentence.replace("_", "\\_") in text
     assert f"    {PROVENANCE['command']}" in text and "| date (UTC) | 2026-01-02 |" in text
 
