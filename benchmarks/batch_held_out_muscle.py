@@ -1,12 +1,12 @@
-"""A muscle foretold by others: Festo 20 mm of three rest lengths, each law fitted to two and held against the third.
+"""A muscle predicted by others: Festo 20 mm of three rest lengths, each law fitted to two and held against the third.
 
     python benchmarks/batch_held_out_muscle.py
 
 Each law alone, and the rungs of a ladder from the ideal one, of effects that the PSU tables were found to show. All
 parameters shared, or each muscle with a zero of its load cell of its own (which was not removed from these data) or,
 for the ladder, a rest length of its own; the third muscle's is the mean. Errors in N over the three ways to leave one
-out. How far the muscles are apart at rest length is what no law that knows only pressure and contraction can foretell.
-Exits with 1 where the model that foretells best errs more than 1.5 times as much on the third muscle as on the two.
+out. How far the muscles are apart at rest length is what no law that knows only pressure and contraction can predict.
+Exits with 1 where the model that predicts best errs more than 1.5 times as much on the third muscle as on the two.
 """
 
 import sys

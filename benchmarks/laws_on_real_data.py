@@ -2,7 +2,7 @@
 
     python benchmarks/laws_on_real_data.py [--markdown FILE]
 
-The static map comes along. The other measurements are read from the folder PAM_IDENT_REALDATA (default
+The static map is bundled. The other measurements are read from the folder PAM_IDENT_REALDATA (default
 ../shared/realdata beside the checkout) and passed over where it is absent. `--markdown` puts the tables into FILE,
 between its lines <!-- tables --> and <!-- /tables --> where it has them.
 """

@@ -4,7 +4,7 @@
 
 Each record of a challenge set (nine in ten hide an effect that the law does not have) is fitted without some of its
 cycles, without one of its inner pressures, without its lowest or highest, and without one of its speeds; each time the
-interval is foretold for the readings that were left out: by the law alone where an effect is hidden, by the law with
+interval is predicted for the readings that were left out: by the law alone where an effect is hidden, by the law with
 that effect, and where nothing is hidden. A row a kind: records, the share of all readings inside, the quartiles of that
 share over the records, the median half width over the rms error of the same readings and over that of the noise alone,
 and how often the answer says that it is wide because something is missing. With --real the same of the measured
@@ -136,7 +136,7 @@ def main() -> None:
 
 
 def measured() -> list[Record]:
-    """The measured muscles: the static map that comes along, and those beside the checkout."""
+    """The measured muscles: the bundled static map, and those beside the checkout."""
     from real_records import REALDATA, records
 
     return list(records(REALDATA))

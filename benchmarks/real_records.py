@@ -1,6 +1,6 @@
 """The measured muscles at hand as records; what the benchmarks on real data share.
 
-The static map comes along. The other measurements are read from the folder PAM_IDENT_REALDATA (default
+The static map is bundled. The other measurements are read from the folder PAM_IDENT_REALDATA (default
 ../shared/realdata beside the checkout).
 """
 

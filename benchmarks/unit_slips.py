@@ -42,7 +42,7 @@ class Good:
 
 
 def good_records(folder: Path) -> list[Good]:
-    """Five that come along, five of the rig with other muscles, laws and effects."""
+    """Five that are bundled, five of the rig with other muscles, laws and effects."""
     found = [
         Good("dmsp20_300", "exponential_law", dataset_record("dmsp20_300")),
         Good("catalogue", "exponential_law", dataset_record("festo_dmsp20_catalogue")),

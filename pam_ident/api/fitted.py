@@ -20,7 +20,7 @@ from ..tasks.law_choice import LawChoice
 from ..tasks.predict import SavedFit, Validation, validate_fit
 from .asking import ObjectSetup, codes
 from .record import ShownRecord, read
-from .saved import COLUMNS, Foretelling
+from .saved import COLUMNS, Predicting
 
 if TYPE_CHECKING:
     import lmfit
@@ -37,7 +37,7 @@ def told(params: "pd.DataFrame") -> str:
     return table.to_string()
 
 
-class FitResult(Foretelling):
+class FitResult(Predicting):
     """A fit: its parameters, its errors, and what it predicts. `pam.fit` makes it.
 
     `law`, `effects` and `law_choice` say what was fitted and why; `rmse`, `max_error` (N), `r2` and `n` how well, over

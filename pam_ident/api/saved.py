@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 COLUMNS = ("value", "stderr", "low", "high", "unit", "verdict", "meaning")
 
 
-class Foretelling(ABC):
+class Predicting(ABC):
     """What every fitted model can be asked: its force elsewhere, and how it does on another record."""
 
     specimen: Specimen
@@ -69,7 +69,7 @@ class Foretelling(ABC):
         return prediction_frame(inputs, predict(self.predictors, inputs))
 
 
-class SavedResult(Foretelling):
+class SavedResult(Predicting):
     """A fit that was read back from its file: `params`, `predict`, `validate`, `summary`; the record is not in it."""
 
     def __init__(self, saved: SavedFit, content: dict[str, Any]) -> None:

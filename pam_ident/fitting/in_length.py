@@ -13,7 +13,7 @@ Array = np.ndarray
 
 class InLength(Fit):
     """A fit whose `residual`, `errors` and what is made of them are of the length, in mm; positive where the muscle is
-    shorter than foretold."""
+    shorter than predicted."""
 
     @classmethod
     def of(cls, one: Fit) -> "InLength":
@@ -22,7 +22,7 @@ class InLength(Fit):
 
     @cached_property
     def residual(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Measured minus foretold length of the stroke in mm at every sample, shape (n,)."""
+        """Measured minus predicted length of the stroke in mm at every sample, shape (n,)."""
         assert self.lengths is not None
         return self.lengths.residual
 

@@ -1,9 +1,9 @@
 """The length at which a model carries a load: what a fit leaves where the load is held and the length answers.
 
-A model foretells the contraction ε at which F(p, ε; θ) = W, p the pressure and W the load. Its slopes over the
+A model predicts the contraction ε at which F(p, ε; θ) = W, p the pressure and W the load. Its slopes over the
 parameters are those of an implicit function, dε/dθ = −(∂F/∂θ)/(∂F/∂ε) (Dini's theorem; Dontchev & Rockafellar 2014,
 Implicit Functions and Solution Mappings, theorem 1B.1). Where the force does not fall with the contraction no length is
-stable, and none is foretold.
+stable, and none is predicted.
 """
 
 import math
@@ -35,7 +35,7 @@ PLACES, ROUNDS = 25, 60
 EXACT_N, EXACT = 1e-9, 1e-14
 """Miss of the load in N, and width in contraction, at which an equilibrium is found."""
 LEAST_SLOPE = 1e-3
-"""Fall of the force over the whole length beside the load, below which no length is foretold."""
+"""Fall of the force over the whole length beside the load, below which no length is predicted."""
 ONE_WEIGHT = 0.05
 """Distance of two loads beside the larger, up to which they are one weight."""
 BAND, AT_END = 4.0, 0.004
@@ -50,7 +50,7 @@ NO_PRESSURE = 0.02
 @dataclass(frozen=True, eq=False)
 class Lengths:
     """What a model says of the lengths of n samples, (n,) each: the `load` in N, the `contraction` at which it carries
-    that, the force's `slope` there in N over the whole length, and the `residual` in mm, measured less foretold; the
+    that, the force's `slope` there in N over the whole length, and the `residual` in mm, measured less predicted; the
     `weight` that was held in N, and whether a sample is at the mechanical `limit` of the length. The
     contraction is the end of what a braid reaches, and the slope 0, where the model has no stable length."""
 
@@ -72,7 +72,7 @@ class Lengths:
 
 
 def by_length(record: Record) -> bool:
-    """Whether the length answered, so that it is what a model must foretell."""
+    """Whether the length answered, so that it is what a model must predict."""
     return kind_of(record) == "isotonic"
 
 
@@ -181,7 +181,7 @@ def _root(over: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Arr
 
 
 def problem_of(model: Model, inputs: Inputs, load: Array, whiten: Whiten = all_rows) -> Problem:
-    """Least squares of the length in mm that a model foretells under `load` (n,) in N, all its parameters curved."""
+    """Least squares of the length in mm that a model predicts under `load` (n,) in N, all its parameters curved."""
     length, last = inputs.specimen.initial_length_mm, {}
 
     def solved(values: Values) -> tuple[Array, Array]:
@@ -219,14 +219,14 @@ def solve_length(
     those of a fit of the force, which is blind where there is one load, and those of an ideal braid's force. What the
     rows of a run share of the error of its load is evened out, by what is returned beside the solution.
 
-    Raises DataError for an effect that remembers the way, which would foretell the length by the length.
+    Raises DataError for an effect that remembers the way, which would predict the length by the length.
     """
     inputs, load, _ = taken = _rows(record, rows)
     memory = with_memory(model, inputs, load)
     if memory:
         raise DataError(
             f"{record.source or record.name}: {memory[0].label} remembers the way, and in an isotonic test the way is "
-            "what the model must foretell; leave the effect out"
+            "what the model must predict; leave the effect out"
         )
     problem = problem_of(model, inputs, load).holding(**held)
     beginnings = [start] if start and set(start) >= set(model.names) else _beginnings(model, *taken, held)

@@ -114,7 +114,7 @@ def doubts_about(one: Fit) -> tuple[Doubt, ...]:
 
 
 def _doubt_length(one: Fit) -> Iterator[Doubt]:
-    """What looks wrong where a fit was to foretell the length, and what it was not fitted to."""
+    """What looks wrong where a fit was to predict the length, and what it was not fitted to."""
     assert one.lengths is not None
     weight, errors = one.lengths.weight[one.rows], one.length_errors
     left_out = int(one.lengths.limit.sum())

@@ -80,7 +80,7 @@ class Validation:
 
     @property
     def in_mm(self) -> bool:
-        """Whether the length was foretold, so that errors are in mm."""
+        """Whether the length was predicted, so that errors are in mm."""
         return self.in_force is not None
 
     @property
@@ -173,7 +173,7 @@ def predict_length(branches: Mapping[str, Predictor], inputs: Inputs, load: Arra
     model = next(iter(branches.values())).model
     memory = [term.label for term in model.terms if term.form.remembers]
     if memory:
-        raise DataError(f"the fit's {memory[0]} remembers the way, which is what is to be foretold; fit without it")
+        raise DataError(f"the fit's {memory[0]} remembers the way, which is what is to be predicted; fit without it")
     return _by_branch(branches, inputs, lambda one: one.carrying(inputs, load))
 
 

@@ -15,7 +15,7 @@ def weights(tmp_path_factory):
     return folder / "record.csv"
 
 
-def test_a_length_is_fitted_compared_and_foretold(ask, weights, tmp_path):
+def test_a_length_is_fitted_compared_and_predicted(ask, weights, tmp_path):
     fitted = ask("fit", weights, *LAW, "--json", tmp_path / "fit.json")
     assert fitted.exit_code == 0 and "length: rmse 0.0" in fitted.stdout and "energy of a cycle" not in fitted.stdout
     compared = ask("compare", weights, *LAW)

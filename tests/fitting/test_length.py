@@ -48,7 +48,7 @@ def rms_mm(model, values, part: Record) -> float:
 
 
 @pytest.mark.parametrize("seed", [3, 4])
-def test_two_weights_foretell_the_length_under_a_third_to_about_the_sensors_noise(seed):
+def test_two_weights_predict_the_length_under_a_third_to_about_the_sensors_noise(seed):
     whole = record(seed)
     for third in range(3):
         one = fit(LAW, under(whole, *(k for k in range(3) if k != third)))
@@ -82,7 +82,7 @@ def test_what_wiggles_of_one_load_would_tell_is_no_second_weight():
     assert not one.valid and len(np.unique(weights_of(one.record))) == 1
 
 
-def test_a_law_that_does_not_fall_foretells_no_length_and_does_not_win():
+def test_a_law_that_does_not_fall_predicts_no_length_and_does_not_win():
     whole = under(record(3), 1)
     load = load_of(whole)
     nothing = dict.fromkeys(LAW.names, 0.0) | {"a0": float(load[0]), "mu": 45.0}
@@ -93,7 +93,7 @@ def test_a_law_that_does_not_fall_foretells_no_length_and_does_not_win():
     assert fit(LAW, whole).length_errors.rmse < SENSORS_MM
 
 
-def test_the_length_foretold_knows_nothing_of_the_length_measured():
+def test_the_length_predicted_knows_nothing_of_the_length_measured():
     whole = record(3)
     values = fit(LAW, whole, detail=False).values
     moved = replace(whole, inputs=replace(whole.inputs, contraction=whole.inputs.contraction[::-1].copy()))

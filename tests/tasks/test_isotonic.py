@@ -79,7 +79,7 @@ def test_compare_says_under_which_weight_the_length_fails(cases):
         failure_picture(found, ".svg")
 
 
-def test_a_fit_on_isobars_foretells_lengths_and_the_reverse(cases, saved):
+def test_a_fit_on_isobars_predicts_lengths_and_the_reverse(cases, saved):
     lengths = validate_fit(saved["standard"], read_record(cases["weight_stairs"]))
     assert lengths.in_mm and lengths.trial.rmse < NOISE_MM and lengths.coverage > 0.9
     assert "predicts the length of" in lengths.sentence and not lengths.as_well
@@ -90,7 +90,7 @@ def test_a_fit_on_isobars_foretells_lengths_and_the_reverse(cases, saved):
     assert not forces.in_mm and forces.trial.rmse < 1.3 * own and "rmse_mm" not in validation_json("f", "s", forces)
 
 
-def test_the_static_curve_is_foretold_at_other_loads(saved, tmp_path):
+def test_the_static_curve_is_predicted_at_other_loads(saved, tmp_path):
     made = make_record(Plan(4, protocol="weight_ramps"))
     table = pd.DataFrame(
         {"pressure_MPa": np.tile(np.linspace(0.3, 0.5, 5), 2), "force_N": np.repeat([100.0, 230.0], 5)}
