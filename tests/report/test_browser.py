@@ -207,3 +207,11 @@ def test_two_records_beside_each_other_open_with_what_differs_and_no_figure_is_c
         assert drawing.evaluate("(one) => one.scrollWidth - one.clientWidth") <= 1
     page.set_viewport_size({"width": 1400, "height": 900})
     assert page.locator(".drawing svg").first.bounding_box()["width"] < 700, "words no larger than those of the text"
+
+
+def test_the_name_of_a_record_alone_stands_once_above_its_answer(page, record, diagnosis, tmp_path):
+    path, one = tmp_path / "one.html", Section(record, compare(diagnosis.base), diagnosis)
+    path.write_text(render(Story(f"{record.name}: a law", (one,), {})), encoding="utf-8")
+    page.goto(path.as_uri())
+    boxes = [one.bounding_box() for one in page.get_by_role("heading", name=record.name).all()]
+    assert [box["width"] > 1 for box in boxes] == [True, False], "the second is for a screen reader"
