@@ -19,14 +19,13 @@ REMAINS = {
 
 def opening(section: Section, easel: Easel) -> Part:
     """The answer, before any detail."""
-    diagnosis = section.diagnosis
     return Part(
         f"{easel.prefix}-verdict",
         _headline(section),
         (_fall(section),),
         (_trace(section, easel), *_falling(section, easel), _bar(section, easel)),
         notes=(_sure(section), *(f"{one}." for one in (section.after or section.before).at_bounds), *_next(section)),
-        badge=VERDICTS.get(diagnosis.verdict, (diagnosis.verdict, "")),
+        badge=_badge(section),
         opening=True,
     )
 
@@ -50,6 +49,14 @@ def _verdict(section: Section) -> str:
     last = section.ladder.last if section.ladder is not None else section.diagnosis
     asked = last is not section.diagnosis or section.after is None or last.verdict == "unknown_effect"
     return last.verdict if asked else ""
+
+
+def _badge(section: Section) -> tuple[str, str]:
+    """What the law lacks, in a word: also where effects are named, it may be something that none of them is."""
+    verdict = _verdict(section) or section.diagnosis.verdict
+    if _added(section) and verdict != "unknown_effect":
+        verdict = "missing_effect"
+    return VERDICTS.get(verdict, (verdict, ""))
 
 
 def _headline(section: Section) -> str:

@@ -1,5 +1,6 @@
 """What the page says of many muscles, against figures worked out by hand."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -85,6 +86,8 @@ def test_a_planted_trend_and_an_odd_muscle_are_named_on_the_page(tmp_path):
     assert odd["c1"] == ["muscle07/run.csv"]
     page = found.page.read_text(encoding="utf-8")
     assert page.count("<figure ") == 2 and "muscle07/run.csv" in page and "follows it" in page
+    assert len(re.findall(r'<th scope="row" id="m\d+">muscle\d\d/run.csv</th>', page)) == 15, "every muscle is listed"
+    assert re.search(r'<a href="#m\d+">muscle07/run.csv</a>', page), "and linked where it is named"
     assert "<script" not in page and "src=" not in page and 'href="http' not in page
 
 

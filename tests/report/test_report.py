@@ -92,6 +92,16 @@ def parsed(text):
     return Page(text)
 
 
+def test_the_badge_does_not_contradict_the_end_of_the_ladder(section, ladder):
+    """The demo's map was badged `a known effect explains` where the terminal said unknown_effect."""
+    ends = {"adequate": "Effect missing", "missing_effect": "Effect missing", "unknown_effect": "Unknown effect"}
+    for verdict, word in ends.items():
+        told = replace(section, ladder=replace(ladder, last=replace(ladder.last, verdict=verdict)))
+        assert opening(told, Easel("a", 100)).badge[0] == word, verdict
+    alone = Section(section.record, section.comparison, replace(section.diagnosis, verdict="adequate", selected=()))
+    assert opening(alone, Easel("a", 100)).badge[0] == "Adequate"
+
+
 def test_is_well_formed(parsed, text):
     assert text.lstrip().startswith("<!DOCTYPE html>")
     assert parsed.open == []
