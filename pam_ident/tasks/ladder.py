@@ -39,7 +39,7 @@ def climb_ladder(record: Record, setup: Setup, executor: Executor = HERE) -> Lad
         >>> setup = Setup("exponential_law")
         >>> found = climb_ladder(setup.read(dataset_record("nothing_hidden")), setup)
         >>> print(len(found.rungs), "rung,", found.last.verdict, f"at {found.noise_floor:.1f} N")
-        1 rung, adequate at 2.0 N
+        1 rung, adequate at 2.1 N
     """
     with computing(record):
         may_name(record, setup.model, setup.assume)
