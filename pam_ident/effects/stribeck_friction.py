@@ -2,7 +2,7 @@
 
 from ..core import Inputs, Param
 from ._history import lugre_operator, time_held
-from .base import AddsForce, Array, Effect, Values, one, slip, speed
+from .base import AddsForce, Array, Effect, Values, free_form, one, slip, speed
 from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, exponential_dip, gaussian_dip
 
 SIZES = (F_C, F_BREAK, F_HOLD, HOLD_GAIN)
@@ -45,6 +45,7 @@ EFFECT = Effect(
             (PEAK, V_S, WIDTH),
             remembers=True,
         ),
+        free_form("−sgn(ε̇), −exp(−v/v_s) sgn(ε̇)", exponential_dip, 4, contraction=1, nonlinear=(V_S,)),
     ),
     follows=("speed", "direction"),
     test="at least four speeds over two decades: the gap narrows with speed",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..core import DataError, Inputs, Specimen
+from .corners import rest_corners
 from .kind import find_kind
 from .motion import find_motion
 from .notes import Note
@@ -155,6 +156,7 @@ def build_record(
     if kind == "isometric":
         held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
         driven = find_motion(time, KPA * pressure, held)
+        rest_corners(driven, time, KPA * pressure, force)
         pull = specimen.ideal_force(np.ones(len(held)), held)  # N/MPa; by the specimen, for states have no force
         per_kpa = 1e-3 * GIVE_MM_KN / KPA * np.maximum(pull, SLIGHT * pull.max())
         parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}
@@ -164,7 +166,9 @@ def build_record(
         loaded = kind in ("isotonic", "dynamic")
         held = np.zeros(len(level)) if loaded else level
         driven = find_motion(time, KPA * pressure, held) if loaded else None
-        motion = find_motion(time, contraction * specimen.initial_length_mm, held)
+        x = contraction * specimen.initial_length_mm
+        motion = find_motion(time, x, held)
+        rest_corners(motion, time, x, force)
     segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
     inputs = Inputs(
         pressure=pressure,
