@@ -40,6 +40,12 @@ class Columns:
                 file.seek(8 * first)
                 file.write(moved.data)
 
+    def put(self, name: str, rows: Array, values: Array | float) -> None:
+        """Overwrite the rows (m,) of a column."""
+        kept = np.memmap(self.folder / name, np.asarray(values).dtype, "r+")
+        kept[rows] = values
+        kept.flush()
+
     def drop(self, name: str) -> None:
         """Forget a column."""
         (self.folder / name).unlink(missing_ok=True)

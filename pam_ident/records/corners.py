@@ -3,6 +3,9 @@
 The track cannot tell. The force can: nothing has slid, and no speed is felt, where the muscle still rests.
 """
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 import numpy as np
 
 from .motion import Motion, position_noise
@@ -16,28 +19,50 @@ SURE = 3.0
 """Standard errors from which a mean difference is no chance."""
 NEAR = 4.0
 """Standard deviations of the sensor within which a sample lies on a level."""
+TAKEN = ("direction", "stroke", "stroke_speed", "position", "cycle")
+"""What a sample at rest has of the one before it."""
+
+
+@dataclass(frozen=True)
+class Corners:
+    """Rows (m,) in which strokes begin at the level of a hold, the direction there, and the force over the hold's."""
+
+    rows: Array
+    direction: Array
+    off: Array
+
+    @classmethod
+    def of(cls, moving: Array, direction: Array, segment: Array, x: Array, force: Array, noise: float) -> "Corners":
+        """Those of a track x with a sensor's `noise`, in one unit, by its motion and the force in N, (n,) each."""
+        at = np.flatnonzero(moving[1:] & ~moving[:-1]) + 1
+        at = at[at >= REST]
+        hold = at[:, None] - np.arange(1, REST + 1)
+        whole = ~moving[hold].any(axis=1) & (segment[hold[:, -1]] == segment[at])
+        there = whole & (np.abs(x[at] - x[hold].mean(axis=1)) <= NEAR * noise)
+        at, hold = at[there], hold[there]
+        return cls(at, direction[at], force[at] - force[hold].mean(axis=1))
+
+    @classmethod
+    def together(cls, parts: Iterable["Corners"]) -> "Corners":
+        """Those of pieces of one record, rows counted through."""
+        every = list(parts)
+        return cls(*(np.concatenate([getattr(one, name) for one in every]) for name in ("rows", "direction", "off")))
+
+    @property
+    def rest(self) -> bool:
+        """Whether the force is the hold's, on the whole, in both directions."""
+        for sign in (-1.0, 1.0):
+            one = self.off[self.direction == sign]
+            if len(one) < FEWEST or abs(one.mean()) > SURE * one.std() / np.sqrt(len(one)):
+                return False
+        return True
 
 
 def rest_corners(motion: Motion, time: Array, x: Array, force: Array) -> None:
-    """Give the first samples of strokes to the hold before them, where they lie at its level x (n,) and the force (n,)
-    is on the whole as it is in the hold."""
-    at = _resting(motion, x, force, position_noise(x, time))
-    motion.moving[at], motion.velocity[at] = False, 0.0
-    for kept in (motion.direction, motion.stroke, motion.stroke_speed, motion.position, motion.cycle):
-        kept[at] = kept[at - 1]
-
-
-def _resting(motion: Motion, x: Array, force: Array, noise: float) -> Array:
-    """Indices of the corners, none if in either direction the mean force is not the holds'."""
-    at = np.flatnonzero(motion.moving[1:] & ~motion.moving[:-1]) + 1
-    at = at[at >= REST]
-    hold = at[:, None] - np.arange(1, REST + 1)
-    whole = ~motion.moving[hold].any(axis=1) & (motion.segment[hold[:, -1]] == motion.segment[at])
-    there = whole & (np.abs(x[at] - x[hold].mean(axis=1)) <= NEAR * noise)
-    at, hold = at[there], hold[there]
-    off = force[at] - force[hold].mean(axis=1)
-    for sign in (-1.0, 1.0):
-        one = off[motion.direction[at] == sign]
-        if len(one) < FEWEST or abs(one.mean()) > SURE * one.std() / np.sqrt(len(one)):
-            return at[:0]
-    return at
+    """Give the corners of a record's motion to the holds before them, where they rest."""
+    found = Corners.of(motion.moving, motion.direction, motion.segment, x, force, position_noise(x, time))
+    if found.rest:
+        motion.moving[found.rows], motion.velocity[found.rows] = False, 0.0
+        for name in TAKEN:
+            values = getattr(motion, name)
+            values[found.rows] = values[found.rows - 1]
