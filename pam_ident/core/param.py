@@ -1,7 +1,7 @@
 """One parameter of a law or of an effect."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .errors import UsageError
 
@@ -10,12 +10,19 @@ from .errors import UsageError
 class Range:
     """Where nature ends, `low` to `high` in a parameter's unit, and the `source` that says so.
 
-    A search may go further (bounds), so that what it finds there is known to be impossible.
+    A search may go further (bounds), so that what it finds there is known to be impossible. A range that goes with the
+    size of the load cell is told for one of `cell_N`, and grows where a larger force was measured.
     """
 
     low: float
     high: float
     source: str
+    cell_N: float = math.inf
+
+    def where_measured(self, force_N: float) -> "Range":
+        """The range in a record with a largest force."""
+        larger = max(force_N / self.cell_N, 1.0)
+        return self if larger == 1.0 else replace(self, low=larger * self.low, high=larger * self.high)
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,10 @@ class Param:
                 f"parameter {self.name}: start {self.start} must lie in the bounds "
                 f"[{self.lower}, {self.upper}], and the bounds must not be empty"
             )
+
+    def where_measured(self, force_N: float) -> "Param":
+        """The parameter with its `range` in a record with a largest force."""
+        return self if self.range is None else replace(self, range=self.range.where_measured(force_N))
 
     def clip(self, value: float) -> float:
         """`value` moved into the bounds."""

@@ -3,7 +3,7 @@
 from ..core import Inputs, Param, Range
 from .base import AddsForce, Array, Effect, Values, one
 
-ZERO = Range(-100.0, 100.0, "zero balance of a 2 kN load cell with its fixtures, 5 %")
+ZERO = Range(-100.0, 100.0, "zero balance of a load cell, 5 % of 2 kN, or of the largest force", 2000.0)
 BIAS = Param("F_b", "N", "force read at no load", -2000.0, 2000.0, scale=10.0, range=ZERO)
 
 

@@ -6,9 +6,9 @@ from ..core import Inputs, Param, Range
 from ._history import since_first
 from .base import AddsForce, Array, Effect, Values, one
 
-CELL = "strain-gauge load cells, a tenth of 2 kN"
-RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0, range=Range(-60.0, 60.0, CELL))
-LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0, range=Range(-200.0, 200.0, CELL))
+CELL = "strain-gauge load cells, a tenth of 2 kN, or of the largest force"
+RATE = Param("rate", "N/min", "drift of the zero", -1000.0, 1000.0, scale=1.0, range=Range(-60.0, 60.0, CELL, 2000.0))
+LEVEL = Param("F_d", "N", "drift once settled", -5000.0, 5000.0, scale=10.0, range=Range(-200.0, 200.0, CELL, 2000.0))
 TAU = Param("tau", "s", "settling time of the drift", 5.0, 1e5, start=200.0, grid=(15.0, 60.0, 200.0, 600.0, 2000.0))
 SWING = (
     replace(LEVEL, name="F_sin", doc="sine part of a swing"),

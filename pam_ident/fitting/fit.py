@@ -90,7 +90,9 @@ class Fit:
 
     @cached_property
     def _estimated(self) -> tuple[tuple[Estimate, ...], Covariance | None]:
-        return estimates_of(self.model.bounded(self.record.inputs), self.values, self.held, self.sums)
+        largest = float(np.max(self.record.force, initial=0.0))
+        params = [p.where_measured(largest) for p in self.model.bounded(self.record.inputs)]
+        return estimates_of(params, self.values, self.held, self.sums)
 
     @cached_property
     def force(self) -> Array:
