@@ -15,6 +15,10 @@ Columns = Callable[[Inputs, Values, Array], Array]
 """(inputs, values of the nonlinear parameters, force of the model in N, shape (n,)) → shape (n, linear parameters)."""
 
 
+MOST_MPA, MOST_CONTRACTION = 0.8, 0.35
+"""Ends of the surfaces of what resists: the pressure and the contraction that muscles reach."""
+
+
 @dataclass(frozen=True)
 class Form(ABC):
     """One way to write an effect down: its linear and its nonlinear parameters, and the columns.
@@ -130,27 +134,45 @@ def free_form(
     name: str = "free",
     uses_force: bool = False,
     lower: float = -math.inf,
+    resisting: int = 0,
 ) -> Form:
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
 
     `pressure` and `contraction` are the surface's orders; `text` says the states in the formula, `unit` that of the
-    coefficients with their usual size, `lower` what nature forbids them to fall below.
+    coefficients with their usual size, `lower` what nature forbids them to fall below. The first `resisting` states
+    resist everywhere: their surfaces are of Bernstein polynomials, with coefficients above 0.
     """
     orders = [(i, j) for i in range(pressure + 1) for j in range(contraction + 1)]
     linear = tuple(
-        Param(f"f_{k}{i}{j}", unit[0], f"of state {k + 1}, (p/0.3 MPa)^{i} (ε/0.1)^{j}", lower, scale=unit[1])
+        Param(
+            f"f_{k}{i}{j}",
+            unit[0],
+            f"of state {k + 1}, " + (f"B_{i}(p) B_{j}(ε)" if k < resisting else f"(p/0.3 MPa)^{i} (ε/0.1)^{j}"),
+            0.0 if k < resisting else lower,
+            scale=unit[1],
+        )
         for k in range(count)
         for i, j in orders
     )
 
     def columns(inputs: Inputs, values: Values, force: Array) -> Array:
         p, e = inputs.pressure / 0.3, inputs.contraction / 0.1
-        surface = inputs.xp.stack([p**i * e**j for i, j in orders]).T
-        return (states(inputs, values, force)[:, :, None] * surface[:, None, :]).reshape(len(inputs), -1)
+        powers = inputs.xp.stack([p**i * e**j for i, j in orders]).T
+        p, e = inputs.pressure / MOST_MPA, inputs.contraction / MOST_CONTRACTION
+        above = inputs.xp.stack([bernstein(p, i, pressure) * bernstein(e, j, contraction) for i, j in orders]).T
+        found = states(inputs, values, force)
+        parts = [found[:, k, None] * (above if k < resisting else powers) for k in range(count)]
+        return inputs.xp.concat(parts, axis=1)
 
-    formula = f"{text} · Σ f_ij (p/0.3 MPa)^i (ε/0.1)^j"
+    formula = f"{text} · Σ f_ij " + ("B_i(p) B_j(ε)" if resisting else "(p/0.3 MPa)^i (ε/0.1)^j")
     return role(name, formula, linear, columns, nonlinear, uses_force, remembers)
+
+
+def bernstein(t: Array, k: int, order: int) -> Array:
+    """Bernstein polynomial k of an order, of t (n,) clipped to 0 … 1."""
+    t = t.__array_namespace__().clip(t, 0.0, 1.0)
+    return math.comb(order, k) * t**k * (1.0 - t) ** (order - k)
 
 
 def one(values: Array) -> Array:

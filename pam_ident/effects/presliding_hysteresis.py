@@ -82,7 +82,7 @@ EFFECT = Effect(
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
-        free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(WIDTH,), remembers=True),
+        free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(WIDTH,), remembers=True, resisting=3),
     ),
     follows=("way", "direction"),
     test="reversals and minor loops at one slow speed",

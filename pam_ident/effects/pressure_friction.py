@@ -49,7 +49,7 @@ EFFECT = Effect(
         AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
         AddsForce("power", "−μ_f 0.3 MPa (p/0.3 MPa)^n sgn(ε̇)", (MU, MU_HOLD), _power, (POWER,)),
         AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
-        free_form("−p/0.3 MPa sgn(ε̇)", _pressed, 2, contraction=2),
+        free_form("−p/0.3 MPa sgn(ε̇)", _pressed, 2, contraction=2, resisting=1),
     ),
     follows=("direction",),
     test="pressures over 4:1: the gap between the branches grows in proportion",

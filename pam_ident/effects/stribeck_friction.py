@@ -45,7 +45,7 @@ EFFECT = Effect(
             (PEAK, V_S, WIDTH),
             remembers=True,
         ),
-        free_form("−sgn(ε̇), −exp(−v/v_s) sgn(ε̇)", exponential_dip, 4, contraction=1, nonlinear=(V_S,)),
+        free_form("−sgn(ε̇), −exp(−v/v_s) sgn(ε̇)", exponential_dip, 4, contraction=1, nonlinear=(V_S,), resisting=2),
     ),
     follows=("speed", "direction"),
     test="at least four speeds over two decades: the gap narrows with speed",

@@ -25,7 +25,7 @@ def _power(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _powers(inputs: Inputs, values: Values, force: Array) -> Array:
     xp, force = inputs.xp, 100.0 * _power(inputs, values, force)
-    return xp.hstack([xp.maximum(force, 0.0), xp.minimum(force, 0.0)])
+    return xp.hstack([xp.minimum(force, 0.0), xp.maximum(force, 0.0)])
 
 
 def _thinning(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -54,7 +54,14 @@ EFFECT = Effect(
         AddsForce("thinning", "−B ẋ/(1 + |ẋ|/v_1)", (B,), _thinning, (V_1,)),
         AddsForce("asymmetric", "−B_c ẋ in contraction, −B_e ẋ in extension", (B_C, B_E), _asymmetric),
         AddsForce("pressure", "−(B + B_p p) |ẋ|^n sgn(ẋ)", (B, B_P), _pressure, (N,)),
-        free_form("−|ẋ/10 mm/s|^n sgn(ẋ), in contraction and in extension", _powers, 2, contraction=1, nonlinear=(N,)),
+        free_form(
+            "−|ẋ/10 mm/s|^n sgn(ẋ), in contraction and in extension",
+            _powers,
+            2,
+            contraction=1,
+            nonlinear=(N,),
+            resisting=2,
+        ),
     ),
     follows=("speed",),
     test="at least two speeds: the gap between the branches grows with speed",
