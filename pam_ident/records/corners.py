@@ -59,7 +59,8 @@ class Corners:
 
 
 def rest_corners(motion: Motion, time: Array, x: Array, force: Array) -> None:
-    """Give the corners of a record's motion to the holds before them, where they rest."""
+    """Give corners of a record's motion to the holds before them where they rest, by its time in s, its track x and the
+    force in N, shape (n,) each."""
     found = Corners.of(motion.moving, motion.direction, motion.segment, x, force, position_noise(x, time))
     if found.rest:
         motion.moving[found.rows], motion.velocity[found.rows] = False, 0.0

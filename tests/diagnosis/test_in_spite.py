@@ -17,9 +17,9 @@ def nothing() -> Record:
     return thinned(read_record(dataset_record("nothing_hidden")), 1600)
 
 
-@pytest.mark.parametrize(("size", "rough"), [(80.0, 0.2), (150.0, 0.1)])
-def test_friction_that_no_form_reaches_keeps_its_name_and_leaves_something_unknown(
-    nothing: Record, size: float, rough: float
+@pytest.mark.parametrize(("size", "rough", "stands"), [(80.0, 0.2, False), (150.0, 0.1, True)])
+def test_friction_that_no_form_reaches_keeps_its_name_if_it_explains_nearly_all(
+    nothing: Record, size: float, rough: float, stands: bool
 ) -> None:
     inputs = nothing.inputs
     x = inputs.displacement_mm
@@ -29,8 +29,8 @@ def test_friction_that_no_form_reaches_keeps_its_name_and_leaves_something_unkno
     rubbed = replace(nothing, force=nothing.force - size * kept * (0.3 + 2.0 * inputs.pressure) * place)
     found = diagnose(Model.build("exponential_law"), rubbed)
     assert found.verdict == "unknown_effect"
-    assert found.selected[0] == "pressure_friction"
-    assert found.best.rmse < 0.25 * found.base.rmse
+    assert found.selected == ("pressure_friction",) * stands
+    assert not stands or found.best.rmse < 0.25 * found.base.rmse
     assert found.noise_floor < 2.5  # that of the sensor, 2 N: what no form reaches is no noise
 
 
