@@ -17,13 +17,15 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Signature:
-    """Errors in N over the record. Points `x`, `before`, `after` have shape (points,).
+    """Errors in N over the record. Points `x`, `before`, `after` have shape (points,), and so have the `rows` of the
+    record that they are.
 
     `line` (m,) is the place of the running means over `window` samples and of `effect`, the change of the
     modelled force. `isobars` are (begin, end, pressure in MPa) along the same axis.
     """
 
     axis: str
+    rows: Array
     x: Array
     before: Array
     after: Array
@@ -52,6 +54,7 @@ def data(before: Fit, after: Fit, limit: int = 1500) -> Signature:
     pick = thin(len(order), limit)
     return Signature(
         axis,
+        order[pick],
         place[pick],
         old[pick],
         new[pick],

@@ -2,10 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
 from .tables import PageTable
+
+if TYPE_CHECKING:
+    from bokeh.models import LayoutDOM
+
+    from ..live.record import Figures
 
 
 @dataclass(frozen=True)
@@ -13,7 +19,7 @@ class Picture:
     """A figure with a name that no other on the page has, a label that is read out, and a caption.
 
     `tips` are texts by the ids of parts of the figure, shown where a pointer rests on them; `switches` words by the ids
-    of parts that can be switched off, each id ending in its number from 1.
+    of parts that can be switched off, each id ending in its number from 1. `live` is the same to zoom and to point at.
     """
 
     name: str
@@ -22,6 +28,7 @@ class Picture:
     caption: str
     tips: Mapping[str, str] = field(default_factory=dict)
     switches: Mapping[str, str] = field(default_factory=dict)
+    live: "LayoutDOM | None" = None
 
 
 @dataclass(frozen=True)
@@ -46,10 +53,12 @@ class Part:
 
 @dataclass
 class Easel:
-    """Gives a record's figures names of their own; `points` is the most points of a cloud."""
+    """Gives a record's figures names of their own; `points` is the most points of a cloud, `live` what can be zoomed
+    into where a page may hold that."""
 
     prefix: str
     points: int
+    live: "Figures | None" = None
     count: int = field(default=0, init=False)
 
     def hang(
@@ -59,7 +68,8 @@ class Easel:
         caption: str,
         tips: Mapping[str, str] | None = None,
         switches: Mapping[str, str] | None = None,
+        live: "LayoutDOM | None" = None,
     ) -> Picture:
         """The figure under the next free name."""
         self.count += 1
-        return Picture(f"{self.prefix}f{self.count}", figure, label, caption, tips or {}, switches or {})
+        return Picture(f"{self.prefix}f{self.count}", figure, label, caption, tips or {}, switches or {}, live)

@@ -81,14 +81,16 @@ def _fall(section: Section) -> str:
 
 def _trace(section: Section, easel: Easel) -> Picture:
     before, after = section.before, section.after
-    figure = plot.signature.draw(before, after, easel.points, HERO)
+    figure, live = plot.signature.draw(before, after, easel.points, HERO), easel.live and easel.live.trace
     if after is None:
-        return easel.hang(figure, "Error of the law over the record", "The error of the law over the whole record.")
+        caption = "The error of the law over the whole record."
+        return easel.hang(figure, "Error of the law over the record", caption, live=live)
     caption = (
         "The error before (above), with what is added to the modelled force drawn through it, and after (below). "
         "Where the two lines above coincide, the addition explains the error."
     )
-    return easel.hang(figure, f"Error over the record before and after adding {', '.join(_added(section))}", caption)
+    label = f"Error over the record before and after adding {', '.join(_added(section))}"
+    return easel.hang(figure, label, caption, live=live)
 
 
 def _falling(section: Section, easel: Easel) -> tuple[Picture, ...]:

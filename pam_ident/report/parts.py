@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from .. import plot
 from ..diagnosis.nouns import Diagnosis
@@ -12,10 +13,13 @@ from .rungs import steps
 from .story import Section
 from .words import equation, groups, named, newtons, percent, titles
 
+if TYPE_CHECKING:
+    from ..live.record import Figures
 
-def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
-    """All parts that the section has something to say in."""
-    easel = Easel(prefix, points)
+
+def parts(section: Section, prefix: str, points: int, samples: int = 0) -> tuple[Part, ...]:
+    """All parts that the section has something to say in; figures to zoom into have so many `samples`, if any."""
+    easel = Easel(prefix, points, _live(section, samples) if samples else None)
     builders: tuple[Callable[[Section, Easel], Part | None], ...] = (
         opening,
         _numbers,
@@ -32,6 +36,12 @@ def parts(section: Section, prefix: str, points: int) -> tuple[Part, ...]:
     )
     found = (build(section, easel) for build in builders)
     return tuple(part for part in found if part is not None)
+
+
+def _live(section: Section, samples: int) -> "Figures":
+    from ..live.record import Figures  # Bokeh takes half a second, and is not everywhere
+
+    return Figures(section.before, section.after, samples)
 
 
 def _numbers(section: Section, easel: Easel) -> Part:
@@ -57,7 +67,7 @@ def _measured(section: Section, easel: Easel) -> Part:
     )
     caption += ", before and after adding the effects, on one scale." if after else "."
     levels = {gid: f"{level:g} MPa" for gid, level in plot.measured_against_model.isobars(before).items()}
-    picture = easel.hang(figure, label, caption, levels, levels)
+    picture = easel.hang(figure, label, caption, levels, levels, easel.live and easel.live.isobars)
     return Part(f"{easel.prefix}-measured", "Measured against model", pictures=(picture,))
 
 

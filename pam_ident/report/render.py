@@ -1,5 +1,8 @@
 """A story becomes a page."""
 
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
@@ -10,33 +13,43 @@ from .story import Story
 from .svg import embed
 from .words import plain, together
 
+if TYPE_CHECKING:
+    from ..live.page import Inline
+
 MOST_POINTS, FEWEST_POINTS = 1500, 200
 
 Chapters = list[tuple[str, str, tuple[Part, ...]]]
 
 
-def render(story: Story) -> str:
-    """One HTML file as text: no script, nothing loaded from anywhere, every text escaped."""
+def render(story: Story, live: bool = True) -> str:
+    """One HTML file as text: nothing loaded from anywhere, every text escaped.
+
+    Where Bokeh is installed and `live`, two figures a record can be zoomed into; else there is no script.
+    """
+    found = chapters(story, live and find_spec("bokeh") is not None)
     return (
         environment()
         .get_template("report.html.j2")
         .render(
             title=story.title,
-            records=chapters(story),
+            records=found,
+            live=_inline(found),
             provenance=tables.provenance(story.provenance),
             command=Markup.escape(plain(str(story.provenance.get("command", "")))),  # to be copied as it is
         )
     )
 
 
-def chapters(story: Story) -> Chapters:
+def chapters(story: Story, live: bool = False) -> Chapters:
     """Anchor, name and parts of every record.
 
-    The more records there are, the fewer points a figure shows, so that a page stays below 3 MB.
+    The more records there are, the fewer points a figure shows, so that a page stays below 3 MB. What can be zoomed
+    into shows more.
     """
     points = max(MOST_POINTS * 3 // max(len(story.sections), 3), FEWEST_POINTS)
+    samples = max(4 * MOST_POINTS // max(len(story.sections), 1), FEWEST_POINTS) if live else 0
     return [
-        (f"r{i}", section.record.name, parts(section, f"r{i}", points))
+        (f"r{i}", section.record.name, parts(section, f"r{i}", points, samples))
         for i, section in enumerate(story.sections, start=1)
     ]
 
@@ -51,12 +64,23 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=lambda value: together(plain(value)) if type(value) is str else value,
     )
-    made.globals |= {"embed": _embed, "most_steps": _most_steps, "most_switches": _most_switches}
+    made.globals |= {"embed": _embed, "most_steps": _most_steps, "most_switches": _most_switches, "live": None}
     return made
 
 
 def _embed(picture: Picture) -> Markup:
     return embed(picture.figure, picture.name, picture.label, tips=picture.tips, classes=picture.switches)
+
+
+def _inline(records: Chapters) -> "Inline | None":
+    """What brings the figures of a page to life."""
+    pictures = [one for _, _, parts in records for part in parts for one in part.pictures]
+    figures = {f"{one.name}-live": one.live for one in pictures if one.live is not None}
+    if not figures:
+        return None
+    from ..live.page import inline
+
+    return inline(figures)
 
 
 def _most_switches(records: Chapters) -> int:

@@ -59,7 +59,7 @@ def report_record(
         text, figures = render_markdown(story, folder.name)
         _write_with_folder(target, text, folder, figures)
     else:
-        page = render(story)
+        page = render(story, live=chosen == "html")
         write_whole(target, page if chosen == "html" else to_pdf(page, target.parent))
     return story
 
