@@ -8,6 +8,13 @@ const unpacked = (id) => {
   const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (one) => one.charCodeAt(0))
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text()
 }
+// Keys do nothing in Bokeh's layers: the buttons take their place, so Tab goes past the layers.
+const skipped = (root) => {
+  for (const one of root.querySelectorAll("*")) {
+    if (one.tabIndex === 0) one.tabIndex = -1
+    if (one.shadowRoot) skipped(one.shadowRoot)
+  }
+}
 const steer = (place, panels) => {
   const ranges = [panels[0].x_range, panels[0].y_range, panels.at(-1).y_range]
   const beside = place.querySelector(".switches > :last-child")
@@ -41,6 +48,7 @@ const run = async () => {
     theme(panels)
     steer(place, panels)
     place.querySelector(".drawing").tabIndex = -1
+    skipped(place.querySelector(".panels"))
     place.classList.add("live")
   }
 }

@@ -14,7 +14,6 @@ from bokeh.models import (
     HoverTool,
     Range1d,
     Span,
-    WheelPanTool,
     WheelZoomTool,
 )
 from bokeh.plotting import figure
@@ -25,6 +24,8 @@ Array = np.ndarray
 MOST_POINTS = 6000
 """Samples that are drawn; of more, those at the ends of what each part of the record spans."""
 BLUE, ORANGE, GREEN, PINNED = "#2b7bba", "#d55e00", "#1a8a63", "#9a6fb0"
+INK = "#1f2933"
+"""Of Bokeh's notices, which are white on a dark page too."""
 CLEAR: dict[str, Any] = {"background_fill_color": None, "border_fill_color": None}
 """From the first stroke on: of a ground that is painted and then cleared the edges stay."""
 ZOOM = {
@@ -40,12 +41,12 @@ THEME = (files("pam_ident.live") / "theme.js").read_text(encoding="utf-8")
 
 
 def panel(label: str, x: Range1d, y: Range1d | None = None, **size: Any) -> Any:
-    """A figure along `x` with `label` on its y axis. To drag zooms; the wheel zooms with Ctrl and pans with Shift."""
+    """A figure along `x` with `label` on its y axis. To drag zooms, and so does the wheel with Ctrl."""
     made = figure(
         x_range=x, y_range=y or Range1d(), y_axis_label=label, tools="box_zoom,pan", active_drag="box_zoom",
-        toolbar_location=None, **size, **CLEAR,
+        toolbar_location=None, styles={"color": INK} | size.pop("styles", {}), **size, **CLEAR,
     )  # fmt: skip
-    made.add_tools(WheelZoomTool(dimensions="width", modifiers={"ctrl": True}), WheelPanTool(modifiers={"shift": True}))
+    made.add_tools(WheelZoomTool(dimensions="width", modifiers={"ctrl": True}))
     return made
 
 

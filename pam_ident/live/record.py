@@ -50,7 +50,7 @@ class Figures:
                 fill_color=SKY, fill_alpha=0.1, line_color=None, level="underlay",
             )  # fmt: skip
             seen = dots(one, self.points, name, legend_label=_words(name, fit, len(self.fits)), **PALE)
-            hover([one], [seen], tips(f"model_{name}", name))
+            hover([one], [seen], tips(f"model_{name}", name)).mode = "vline"  # the sample above or below the pointer
             if self.shown.window > 1:
                 line: dict[str, Any] = {"color": SKY, "line_width": 2.5} if name == "before" else {"color": BLUE}
                 one.line("x", f"mean_{name}", source=self.points, legend_label=smooth, **line)

@@ -8,10 +8,10 @@ import sys
 
 import pytest
 
-HEAVY = ("numpy", "scipy", "pandas", "matplotlib", "jinja2", "rich", "jax", "lmfit", "optimistix")
+HEAVY = ("numpy", "scipy", "pandas", "matplotlib", "jinja2", "rich", "jax", "lmfit", "optimistix", "bokeh")
 
 
-UNUSED = ("matplotlib", "jinja2", "pam_ident.diagnosis", "scipy.optimize", "jax", "lmfit")
+UNUSED = ("matplotlib", "jinja2", "bokeh", "pam_ident.diagnosis", "scipy.optimize", "jax", "lmfit")
 """What a fit of one curved parameter does without."""
 
 

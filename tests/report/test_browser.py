@@ -42,6 +42,7 @@ def opened(page, file):
     page.on("request", lambda request: asked.append(request.url))
     page.emulate_media(reduced_motion="reduce")
     page.goto(file.as_uri())
+    page.locator("figure.live").nth(3).wait_for(state="attached")
     assert not page.locator("details[open]").count()
     yield page
     assert complaints == [] and [url for url in asked if not url.startswith("data:")] == [file.as_uri()]

@@ -4,6 +4,8 @@ Two records of the same numbers are reported, one with kind names and one with h
 same elements with the same attributes, so that nothing hostile became markup.
 """
 
+import base64
+import gzip
 import re
 from html.parser import HTMLParser
 
@@ -15,7 +17,7 @@ from pam_ident.tasks.report import report_record
 from pam_ident.tasks.setup import REFIT, Setup
 
 HOSTILE = {
-    "script": "<script>alert(1)</script>",
+    "script": "</script><script>alert(1)</script>",
     "handler": '"><img src=x onerror=alert(1)>',
     "svg": "</svg></title></style><svg onload=alert(1)>",
     "link": "[click](javascript:alert(1)) ![x](http://evil.example/x.png) <http://evil.example> https://evil.example",
@@ -95,11 +97,11 @@ def told(record, tmp_path_factory):
 
 
 class Elements(HTMLParser):
-    """The tags with the names of their attributes, inside and outside of figures, and what is loaded."""
+    """The tags with the names of their attributes, inside and outside of figures, what is loaded, and all scripts."""
 
     def __init__(self, text):
         super().__init__()
-        self.page, self.drawn, self.loads, self.depth = [], set(), [], 0
+        self.page, self.drawn, self.loads, self.scripts, self.depth = [], set(), [], [], 0
         self.feed(text)
         self.close()
 
@@ -112,6 +114,10 @@ class Elements(HTMLParser):
         else:
             self.page.append(one)
 
+    def handle_data(self, data):
+        if self.cdata_elem == "script":
+            self.scripts.append(data)
+
     def handle_endtag(self, tag):
         self.depth -= tag == "svg"
 
@@ -122,7 +128,14 @@ def test_the_page_of_a_stranger_has_the_elements_of_a_friend_s(told):
     assert len(kind.page) > 300
     assert hostile.page == kind.page
     assert hostile.drawn <= kind.drawn
-    assert {"script", "img", "iframe"}.isdisjoint(tag for tag, _ in hostile.page)
+    assert {"img", "iframe"}.isdisjoint(tag for tag, _ in hostile.page)
+    assert [one for one in hostile.page if one[0] == "script"] == [("script", ("id", "type"))] * 2 + [("script", ())]
+    bokeh, figures, script = hostile.scripts
+    assert [bokeh, script] == [kind.scripts[0], kind.scripts[2]]
+    drawn = gzip.decompress(base64.b64decode(figures, validate=True)).decode()
+    assert '"type":"object"' in drawn
+    for words in ("alert", "evil", "onerror", "7*7", "HYPERLINK", "kind"):
+        assert words not in drawn, words
     assert all(load.startswith("#") for load in hostile.loads)
     for words in ("&lt;script&gt;alert(1)&lt;/script&gt;", "onerror=alert(1)&gt;", "{{ 7 * 7 }}"):
         assert words in told["hostile", "html"], words
@@ -161,6 +174,35 @@ def test_the_pdf_of_a_stranger_has_neither_script_nor_address(told, chromium, mo
     assert pdf.startswith(b"%PDF-")
     for word in (b"/JavaScript", b"/JS", b"/URI", b"/Launch", b"/OpenAction", b"/EmbeddedFile"):
         assert word not in pdf, word
+
+
+@pytest.mark.browser
+def test_the_interactive_figures_of_a_stranger_do_no_harm(told, page, tmp_path):
+    path, said = tmp_path / "stranger.html", []
+    path.write_text(told["hostile", "html"], encoding="utf-8")
+    page.on("dialog", lambda dialog: (said.append(dialog.message), dialog.dismiss()))
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("request", lambda request: said.append(request.url))
+    page.goto(path.as_uri())
+    page.locator("figure.live").nth(1).wait_for(state="attached")
+    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    for figure in page.locator("figure.live .panels").all():
+        figure.hover()
+    assert said == [path.as_uri()]
+    assert page.locator("script").count() == 4, "those of the page, and Bokeh's"
+
+
+@pytest.mark.browser
+def test_a_script_that_slips_in_is_not_run(told, page, tmp_path):
+    """Even if a text were not escaped: the page's policy names the two scripts that may run."""
+    path, said = tmp_path / "slipped.html", []
+    slipped = "<script>document.title = 'slipped'</script><img src=x onerror=\"document.title = 'slipped'\">"
+    path.write_text(told["hostile", "html"].replace("<main ", slipped + "<main "), encoding="utf-8")
+    page.on("console", lambda message: said.append(message.text))
+    page.goto(path.as_uri())
+    page.locator("figure.live").nth(1).wait_for(state="attached")
+    assert page.title() != "slipped" and any("script" in one for one in said)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,9 @@
 """What the page may weigh and what it may do, whatever the story."""
 
+import base64
+import gzip
+import hashlib
+import re
 from dataclasses import replace
 
 import pytest
@@ -35,21 +39,37 @@ def long(record, diagnosis):
 @pytest.mark.long
 def test_three_records_of_six_rungs_stay_below_three_megabytes(long):
     page = render(Story("three", (long,) * 3))
-    assert page.count("<h4 ") == 18 and page.count("<figure ") == 3 * 12
+    assert page.count("<h4 ") == 18 and page.count("<figure ") == 3 * 12 and page.count('class="panels"') == 3 * 2
     assert len(page.encode()) < 3_000_000
 
 
-def test_the_page_forbids_itself_all_but_its_own_style(long):
+def test_the_page_forbids_itself_all_but_its_own_style_and_two_scripts(long):
     page = render(Story("x", (replace(long, ladder=None),)))
-    policy = page.partition('http-equiv="Content-Security-Policy" content="')[2].partition('"')[0]
-    assert policy.split("; ") == [
+    bokeh, _, script = re.findall("<script[^>]*>(.*?)</script>", page, re.DOTALL)
+    allowed = [script, gzip.decompress(base64.b64decode(bokeh)).decode()]
+    hashes = [base64.b64encode(hashlib.sha256(one.encode()).digest()).decode() for one in allowed]
+    assert _policy(page) == [
         "default-src 'none'",
+        f"script-src 'sha256-{hashes[0]}' 'sha256-{hashes[1]}'",
         "style-src 'unsafe-inline'",
         "img-src data:",
         "base-uri 'none'",
         "form-action 'none'",
     ]
     assert page.index("Content-Security-Policy") < page.index("<style")
+
+
+def _policy(page):
+    return page.partition('http-equiv="Content-Security-Policy" content="')[2].partition('"')[0].split("; ")
+
+
+def test_without_bokeh_or_where_nobody_wants_it_there_is_no_script(long, monkeypatch):
+    story = Story("x", (replace(long, ladder=None),))
+    page = render(story, live=False)
+    assert "<script" not in page and 'class="panels"' not in page
+    assert [one.partition(" ")[0] for one in _policy(page)][:2] == ["default-src", "style-src"]
+    monkeypatch.setattr("pam_ident.report.render.find_spec", lambda _: None)
+    assert render(story) == page
 
 
 @pytest.mark.long
