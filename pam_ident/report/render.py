@@ -1,6 +1,6 @@
 """A story becomes a page."""
 
-from importlib.util import find_spec
+from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -26,7 +26,7 @@ def render(story: Story, live: bool = True) -> str:
 
     Where Bokeh is installed and `live`, two figures a record can be zoomed into; else there is no script.
     """
-    found = chapters(story, live and find_spec("bokeh") is not None)
+    found = chapters(story, live and _has_bokeh())
     return (
         environment()
         .get_template("report.html.j2")
@@ -66,6 +66,14 @@ def environment() -> Environment:
     )
     made.globals |= {"embed": _embed, "most_steps": _most_steps, "most_switches": _most_switches, "live": None}
     return made
+
+
+def _has_bokeh() -> bool:
+    """Whether there is the Bokeh that the extra `workbench` asks for; the page can do without."""
+    try:
+        return tuple(map(int, version("bokeh").split(".")[:2])) >= (3, 8)
+    except PackageNotFoundError:
+        return False
 
 
 def _embed(picture: Picture) -> Markup:
