@@ -52,6 +52,8 @@ def report(page: Page) -> tuple[bytes, str]:
         out = Path(place, "report.html")
         subprocess.run([*PROGRAM, "report", RECORD, "--law", "exponential_law", "--out", out], check=True)
         page.goto(out.as_uri())
+        page.locator("figure.live").first.wait_for()
+        page.wait_for_timeout(1000)
         return page.screenshot(), page.locator(".first").inner_text()
 
 
