@@ -30,6 +30,7 @@ class Figures:
         self.before, self.after = before, after
         self.fits = {"before": before} | ({"after": after} if after else {})
         shown = self.shown = signature.data(before, after or before, limit)
+        self.size = 3 if len(shown.rows) > 300 else 6
         columns = samples(before.record, shown.rows) | {"x": shown.x, "change": shown.effect}
         for name, one in self.fits.items():
             columns |= {f"model_{name}": one.force[shown.rows], name: one.residual[shown.rows]}
@@ -42,18 +43,18 @@ class Figures:
         x, reach = Range1d(), Range1d()
         panels = [self._errors(name, x, reach) for name in self.fits]
         span(x, self.shown.x)
-        smooth = f"mean of {self.shown.window} samples"
+        smooth = f"mean of {self.shown.window} samples" if self.shown.window > 1 else ""
         for one, (name, fit) in zip(panels, self.fits.items(), strict=True):
             one.vstrip(
                 x0=[begin for begin, _, _ in self.shown.isobars[::2]],
                 x1=[end for _, end, _ in self.shown.isobars[::2]],
                 fill_color=SKY, fill_alpha=0.1, line_color=None, level="underlay",
             )  # fmt: skip
-            seen = dots(one, self.points, name, legend_label=_words(name, fit, len(self.fits)), **PALE)
+            words = _words(name, fit, len(self.fits))
+            seen = dots(one, self.points, name, legend_label=words, size=self.size, **PALE)
             hover([one], [seen], tips(f"model_{name}", name)).mode = "vline"  # the sample above or below the pointer
-            if self.shown.window > 1:
-                line: dict[str, Any] = {"color": SKY, "line_width": 2.5} if name == "before" else {"color": BLUE}
-                one.line("x", f"mean_{name}", source=self.points, legend_label=smooth, **line)
+            line: dict[str, Any] = {"color": SKY, "line_width": 2.5} if name == "before" else {"color": BLUE}
+            one.line("x", f"mean_{name}", source=self.points, legend_label=smooth or words, **line)
         if self.after is not None:
             panels[0].line("x", "change", source=self.points, color=ORANGE, legend_label="what is added")
         panels[-1].xaxis.axis_label = self.shown.axis
@@ -72,7 +73,13 @@ class Figures:
         seen: list[list[GlyphRenderer]] = [[] for _ in panels]
         for curve in measured_against_model.data(self.before, self.after, 0):
             (colour, dash), name = BRANCHES[curve.branch], names[curve.pressure_MPa]
-            look = {"x": "contraction", "fill_color": colour, "name": name, "view": self._view(curve)}
+            look = {
+                "x": "contraction",
+                "fill_color": colour,
+                "size": self.size,
+                "name": name,
+                "view": self._view(curve),
+            }
             branch = "" if curve.branch == "static" else f", {curve.branch}"
             force.line(
                 curve.line, curve.line_force, name=name, line_width=1.5, color="gray", line_dash=dash,
