@@ -115,7 +115,7 @@ def drawn_rows(values: Array) -> Array:
 
 
 def span(axis: Any, values: Sequence[float] | Array) -> None:
-    """The range of finite values, with a little room, which a reset goes back to."""
+    """The range of finite values (n,), with a little room, which a reset goes back to."""
     low, high = float(np.min(values)), float(np.max(values))
     room = 0.04 * (high - low) or 1.0
     axis.update(start=low - room, end=high + room, reset_start=low - room, reset_end=high + room)
