@@ -15,6 +15,8 @@ Columns = Callable[[Inputs, Values, Array], Array]
 """(inputs, values of the nonlinear parameters, force of the model in N, shape (n,)) → shape (n, linear parameters)."""
 
 
+MOST = 200.0
+"""Usual sizes that a free coefficient may have: of what the record hardly shows it would be without end."""
 MOST_MPA, MOST_CONTRACTION = 0.8, 0.35
 """Ends of the surfaces of what resists: the pressure and the contraction that muscles reach."""
 
@@ -149,7 +151,8 @@ def free_form(
             f"f_{k}{i}{j}",
             unit[0],
             f"of state {k + 1}, " + (f"B_{i}(p) B_{j}(ε)" if k < resisting else f"(p/0.3 MPa)^{i} (ε/0.1)^{j}"),
-            0.0 if k < resisting else lower,
+            0.0 if k < resisting else max(lower, -MOST * unit[1]),
+            MOST * unit[1],
             scale=unit[1],
         )
         for k in range(count)

@@ -30,7 +30,7 @@ def test_the_page_tells_all_and_loads_nothing(reported, rubbing):
     assert hashlib.sha256(rubbing.read_bytes()).hexdigest() in page
     for name in ("pam-ident 0", "python 3", "numpy ", "scipy ", "pandas "):
         assert name in page, name
-    assert "<script" not in page and not re.search(r'(?:src|href)="(?!#|data:)', page)
+    assert not re.search(r'(?:src|href)="(?!#|data:)', page)
     assert list(out.parent.iterdir()) == [out]
 
 

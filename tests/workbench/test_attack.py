@@ -186,7 +186,7 @@ def test_what_a_hostile_client_sends_ends_in_a_line(served):
             event = MessageSentEvent(client.document, "bokeh_event", DataEvent(one, data=data))
             client.document.callbacks.trigger_on_change(event)
     client.force_roundtrip()
-    assert len(cards) == 4
+    assert len(cards) == 5
     (target,) = client.models("FileInput")
     client.send(target, filename=["a.csv"], mime_type=["t"], value=["!!!no base64"])
     client.send(target, filename=["a.csv", "b.csv"], mime_type=["t"], value=["eHg="])
