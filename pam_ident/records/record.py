@@ -156,7 +156,6 @@ def build_record(
     if kind == "isometric":
         held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
         driven = find_motion(time, KPA * pressure, held)
-        rest_corners(driven, time, KPA * pressure, force)
         pull = specimen.ideal_force(np.ones(len(held)), held)  # N/MPa; by the specimen, for states have no force
         per_kpa = 1e-3 * GIVE_MM_KN / KPA * np.maximum(pull, SLIGHT * pull.max())
         parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}
