@@ -118,7 +118,7 @@ def in_spite_of(
     white = selection.noise_in(left, selection.law, len(fitted.values), outlier, white=True)
     freedom = SHAPES * max(len(repeats(selection.record, ~outlier)), 1)
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
-    noise = replace(white, sigma=over * white.sigma, whole=selection.noise.whole)
+    noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
     again = Selection(selection.base, candidates, noise=noise, before=selection)
     return again, _answer(again, most)
 
