@@ -159,22 +159,27 @@ def free_form(
         for i, j in orders
     )
 
-    def columns(inputs: Inputs, values: Values, force: Array) -> Array:
+    def surface(inputs: Inputs, resists: bool) -> Array:
+        if resists:
+            xp = inputs.xp
+            p = xp.clip(inputs.pressure / MOST_MPA, 0.0, 1.0)
+            e = xp.clip(inputs.contraction / MOST_CONTRACTION, 0.0, 1.0)
+            return xp.stack([bernstein(p, i, pressure) * bernstein(e, j, contraction) for i, j in orders]).T
         p, e = inputs.pressure / 0.3, inputs.contraction / 0.1
-        powers = inputs.xp.stack([p**i * e**j for i, j in orders]).T
-        p, e = inputs.pressure / MOST_MPA, inputs.contraction / MOST_CONTRACTION
-        above = inputs.xp.stack([bernstein(p, i, pressure) * bernstein(e, j, contraction) for i, j in orders]).T
+        return inputs.xp.stack([p**i * e**j for i, j in orders]).T
+
+    def columns(inputs: Inputs, values: Values, force: Array) -> Array:
         found = states(inputs, values, force)
-        parts = [found[:, k, None] * (above if k < resisting else powers) for k in range(count)]
-        return inputs.xp.concat(parts, axis=1)
+        kinds = [k < resisting for k in range(count)]
+        surfaces = {kind: surface(inputs, kind) for kind in set(kinds)}
+        return inputs.xp.concat([found[:, k, None] * surfaces[kind] for k, kind in enumerate(kinds)], axis=1)
 
     formula = f"{text} · Σ f_ij " + ("B_i(p) B_j(ε)" if resisting else "(p/0.3 MPa)^i (ε/0.1)^j")
     return role(name, formula, linear, columns, nonlinear, uses_force, remembers)
 
 
 def bernstein(t: Array, k: int, order: int) -> Array:
-    """Bernstein polynomial k of an order, of t (n,) clipped to 0 … 1."""
-    t = t.__array_namespace__().clip(t, 0.0, 1.0)
+    """Bernstein polynomial k of an order, at t (n,), which is above 0 from 0 to 1."""
     return math.comb(order, k) * t**k * (1.0 - t) ** (order - k)
 
 

@@ -3,7 +3,7 @@
 import math
 
 from ..core import Inputs, Param, Range
-from .base import AddsForce, Array, Effect, Values, one
+from .base import AddsForce, Array, Effect, Values, bernstein, one
 
 RUBBER = "rubbers, 0.05 to 50 MPa in tension (Ashby, Materials Selection in Mechanical Design)"
 SHEAR = Range(0.0, 17.0, RUBBER)
@@ -58,7 +58,7 @@ def _spring(inputs: Inputs, values: Values, force: Array) -> Array:
 def _positive(inputs: Inputs, values: Values, force: Array) -> Array:
     """Bernstein's polynomials: sums of them are the smooth curves that resist from no contraction on."""
     share = inputs.contraction / 0.3
-    return -inputs.xp.stack([math.comb(4, i) * share**i * (1.0 - share) ** (4 - i) for i in range(1, 5)]).T
+    return -inputs.xp.stack([bernstein(share, i, 4) for i in range(1, 5)]).T
 
 
 def _mooney_rivlin(inputs: Inputs, values: Values, force: Array) -> Array:

@@ -40,10 +40,10 @@ class Columns:
                 file.seek(8 * first)
                 file.write(moved.data)
 
-    def put(self, name: str, rows: Array, values: Array | float) -> None:
-        """Overwrite the rows (m,) of a column."""
-        kept = np.memmap(self.folder / name, np.asarray(values).dtype, "r+")
-        kept[rows] = values
+    def repeat(self, name: str, rows: Array, kind: type) -> None:
+        """Give the rows (m,) of a column, none the first, the number before each; no two are neighbours."""
+        kept = np.memmap(self.folder / name, kind, "r+")
+        kept[rows] = kept[rows - 1]
         kept.flush()
 
     def drop(self, name: str) -> None:

@@ -35,14 +35,15 @@ def keep_motion(
     pause = long_pause(on_disk.quantile("time", 0, n, 1, 0.95))
     for fresh, found in follow(n, read, noise, span, pause):
         end = begin + len(found.stroke)
-        parts = [found.moving, found.direction, found.segment, read(begin, end)[1], on_disk.read("force", begin, end)]
+        track = read(begin, end)[1]
+        parts = [found.moving, found.direction, found.segment, track, on_disk.read("force", begin, end)]
         if lasts:
             parts = [np.concatenate(pair) for pair in zip(lasts, parts, strict=True)]
         moving, direction, segment, x, force = parts
         there = Corners.of(moving, direction, segment, x, force, noise)
         corners.append(replace(there, rows=there.rows + end - len(x)))
         lasts = [part[-REST:] for part in parts]
-        begins = turns(read(begin, end)[1], found.stroke, found.segment)
+        begins = turns(track, found.stroke, found.segment)
         begins[0] |= fresh and begin > 0
         count = turn + np.cumsum(begins)
         columns = {name: getattr(found, name) for name in ("velocity", "stroke_speed", "moving", "stroke", "segment")}
@@ -53,9 +54,7 @@ def keep_motion(
     at = Corners.together(corners)
     if at.rest:
         for name in {"velocity", "moving", "branch", *TAKEN} - {"direction", "position", *given}:
-            kind = KINDS.get(name, np.float64)
-            before = np.concatenate([on_disk.read(name, row - 1, row, kind) for row in at.rows])
-            on_disk.put(name, at.rows, before)
+            on_disk.repeat(name, at.rows, KINDS.get(name, np.float64))
 
 
 def noise_on_disk(on_disk: Columns, n: int, length_mm: float) -> float:
