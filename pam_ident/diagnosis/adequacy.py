@@ -124,10 +124,13 @@ class Adequacy:
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
 
-        What they follow must be there, whatever else is, and neither what is left nor another name may follow it.
+        What they follow must be there, whatever else is, and no other name may follow it; nor what is left, unless the
+        names explain nearly all.
         """
         followed = Counter(name for term in self.fitted.terms for name in term.effect.follows)
-        sure = {name for name in self.selection.following.needed if followed[name] == 1} - self.left.drivers
+        sure = {name for name in self.selection.following.needed if followed[name] == 1}
+        if self.unexplained[1] >= 1.0 - NEARLY_ALL:
+            sure -= self.left.drivers
         kept = [t for t in self.fitted.terms if not t.effect.candidate or sure.issuperset(t.effect.follows[:1])]
         return replace(self, fitted=self.selection.refit(kept, self.fitted.values))
 
@@ -142,10 +145,11 @@ class Adequacy:
 
 def needless(selection: Selection, effect: Effect, others: FittedSet) -> bool:
     """Whether nothing speaks for an effect beside others: without what it follows first their drivers explain as much,
-    or they follow that, too, and the free model does not beat them."""
+    or what they leave does not follow it; or they follow it, too, and the free model does not beat them."""
     if not effect.follows or selection.record.inputs.time is None:
         return False
     first, followed = effect.follows[0], {name for term in others.terms for name in term.effect.follows}
+    beside = Adequacy(selection, others, FreeModel.of(selection))
     if first in followed:
-        return FreeModel.of(selection).odds(selection, others) < EQUAL
-    return selection.following.enough(followed, first)
+        return beside.free.odds(selection, others) < EQUAL
+    return selection.following.enough(followed, first) or first not in beside.left.likely

@@ -56,10 +56,10 @@ def one_speed(record: Record) -> bool:
         return False
     level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
     cells = (level + 1j * record.inputs.direction)[moving]  # a pair as one number
-    return all(_alike(speed[moving][cells == cell]) for cell in np.unique(cells))
+    return all(_one(speed[moving][cells == cell]) for cell in np.unique(cells))
 
 
-def _alike(speeds: Array) -> bool:
+def _one(speeds: Array) -> bool:
     """Whether most of some speeds are practically one."""
     return float(np.quantile(speeds, 0.95)) < SPEED_RATIO * float(np.quantile(speeds, 0.05))
 
@@ -214,14 +214,22 @@ class Following:
         return self.evidence(self.best) - self.evidence(best)
 
     @cached_property
-    def drivers(self) -> frozenset[str]:
-        """The likeliest drivers, and those that could stand in the place of one, or beside them, at odds as good.
+    def likely(self) -> frozenset[str]:
+        """The likeliest drivers, and those that could stand in the place of one, at odds as good.
 
         With one speed alone the speed and the direction of motion are one; and in a locked muscle, of which nobody
         measures how far its braid slides, the way since a reversal and the relaxation since.
         """
-        found = self.chosen.union(*(others for loss, others in self._instead.values() if loss < EQUAL))
-        found |= {name for name in set(self.surfaces.names) - found if self.best and self._beside(name) < EQUAL}
+        return self._alike(self.chosen.union(*(others for loss, others in self._instead.values() if loss < EQUAL)))
+
+    @cached_property
+    def drivers(self) -> frozenset[str]:
+        """The likely drivers, and those that could stand beside them, at odds as good."""
+        beside = {name for name in set(self.surfaces.names) - self.likely if self.best and self._beside(name) < EQUAL}
+        return self._alike(self.likely | beside)
+
+    def _alike(self, found: frozenset[str]) -> frozenset[str]:
+        """Drivers with those that are one with them in this record."""
         one = [{"speed", "direction"}] if one_speed(self.record) else []
         one += [{"way", "rest"}] if self.record.inputs.slide is not None else []
         return found.union(*(same for same in one if found & same))
