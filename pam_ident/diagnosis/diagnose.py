@@ -146,8 +146,9 @@ def diagnosing(
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
     left = selection.view(fitted).residual[~noise.outlier]
-    floor = _as_measured(min(noise.whole, float(np.sqrt(np.mean(left**2)))), best)
-    sentence = _sentence(base, best, outcome, labels, classes, pattern, floor)
+    error = float(np.sqrt(np.mean(left**2)))
+    floor = _as_measured(min(noise.whole, error), best)
+    sentence = _sentence(base, best, outcome, labels, classes, pattern, floor, error > 2.0 * noise.whole)
     if outcome == "adequate" and noise.coloured:
         sentence += as_slow_noise(follows)
     for name in selected:
@@ -359,6 +360,7 @@ def _sentence(
     classes: tuple[tuple[str, ...], ...],
     pattern: Pattern | None,
     floor: float,
+    much: bool,
 ) -> str:
     law = base.model.law.name + "".join(f" + {label}" for label in base.model.labels)
     start = f"{law} leaves {newtons(base.rmse)} rms; the noise is about {newtons(floor)}."
@@ -370,7 +372,7 @@ def _sentence(
             f"Missing: {', '.join(labels)}. "
             f"With {'it' if len(labels) == 1 else 'them'} the error falls to {newtons(best.rmse)}."
         )
-        if pattern is None and best.rmse > 2.0 * floor:
+        if pattern is None and much:
             parts.append("Much is left: add and diagnose again, or climb the ladder.")
     for members in classes:
         parts.append(f"This record cannot tell {members[0]} from {' or '.join(members[1:])}.")

@@ -82,13 +82,15 @@ class Following:
     """What a model leaves, and how much of it smooth surfaces over each set of drivers explain.
 
     `variance` is that of what the richest surfaces over all drivers leave, and `memory` the samples of it that count as
-    one. `unsure` is how far the driven track may be off: what it makes of the force is evened out.
+    one. `unsure` is how far the driven track may be off: what it makes of the force is evened out, and where it is
+    unread nothing is looked at.
     """
 
     def __init__(
         self, record: Record, model: Model, values: Mapping[str, float], unsure: TrackError | None = None
     ) -> None:
         self.record, self.unsure = record, unsure
+        self.read = ~unsure.unread if unsure else np.ones(len(record), bool)
         self.shared: SharedNoise | None = None
         self._look(model, values)
         if unsure is not None:
@@ -99,15 +101,20 @@ class Following:
 
     def _look(self, model: Model, values: Mapping[str, float]) -> None:
         """Work out what is left, surfaces and noise, what rows share of it evened out."""
-        inputs, even = self.record.inputs, self.shared.even if self.shared else np.asarray
+        inputs, even = self.record.inputs, self._even
         left = even(self.record.force - model.force(inputs, values))
         law = orthonormal(even(jacobian(model, inputs, values, self.record.force)))
         self.left = left - law @ (law.T @ left)
         self.surfaces = Surfaces(inputs, law, self.left, even)
         richest = frozenset({name: k for k, name in enumerate(self.surfaces.names)}.values())
         remainder = self.left - self.surfaces.explained(richest)
-        self.variance = float(remainder @ remainder) / max(len(left) - self.surfaces.of(richest)[1], 1.0)
+        self.variance = float(remainder @ remainder) / max(int(self.read.sum()) - self.surfaces.of(richest)[1], 1.0)
         self.memory = _memory(remainder)
+
+    def _even(self, values: Array) -> Array:
+        """Values (n,) or columns (n, k) with what rows share evened out, 0 where the track is unread."""
+        seen = np.where(self.read[:, None] if values.ndim == 2 else self.read, values, 0.0)
+        return self.shared.even(seen) if self.shared else seen
 
     @classmethod
     def of(cls, fit: Fit) -> "Following":
@@ -291,7 +298,7 @@ class Following:
                 taken = more
         whole = sum(shares.values())
         rest = self.left - surfaces.explained(self.best)
-        back = (1.0 - whole) * comes_back(self.record, rest, np.ones(len(rest), bool))
+        back = (1.0 - whole) * comes_back(self.record, rest, self.read)
         found = [
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]

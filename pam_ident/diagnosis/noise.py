@@ -131,7 +131,8 @@ def estimate_noise(
             middle = _middle(shared.even(residual) if shared else residual)
     residual = shared.even(residual) if shared else residual
     if outlier is None:
-        outlier = _isolated(np.abs(residual) > 5.0 * middle) | _turning(record.inputs)
+        outlier = _isolated(np.abs(residual) > 5.0 * middle)
+        outlier |= unsure.unread if unsure else False
     extra = np.zeros(n)
     if record.inputs.time is not None:
         off = unsure.by_itself if unsure else noise_around(record.inputs.displacement_mm, record.inputs.time)
@@ -176,16 +177,6 @@ def _isolated(far: Array) -> Array:
     """Samples that are far off singly or in twos."""
     near = np.convolve(far.astype(float), np.ones(7))[3 : len(far) + 3]
     return far & (near <= 2.0)
-
-
-def _turning(inputs: Inputs) -> Array:
-    """The sample at the point of each turn without a hold, (n,): it belongs to both strokes, or to neither."""
-    found = np.zeros(len(inputs), bool)
-    if inputs.moving is not None:
-        turn = np.flatnonzero((np.diff(inputs.direction) != 0.0) & inputs.moving[1:] & inputs.moving[:-1])
-        onward = np.diff(inputs.displacement_mm)[turn] * inputs.direction[turn] > 0.0
-        found[turn + onward] = True
-    return found
 
 
 def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, Array]:

@@ -22,6 +22,8 @@ FEWEST, SLOW_ORDERS = 12, 12
 sine, too few for a corner."""
 LARGEST = 4.0
 """Standard deviations that a sample of noise alone is off at most."""
+FEWEST_HELD, SOFT = 6, 3
+"""Samples of a hold whose level is known, and of those at either end that may lie off it."""
 SETTLING, CHANCE = 8, 1e-3
 """Samples of a hold from which it may settle along a curve, and the chance that rests are taken for that."""
 SLOPE_NOISE = 0.01
@@ -181,6 +183,7 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
             direction[rows] = np.sign(x[end] - x[begin])
             speed[rows] = quantile(np.abs(slope), 0.5)
     _carry(direction, moving, stroke, speed)
+    _soft_ends(into, time, x, noise)
     _smooth_holds(into.position, time, x, np.flatnonzero(~moving), noise)
     return count
 
@@ -221,6 +224,27 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
     smooth = np.std(off) < NOISE_ONLY * whole and np.std(off[still]) < NOISE_ONLY * noise
     better = np.sum(off**2) * freedom[1] < by_rests * freedom[0]  # each over what it leaves free
     return middles if smooth and better else []
+
+
+def _soft_ends(into: Motion, time: Array, x: Array, noise: float) -> None:
+    """Give the samples at the ends of a hold that are off its level to the strokes beside it: there a drive speeds up,
+    or brakes, and the muscle slides as it does in the stroke, if not as fast."""
+    moving = into.moving
+    edges = np.r_[0, np.flatnonzero(np.diff(moving)) + 1, len(x)].tolist()
+    for begin, end in pairwise(edges):
+        if moving[begin] or end - begin < FEWEST_HELD:
+            continue
+        off = np.abs(x[begin:end] - quantile(x[begin:end], 0.5))
+        away = off > LARGEST * max(quantile(off, 0.5) / NORMAL_MEDIAN, noise)
+        for rows, stroke in ((range(begin, end), begin - 1), (range(end - 1, begin - 1, -1), end)):
+            for k in rows[:SOFT] if 0 <= stroke < len(x) else ():
+                if not away[k - begin]:
+                    break
+                near = max(k - 1, 0), min(k + 1, len(x) - 1)
+                moving[k] = True
+                into.velocity[k] = (x[near[1]] - x[near[0]]) / max(time[near[1]] - time[near[0]], 1e-12)
+                for track in (into.direction, into.stroke, into.stroke_speed):
+                    track[k] = track[stroke]
 
 
 def _less(values: Array, basis: Array) -> Array:

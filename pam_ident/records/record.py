@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..core import DataError, Inputs, Specimen
-from .corners import rest_corners
 from .kind import find_kind
 from .motion import find_motion
 from .notes import Note
@@ -167,7 +166,6 @@ def build_record(
         driven = find_motion(time, KPA * pressure, held) if loaded else None
         x = contraction * specimen.initial_length_mm
         motion = find_motion(time, x, held)
-        rest_corners(motion, time, x, force)
     segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
     inputs = Inputs(
         pressure=pressure,
