@@ -72,10 +72,10 @@ def test_a_name_rests_on_what_the_force_follows(name, soft):
     record = strokes(HIDDEN[name], speeds=(1.0, 4.0, 15.0, 50.0), times=3, soft=soft)
     found = diagnose(LAW, record)
     assert set(found.selected) == {name}, found.sentence
-    assert found.base.rmse > 1.5 * NOISE_N and found.best.rmse < 1.2 * NOISE_N
+    assert found.base.rmse > 1.5 * NOISE_N and found.noise_floor < 1.1 * NOISE_N and "Much is left" not in found.sentence
 
 
-@pytest.mark.parametrize("soft", [0.1, 0.2])
+@pytest.mark.parametrize("soft", [0.04, 0.06, 0.1])
 def test_where_a_drive_speeds_up_the_muscle_slides(soft):
     record = strokes(lambda p, e, side, v: 0.0 * p, soft=soft)
     x, moving = record.inputs.displacement_mm, record.inputs.moving
