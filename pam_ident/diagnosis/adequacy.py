@@ -93,9 +93,10 @@ class Adequacy:
     def unexplained(self) -> tuple[float, float]:
         """Squares that the set leaves beyond noise: as a share of the noise's, and of what is to be explained."""
         clean = ~self.free.noise.outlier
-        left, alone = (float(np.mean(one.newtons[clean] ** 2)) for one in (self.left, self.selection.following))
+        alone = self.selection.plain_residual((), self.selection.base.values)
+        left, all_ = (float(np.mean(one[clean] ** 2)) for one in (self.residual, alone))
         noise = self.free.noise.whole**2
-        return (left - noise) / noise, (left - noise) / max(alone - noise, 1e-9 * noise)
+        return (left - noise) / noise, (left - noise) / max(all_ - noise, 1e-9 * noise)
 
     @cached_property
     def residual(self) -> np.ndarray:

@@ -20,6 +20,7 @@ import numpy as np
 from ..core.digits import percent
 from ..effects.base import Effect
 from ..fitting import Fit
+from ..fitting.estimate import at_bound
 from ..fitting.solve import jacobian
 from ..model import Model
 from ..records import Record, thinned
@@ -103,7 +104,8 @@ class Following:
         """Work out what is left, surfaces and noise, what rows share of it evened out."""
         inputs, even = self.record.inputs, self._even
         left = even(self.record.force - model.force(inputs, values))
-        law = orthonormal(even(jacobian(model, inputs, values, self.record.force)))
+        free = [not at_bound(p, values[p.name]) for p in model.bounded(inputs)]  # none can follow beyond its bound
+        law = orthonormal(even(jacobian(model, inputs, values, self.record.force)[:, free]))
         self.left = left - law @ (law.T @ left)
         self.surfaces = Surfaces(inputs, law, self.left, even)
         richest = frozenset({name: k for k, name in enumerate(self.surfaces.names)}.values())
