@@ -25,6 +25,8 @@ UNREAD = 1e12
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, *40.0 * 2.0 ** np.arange(6)])
 """Up to a wander over minutes: noise that is slower than any here passes for a drift."""
+WANDERS = 2.0
+"""Size of slow noise, over that of what is left, up to which it may be: it cannot have been small all the time."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour scanned to the same answer."""
 
@@ -239,6 +241,6 @@ def _deviances(places: Sequence[tuple[int, int]], advance: Array, z: Array, extr
     gain, spread = filter_gains(decay, share, extra)
     left = [innovations(z[:, None], d, g)[:, 0] for d, g in zip(decay.T, gain.T, strict=True)]
     logs, read = 2.0 * np.sum(np.log(spread), axis=0), float(np.sum(extra < UNREAD))
-    return [
-        read * float(np.log(np.mean((e / s) ** 2))) + float(c) for e, s, c in zip(left, spread.T, logs, strict=True)
-    ]
+    square = np.mean([(e / s) ** 2 for e, s in zip(left, spread.T, strict=True)], axis=1)
+    most = WANDERS**2 * np.mean(z**2 / (1.0 + extra))
+    return np.where(square > most, np.inf, read * np.log(square) + logs).tolist()

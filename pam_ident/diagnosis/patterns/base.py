@@ -29,9 +29,9 @@ WAVE = (Param("cosine", "N", "cosine part", scale=10.0), Param("sine", "N", "sin
 
 @dataclass(frozen=True)
 class Extent:
-    """What a record covers: displacement from `low` over `stroke` (mm), time from `first` over `duration` (s, 0 without
-    time), the periods in s, `beats`, that a spectrum of what is left shows, and below how many mm the position is
-    `blurred`."""
+    """What a record covers: displacement from `low` over `stroke` (mm), time from `first`, the first motion, over
+    `duration` (s, 0 without time), the periods in s, `beats`, that a spectrum of what is left shows, and below how many
+    mm the position is `blurred`."""
 
     inputs: Inputs
     low: float
@@ -45,7 +45,10 @@ class Extent:
     def of(cls, inputs: Inputs, beats: tuple[float, ...] = (), error_mm: float = 0.0) -> "Extent":
         """The span of a record's inputs, whose position has an error."""
         x, time = inputs.displacement_mm, inputs.time
-        first, duration = (0.0, 0.0) if time is None else (float(time[0]), max(float(np.ptp(time)), 1e-9))
+        first, duration = 0.0, 0.0
+        if time is not None:
+            moves = 0 if inputs.moving is None else int(np.argmax(inputs.moving))  # what is before is not looked at
+            first, duration = float(time[moves]), max(float(time[-1] - time[moves]), 1e-9)
         stroke = max(float(np.ptp(x)), 1e-9)
         return cls(inputs, float(x.min()), stroke, first, duration, beats, min(BLURRED * error_mm, 0.25 * stroke))
 
