@@ -93,6 +93,25 @@ def test_it_unfolds_every_figure_and_part(unfolded, diagnosis):
         assert opened.locator(f"[id='{opened.url.partition('#')[2]}']").is_visible()
 
 
+OPENED = "document.querySelectorAll('details').forEach(one => one.open = true)"
+CUT = """(drawing) => {
+  const whole = drawing.getBoundingClientRect()
+  const beyond = (one) => one.left < whole.left - 1 || one.right > whole.right + 1
+  const boxes = [...drawing.querySelectorAll("svg, img, text")].map((one) => one.getBoundingClientRect())
+  return drawing.scrollWidth - drawing.clientWidth > 1 || boxes.some((one) => one.width && beyond(one))
+}"""
+
+
+def test_at_500_px_no_figure_of_any_fold_or_rung_is_cut_or_scrolls(opened):
+    opened.set_viewport_size({"width": 500, "height": 900})
+    opened.evaluate(OPENED)
+    for rung in opened.locator(".steps").first.get_by_role("radio").all():
+        rung.click()
+        assert opened.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+        drawings = [one for one in opened.locator(".drawing").all() if one.is_visible()]
+        assert len(drawings) >= 10 and [one.get_attribute("aria-label") for one in drawings if one.evaluate(CUT)] == []
+
+
 def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(unfolded):
     opened = unfolded
     choice = opened.locator(".steps fieldset").first.get_by_role("radio")
@@ -185,7 +204,7 @@ def test_axe_finds_no_fault_of_weight(opened, width, rungs, scheme):
     opened.emulate_media(color_scheme=scheme)
     opened.set_viewport_size({"width": width, "height": 900})
     assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-    opened.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    opened.evaluate(OPENED)
     for rung in rungs:
         opened.get_by_role("radio").nth(rung).click()
         found = axe.run(opened).response["violations"]
@@ -200,7 +219,7 @@ def test_two_records_beside_each_other_open_with_what_differs_and_no_figure_is_c
     page.goto(path.as_uri())
     assert page.get_by_role("heading", name="What differs").bounding_box()["y"] < 300
     for drawing in page.locator(".drawing").all():
-        assert drawing.evaluate("(one) => one.scrollWidth - one.clientWidth") <= 1
+        assert not drawing.evaluate(CUT)
     page.set_viewport_size({"width": 1400, "height": 900})
     assert page.locator(".drawing svg").first.bounding_box()["width"] < 700, "words no larger than those of the text"
 
