@@ -7,7 +7,6 @@ from ..core.digits import three
 from ..core.files import check_target, write_whole
 from ..diagnosis.against import Against
 from ..report.against import parts
-from ..report.easel import Easel
 from ..schema.against import against_json
 from ..tasks.against import against_page
 from .answers import ShownAnswer
@@ -83,6 +82,6 @@ class AgainstResult(ShownAnswer):
         from ..notebook.pages import picture, table
 
         made = [Markup("<p>{}</p>").format(self.sentence)]
-        for part in parts(self.details, Easel("ab", 0)):
+        for part in parts(self.details):
             made += [picture(one.figure, one.label) for one in part.pictures] + [table(one) for one in part.tables]
         return str(Markup("").join(made))

@@ -4,8 +4,8 @@ const paint = () => {
   for (const one of figures) {
     one.outline_line_color = line
     for (const axis of [...one.below, ...one.left])
-      axis.setv({ axis_label_text_color: ink, major_label_text_color: ink, axis_line_color: line,
-                  major_tick_line_color: line, minor_tick_line_color: null })
+      axis.setv({ axis_label_text_font_style: "normal", axis_label_text_color: ink, major_label_text_color: ink,
+                  axis_line_color: line, major_tick_line_color: line, minor_tick_line_color: null })
     for (const grid of one.center) if (grid.type.endsWith("Grid")) grid.grid_line_color = line
     for (const legend of one.above) if (legend.type.endsWith("Legend"))
       legend.setv({ background_fill_color: null, label_text_color: ink })

@@ -146,3 +146,9 @@ def test_without_scripts_the_pictures_stand(browser, file):
         drawing = page.locator(".drawing").first
         assert drawing.evaluate("(one) => getComputedStyle(one).opacity") == "1"
         assert drawing.locator("svg").bounding_box()["width"] > 300
+        page.locator(".rest > summary").first.click()
+        cells = page.locator("figure", has_text="Mean error (N) in each cell").locator("svg g:has(> title)")
+        for cell in (cells.first, cells.last):
+            cell.hover()  # fails where anything lies over the cell
+            text = page.locator("g:hover > title").last.text_content()
+            assert re.search(r"MPa, ε .* mean error [+−0].* N, rms .* of the squared error, n = \d+$", text)
