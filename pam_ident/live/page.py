@@ -29,16 +29,17 @@ class Inline:
 def inline(figures: Mapping[str, LayoutDOM]) -> Inline:
     """Figures by the ids of the elements that they stand in, for a page that is one file."""
     bokeh, packed = _bokeh()
-    script = _script("page.js", THEME=THEME, NAMES=json.dumps(list(figures)))
+    script = _script("page.js", NAMES=json.dumps(list(figures)))
     data = _document(list(figures.values()))
     return Inline(script, {"live-bokeh": packed, "live-figures": data}, (_hash(script), _hash(bokeh)))
 
 
-def cell(figure: LayoutDOM, name: str, with_bokeh: bool) -> str:
-    """JavaScript that puts a figure into the element `name` of a notebook; one cell of it must come `with_bokeh`."""
+def cell(figure: LayoutDOM, name: str, with_bokeh: bool) -> tuple[str, str]:
+    """Style and JavaScript of a figure in the element `name` of a notebook; one of its cells must come `with_bokeh`."""
     bokeh = _bokeh()[1] if with_bokeh else None
     words = {"BOKEH": bokeh, "DATA": _document([figure]), "NAME": name}
-    return _script("cell.js", **{word: json.dumps(value) for word, value in words.items()})
+    script = _script("cell.js", **{word: json.dumps(value) for word, value in words.items()})
+    return (files("pam_ident.live") / "cell.css").read_text(encoding="utf-8"), script
 
 
 def _document(figures: Sequence[LayoutDOM]) -> str:
@@ -60,7 +61,7 @@ def _script(name: str, **words: str) -> str:
     moves = ", ".join(f"{json.dumps(name)}: (r, top, bottom) => {{ {code} }}" for name, code in ZOOM.items())
     text = (files("pam_ident.live") / name).read_text(encoding="utf-8")
     shared = (files("pam_ident.live") / "figures.js").read_text(encoding="utf-8")
-    for word, put in {"FIGURES": shared, "MOVES": f"{{ {moves} }}", **words}.items():
+    for word, put in {"FIGURES": shared, "MOVES": f"{{ {moves} }}", "THEME": THEME, **words}.items():
         text = text.replace(f"__{word}__", put)
     return text
 
