@@ -3,18 +3,19 @@
 from typing import Any
 
 import matplotlib
+import numpy as np
 from bokeh.layouts import column
-from bokeh.models import Column, ColumnDataSource, FixedTicker, Range1d
+from bokeh.models import Column, ColumnDataSource, Range1d
 from bokeh.plotting import figure
 from matplotlib.colors import Normalize, to_hex
 
 from ..core.digits import newtons, percent
 from ..diagnosis.nouns import Comparison
 from ..plot import failure_map
+from ..plot.failure_map import FailureMap
 from ..plot.style import INK, signed
 from .panels import CLEAR, hover
 
-LOOK: dict[str, Any] = {"toolbar_location": None, "tools": "", "sizing_mode": "stretch_both", "min_border_left": 62}
 READ = [
     ("mean error", "@mean"),
     ("rms", "@rms"),
@@ -23,46 +24,60 @@ READ = [
     ("pressure", "@pressure MPa"),
     ("contraction", "@low to @high"),
 ]
+NAMES = ("x", "y", "fill", "ink", "frame", "text", "mean", "rms", "share", "n", "pressure", "low", "high")
+
+
+class Panel:
+    """A `figure` for a branch, its cells to be shown."""
+
+    def __init__(self, **size: Any) -> None:
+        made: Any = figure(
+            x_range=Range1d(), y_range=Range1d(), y_axis_label="pressure (MPa)", title="", tools="",
+            toolbar_location=None, **CLEAR | {"background_fill_color": "gray", "background_fill_alpha": 0.1}, **size,
+        )  # fmt: skip
+        self.figure, self.source = made, ColumnDataSource({name: [] for name in NAMES})
+        drawn = made.rect("x", "y", 0.97, 0.95, source=self.source, fill_color="fill", line_color=None)
+        drawn.hover_glyph = drawn.glyph.clone(line_color="gray", line_width=2)
+        made.rect("x", "y", 0.93, 0.88, source=self.source, line_color="frame", line_width=2, fill_color=None)
+        words: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "text_font_size": "11px"}
+        made.text("x", "y", "text", source=self.source, text_color="ink", **words)
+        made.grid.visible = False
+        hover([made], [drawn], READ)
+
+    def show(self, shown: FailureMap, branch: int) -> None:
+        """As in the picture: colour and mean error of each cell, the worst framed."""
+        name, edges = shown.branches[branch], [f"{round(e, 3) + 0.0:.3f}" for e in shown.edges]
+        every, rows = 1 if len(edges) <= 8 else 2, len(shown.pressures)
+        self.source.data = _columns([cell for cell in failure_map.cells(shown) if cell.place[0] == branch], shown)
+        self.figure.title.update(text=name, visible=name != "static")
+        self.figure.x_range.update(start=0, end=len(edges) - 1)
+        self.figure.y_range.update(start=0, end=rows)
+        _ticks(self.figure.xaxis, np.arange(len(edges))[::every], edges[::every])
+        _ticks(self.figure.yaxis, np.arange(rows) + 0.5, [f"{p:.3g}" for p in shown.pressures])
 
 
 def mapped(comparison: Comparison) -> Column:
-    """A panel a branch as in the picture: colour and mean error of each cell, the worst framed."""
+    """A panel a branch above one another, as large as the picture that they stand in for."""
     shown = failure_map.data(comparison)
-    rows, edges = len(shown.pressures), [f"{round(e, 3) + 0.0:.3f}" for e in shown.edges]
-    x, panels = Range1d(start=0, end=len(edges) - 1), []
-    for branch in shown.branches:
-        title, y = None if branch == "static" else branch, Range1d(start=0, end=rows)
-        one: Any = figure(x_range=x, y_range=y, y_axis_label="pressure (MPa)", title=title, **LOOK, **CLEAR)
-        one.rect(0.5 * (len(edges) - 1), 0.5 * rows, len(edges) - 1, rows, color="gray", alpha=0.1, line_color=None)
-        cells = [cell for cell in failure_map.cells(shown) if cell.branch == branch]
-        source = ColumnDataSource(_columns(cells, shown))
-        drawn = one.rect("x", "y", 0.97, 0.95, source=source, fill_color="fill", line_color=None)
-        drawn.hover_glyph = drawn.glyph.clone(line_color="gray", line_width=2)
-        one.rect("x", "y", 0.93, 0.88, source=source, line_color="frame", line_width=2, fill_color=None)
-        words: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "text_font_size": "11px"}
-        one.text("x", "y", "text", source=source, text_color="ink", **words)
-        _ticks(one.yaxis, [k + 0.5 for k in range(rows)], [f"{p:.3g}" for p in shown.pressures])
-        every = 1 if len(edges) <= 8 else 2
-        _ticks(one.xaxis, list(range(len(edges)))[::every], edges[::every])
-        one.xaxis.visible = False
-        one.grid.visible = False
-        hover([one], [drawn], READ)
-        panels.append(one)
-    panels[-1].xaxis.visible = True
-    panels[-1].xaxis.axis_label = "contraction ratio ε (1), cell edges"
-    return column(panels, sizing_mode="stretch_both")
+    panels = [Panel(sizing_mode="stretch_both", min_border_left=62) for _ in shown.branches]
+    for branch, one in enumerate(panels):
+        one.show(shown, branch)
+        one.figure.xaxis.visible = branch == len(panels) - 1
+    panels[-1].figure.xaxis.axis_label = "contraction ratio ε (1), cell edges"
+    return column([one.figure for one in panels], sizing_mode="stretch_both")
 
 
-def _columns(cells: list[failure_map.Cell], shown: failure_map.FailureMap) -> dict[str, Any]:
+def _columns(cells: list[failure_map.Cell], shown: FailureMap) -> dict[str, Any]:
     colours, norm = matplotlib.colormaps[failure_map.COLOURS], Normalize(-shown.limit, shown.limit)
     paints = [colours(norm(cell.mean)) for cell in cells]
+    inks = ["white" if failure_map.is_dark(paint) else INK for paint in paints]
     marked = [cell.place in shown.marked for cell in cells]
     return {
         "x": [cell.place[2] + 0.5 for cell in cells],
         "y": [cell.place[1] + 0.5 for cell in cells],
         "fill": [to_hex(paint) for paint in paints],
-        "ink": [_ink(paint) for paint in paints],
-        "frame": [_ink(paint) if one else "#00000000" for one, paint in zip(marked, paints, strict=True)],
+        "ink": inks,
+        "frame": [ink if one else "#00000000" for ink, one in zip(inks, marked, strict=True)],
         "text": [signed(cell.mean) for cell in cells],
         "mean": [newtons(cell.mean).replace("-", "−") for cell in cells],
         "rms": [newtons(cell.rms) for cell in cells],
@@ -74,12 +89,6 @@ def _columns(cells: list[failure_map.Cell], shown: failure_map.FailureMap) -> di
     }
 
 
-def _ink(paint: tuple[float, float, float, float]) -> str:
-    """For words and frame on a colour, on a light page and on a dark one."""
-    return "white" if failure_map.is_dark(paint) else INK
-
-
-def _ticks(axis: Any, at: list[float] | list[int], words: list[str]) -> None:
-    axis.ticker = FixedTicker(ticks=at)
-    axis.major_label_overrides = dict(zip(at, words, strict=True))
-    axis.major_tick_line_color = None
+def _ticks(axis: Any, at: np.ndarray, words: list[str]) -> None:
+    axis.ticker, axis.major_tick_line_color = at.tolist(), None
+    axis.major_label_overrides = dict(zip(at.tolist(), words, strict=True))

@@ -165,7 +165,8 @@ def _pattern(section: Section, easel: Easel) -> Part | None:
         "The mean of what the best model leaves, with a band of ± 2 standard errors. Dotted: the place, the moment or "
         "the periods that the pattern names.",
     )
-    text = f"{pattern.text} It holds {percent(pattern.share)} of the squared error that was to be explained."
+    said = f"{pattern.text[:1].upper()}{pattern.text[1:]}."
+    text = f"{said} It holds {percent(pattern.share)} of the squared error that was to be explained."
     return Part(f"{easel.prefix}-pattern", "What no known effect explains", (text,), (picture,))
 
 
