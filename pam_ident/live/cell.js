@@ -2,7 +2,7 @@
 {
 __FIGURES__
 const theme = (figures) => {
-const window = { matchMedia: () => ({ matches: false, addEventListener: () => {} }) } // its ground is white on any screen
+const window = { matchMedia: () => ({ addEventListener: () => {} }) } // neither dark nor light: its ground is white
 __THEME__
 }
 const bokeh = __BOKEH__
