@@ -1,9 +1,11 @@
 """The report's figures in a real browser: zoomed into, pointed at, switched; and the pictures where they are not."""
 
+import io
 import re
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from pam_ident.diagnosis import compare
 from pam_ident.report import Section, Story, render
@@ -135,6 +137,18 @@ def test_a_narrow_dark_page_holds_the_figures(opened):
         )
         assert set(inks) == {"#e6e9ed"}
     assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+
+
+def test_a_figure_that_changes_its_size_leaves_nothing_where_it_was(opened):
+    def seen():
+        opened.wait_for_timeout(700)
+        return imread(io.BytesIO(live(opened, 0).locator(".panels").screenshot()), "png")[..., :3]
+
+    before = seen()
+    for width in (1100, 1400):
+        opened.set_viewport_size({"width": width, "height": 900})
+        after = seen()
+    assert np.mean(np.abs(after - before).max(2) > 0.02) < 3e-4
 
 
 def test_without_scripts_the_pictures_stand(browser, file):
