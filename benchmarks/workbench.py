@@ -92,7 +92,7 @@ def timed(page: Page, program: psutil.Process, act) -> tuple[float, float, float
     while error.text_content() == before:
         time.sleep(0.005)
     shown = time.perf_counter() - begun
-    page.locator(".badge").wait_for(timeout=120_000)
+    page.locator("p.lead b").wait_for(timeout=120_000)
     named, worked = time.perf_counter() - begun, sum(program.cpu_times()[:2]) - worked
     idle(page)
     return shown, named, worked
@@ -101,7 +101,7 @@ def timed(page: Page, program: psutil.Process, act) -> tuple[float, float, float
 def idle(page: Page) -> None:
     """Wait until the workbench has nothing more to find."""
     page.locator("[data-state='']").wait_for(state="attached", timeout=120_000)
-    page.locator(".badge").wait_for(timeout=120_000)
+    page.locator("p.lead b").wait_for(timeout=120_000)
 
 
 if __name__ == "__main__":

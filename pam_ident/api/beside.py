@@ -7,7 +7,6 @@ from ..core.digits import three
 from ..core.files import check_target, write_whole
 from ..diagnosis.against import Against
 from ..report.against import parts
-from ..report.easel import Easel
 from ..schema.against import against_json
 from ..tasks.against import against_page
 from .answers import ShownAnswer
@@ -80,9 +79,12 @@ class AgainstResult(ShownAnswer):
     def _repr_html_(self) -> str:
         from markupsafe import Markup
 
+        from ..notebook.live import samples
         from ..notebook.pages import picture, table
 
         made = [Markup("<p>{}</p>").format(self.sentence)]
-        for part in parts(self.details, Easel("ab", 0)):
-            made += [picture(one.figure, one.label) for one in part.pictures] + [table(one) for one in part.tables]
+        for part in parts(self.details, samples()):
+            made += [picture(one.figure, one.label, live=one.live) for one in part.pictures] + [
+                table(one) for one in part.tables
+            ]
         return str(Markup("").join(made))

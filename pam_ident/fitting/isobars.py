@@ -18,12 +18,13 @@ FOLDED = {"exponential_law": ("a", "b", "c")}
 
 @dataclass(frozen=True)
 class IsobarRow:
-    """Parameters of one law on one isobar and branch."""
+    """Parameters of one law on one isobar and branch; `problems` say why its fit is not valid."""
 
     pressure_MPa: float
     branch: str
     estimates: tuple[Estimate, ...]
     rmse: float
+    problems: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,15 @@ class IsobarTable:
     rows: tuple[IsobarRow, ...]
     correlation: dict[str, dict[str, float]]
     two_stage: dict[str, dict[str, float]]
+
+    @property
+    def problems(self) -> list[str]:
+        """Why fits of isobars are not valid, those that share a reason in one line."""
+        where: dict[tuple[str, str], list[str]] = {}
+        for row in self.rows:
+            for problem in row.problems:
+                where.setdefault((row.branch, problem), []).append(f"{row.pressure_MPa:g}")
+        return [f"{branch}, {', '.join(levels)} MPa alone: {problem}" for (branch, problem), levels in where.items()]
 
 
 def fit_isobars(
@@ -80,7 +90,7 @@ def _rows(model: Model, record: Record, mask: Array, branch: str, held: Mapping[
         if here.sum() > len(model.params) - len(held) and np.ptp(record.inputs.contraction[here]) > 0.0:
             one: Fit = fit(model, record, here, held=held)
             free = tuple(e for e in one.estimates if e.name not in held)
-            found.append(IsobarRow(float(level), branch, free, one.rmse))
+            found.append(IsobarRow(float(level), branch, free, one.rmse, tuple(one.problems)))
     return found
 
 

@@ -1,1 +1,11 @@
-"""Figures to zoom and to point at, for the workbench and for the page of a report. They need Bokeh, an extra."""
+"""Figures to zoom and to point at, for the workbench, a report's page and notebooks. They need Bokeh, an extra."""
+
+from importlib.metadata import PackageNotFoundError, version
+
+
+def available() -> bool:
+    """Whether there is the Bokeh that the extra `workbench` asks for; pages and notebooks can do without."""
+    try:
+        return tuple(map(int, version("bokeh").split(".")[:2])) >= (3, 8)
+    except PackageNotFoundError:
+        return False

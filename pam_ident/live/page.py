@@ -1,10 +1,10 @@
-"""Interactive figures as parts of a page that is one file: packed data, Bokeh's script, and what puts them up."""
+"""Interactive figures as parts of a page or of a notebook: packed data, Bokeh's script, and what puts them up."""
 
 import base64
 import gzip
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -27,15 +27,26 @@ class Inline:
 
 
 def inline(figures: Mapping[str, LayoutDOM]) -> Inline:
-    """Figures by the ids of the elements that they stand in."""
-    document = Document()
-    for one in figures.values():
-        document.add_root(one)
-    roots = {one.id: name for name, one in figures.items()}
-    data = json.dumps({"document": document.to_json(deferred=False), "roots": roots}, separators=(",", ":"))
+    """Figures by the ids of the elements that they stand in, for a page that is one file."""
     bokeh, packed = _bokeh()
-    script = _script()
-    return Inline(script, {"live-bokeh": packed, "live-figures": _packed(data)}, (_hash(script), _hash(bokeh)))
+    script = _script("page.js", NAMES=json.dumps(list(figures)))
+    data = _document(list(figures.values()))
+    return Inline(script, {"live-bokeh": packed, "live-figures": data}, (_hash(script), _hash(bokeh)))
+
+
+def cell(figure: LayoutDOM, name: str, with_bokeh: bool) -> tuple[str, str]:
+    """Style and JavaScript of a figure in the element `name` of a notebook; one of its cells must come `with_bokeh`."""
+    bokeh = _bokeh()[1] if with_bokeh else None
+    words = {"BOKEH": bokeh, "DATA": _document([figure]), "NAME": name}
+    script = _script("cell.js", **{word: json.dumps(value) for word, value in words.items()})
+    return (files("pam_ident.live") / "cell.css").read_text(encoding="utf-8"), script
+
+
+def _document(figures: Sequence[LayoutDOM]) -> str:
+    document = Document()
+    for one in figures:
+        document.add_root(one)
+    return _packed(json.dumps(document.to_json(deferred=False), separators=(",", ":")))
 
 
 @cache
@@ -45,11 +56,14 @@ def _bokeh() -> tuple[str, str]:
     return script, _packed(script)
 
 
-@cache
-def _script() -> str:
+def _script(name: str, **words: str) -> str:
+    """A script of this folder, what it shares put in, and `words` where __WORD__ stands, which no base64 holds."""
     moves = ", ".join(f"{json.dumps(name)}: (r, top, bottom) => {{ {code} }}" for name, code in ZOOM.items())
-    text = (files("pam_ident.live") / "page.js").read_text(encoding="utf-8")
-    return text.replace("MOVES", f"{{ {moves} }}").replace("THEME", THEME)
+    text = (files("pam_ident.live") / name).read_text(encoding="utf-8")
+    shared = (files("pam_ident.live") / "figures.js").read_text(encoding="utf-8")
+    for word, put in {"FIGURES": shared, "MOVES": f"{{ {moves} }}", "THEME": THEME, **words}.items():
+        text = text.replace(f"__{word}__", put)
+    return text
 
 
 def _packed(text: str) -> str:

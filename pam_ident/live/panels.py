@@ -88,7 +88,9 @@ def link(panels: Iterable[Any]) -> None:
     across = Span(dimension="height", line_dash="dotted", line_color="gray")
     for one in panels:
         one.add_tools(CrosshairTool(overlay=across))
-        one.legend.update(orientation="horizontal", padding=0, margin=2, border_line_color=None, click_policy="hide")
+        one.legend.update(
+            orientation="horizontal", padding=0, margin=2, spacing=10, border_line_color=None, click_policy="hide"
+        )
         one.legend.label_text_font_size = "12px"
         one.add_layout(one.legend[0], "above")  # beside the samples, not over them
 

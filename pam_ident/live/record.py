@@ -8,9 +8,11 @@ from bokeh.layouts import column
 from bokeh.models import CDSView, Column, ColumnDataSource, GlyphRenderer, IndexFilter, Range1d, Span
 
 from ..core.digits import newtons
+from ..diagnosis.nouns import Comparison
 from ..fitting import Fit
 from ..plot import measured_against_model, signature
 from ..plot.style import SKY
+from .failure_map import mapped
 from .panels import BLUE, ORANGE, dots, hover, link, panel, samples, span, tips
 
 FILL: dict[str, Any] = {"sizing_mode": "stretch_both", "min_border_left": 62}
@@ -94,6 +96,11 @@ class Figures:
         panels[-1].xaxis.axis_label = "contraction ratio ε (1)"
         link(panels)
         return column(panels, sizing_mode="stretch_both")
+
+    @staticmethod
+    def mapped(comparison: Comparison) -> Column:
+        """Where a model fails."""
+        return mapped(comparison)
 
     def _errors(self, name: str, x: Range1d, reach: Range1d) -> Any:
         """An empty panel for an error; all have one scale."""

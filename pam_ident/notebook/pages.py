@@ -1,4 +1,4 @@
-"""Results as HTML: a sentence, tables, a figure. Every text is escaped; figures are inline and load nothing."""
+"""Results as HTML: a sentence, tables, figures. Every text is escaped; figures are inline and load nothing."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -11,13 +11,17 @@ from matplotlib.figure import Figure
 
 from .. import plot
 from ..report import tables
+from ..report.easel import live
 from ..report.render import environment
 from ..report.svg import embed
 from ..report.tables import PageTable
 from ..report.words import interval, stderr, unit, value_of
 from . import lines
+from .live import samples, standing
 
 if TYPE_CHECKING:
+    from bokeh.models import Column
+
     from ..core import Specimen
     from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
     from ..fitting import Fit
@@ -51,9 +55,13 @@ def table(one: PageTable) -> Markup:
     return Markup(environment().from_string(TABLE).render(table=one))
 
 
-def picture(figure: Figure, label: str, tips: Mapping[str, str] | None = None) -> Markup:
-    """A figure, its ids unlike those of any other cell; `tips` are texts by the ids of its parts."""
-    inline = embed(figure, f"pam-{uuid4().hex[:10]}", label, MOST_BYTES, tips)
+def picture(figure: Figure, label: str, tips: Mapping[str, str] | None = None, live: "Column | None" = None) -> Markup:
+    """A figure, its ids unlike those of any other cell; `tips` are texts by the ids of its parts, `live` the same to
+    zoom and to point at."""
+    name = f"pam-{uuid4().hex[:10]}"
+    inline = embed(figure, name, label, MOST_BYTES, tips)
+    if live is not None:
+        return standing(inline, f"{name}-live", live)
     return Markup('<div style="max-width:60em;background:white">{}</div>').format(inline)
 
 
@@ -78,19 +86,25 @@ def _fit(one: "Fit") -> Markup:
     equation = Markup("<pre>{}</pre>").format(str(one.model))
     rows = tuple((e.name, value_of(e), stderr(e), interval(e), unit(e.unit), e.doc) for e in one.estimates)
     head = ("parameter", "value", "standard error", "95 % interval", "unit", "meaning")
-    figure = picture(plot.measured_against_model.draw(one, limit=POINTS), "Measured and modelled force, and the error")
+    drawn, shown = plot.measured_against_model.draw(one, limit=POINTS), live(one, None, samples())
+    figure = picture(drawn, "Measured and modelled force, and the error", live=shown and shown.isobars)
     return _said(lines.fit(one)) + equation + table(PageTable("Parameters", head, rows, (1, 2, 3))) + figure
 
 
 def _comparison(one: "Comparison") -> Markup:
     label = "Mean error over pressure and contraction, by branch"
-    return _said(one.sentence) + picture(plot.failure_map.draw(one), label, plot.failure_map.tips(one))
+    shown = live(one.fit, None, samples())
+    drawn = plot.failure_map.draw(one)
+    return _said(one.sentence) + picture(drawn, label, plot.failure_map.tips(one), shown and shown.mapped(one))
 
 
 def _diagnosis(one: "Diagnosis") -> Markup:
     following = Markup("") if one.next_experiment is None else _said(f"Next: {one.next_experiment.text}")
+    after = one.best if one.selected else None
+    drawn, shown = plot.signature.draw(one.base, after, POINTS), live(one.base, after, samples())
+    trace = picture(drawn, "Error over the record, and what is added", live=shown and shown.trace)
     figure = picture(plot.candidates.draw(one), "Error that is left with each candidate")
-    return _said(one.sentence) + following + table(tables.candidates(one)) + figure
+    return _said(one.sentence) + following + trace + table(tables.candidates(one)) + figure
 
 
 def _ladder(one: "Ladder") -> Markup:

@@ -170,6 +170,12 @@ def draw(comparison: Comparison) -> Figure:
     return figure
 
 
+def is_dark(colour: tuple[float, float, float, float]) -> bool:
+    """Whether words on a colour, red to opacity from 0 to 1, must be white."""
+    red, green, blue, _ = colour
+    return 0.299 * red + 0.587 * green + 0.114 * blue < 0.5
+
+
 def _numbers(axes: Axes, shown: FailureMap, branch: int, colours: Colormap, norm: Normalize, room: float) -> None:
     """The mean in each cell; in marked ones a frame and the share below. `room` is a cell's height in points."""
     cells = shown.mean.shape[2]
@@ -178,8 +184,6 @@ def _numbers(axes: Axes, shown: FailureMap, branch: int, colours: Colormap, norm
         value = float(shown.mean[branch, p, c])
         mark = (branch, p, c) in shown.marked
         text = signed(value) + (f"\n{percent(shown.share[branch, p, c])}" if mark else "")
-        red, green, blue, _ = colours(norm(value))
-        dark = 0.299 * red + 0.587 * green + 0.114 * blue < 0.5
         weight = "bold" if mark else "normal"
         axes.text(
             c + 0.5,
@@ -190,7 +194,7 @@ def _numbers(axes: Axes, shown: FailureMap, branch: int, colours: Colormap, norm
             fontsize=size,
             weight=weight,
             linespacing=1.05,
-            color="white" if dark else INK,
+            color="white" if is_dark(colours(norm(value))) else INK,
         )
         if mark:
             axes.add_patch(Rectangle((c, p), 1, 1, fill=False, edgecolor=BLACK, linewidth=1.6, clip_on=False))

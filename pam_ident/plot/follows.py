@@ -54,8 +54,7 @@ def data(follows: Sequence[Follows]) -> tuple[Piece, ...]:
 def draw(follows: Sequence[Follows], width: float = WIDTH) -> Figure:
     """One bar of the whole squared error, and under it what each piece follows with its share."""
     pieces = data(follows)
-    columns = 1 if width < WIDTH else 2
-    figure = canvas(1.0 + 0.19 * -(-max(len(pieces), 1) // columns), width)
+    figure = canvas(1.0 + 0.19 * max(len(pieces), 1), width)
     axes = figure.subplots()
     for piece in pieces:
         axes.barh(0, piece.share, left=piece.begin, color=piece.colour, edgecolor="white", linewidth=0.8,
@@ -71,5 +70,5 @@ def draw(follows: Sequence[Follows], width: float = WIDTH) -> Figure:
     axes.spines["left"].set_visible(False)
     axes.grid(visible=False)
     if pieces:
-        figure.legend(loc="outside lower left", ncols=columns, labelcolor=INK, handlelength=1.0, labelspacing=0.3)
+        figure.legend(loc="outside lower left", labelcolor=INK, handlelength=1.0, labelspacing=0.3)
     return figure

@@ -73,11 +73,9 @@ def draw(ladder: Ladder, names: Sequence[str] = (), width: float = WIDTH) -> Fig
     axes.set_xlim(-0.5, max(len(x) - 0.5, 0.5) + 0.15)
     if names:
         axes.set_xticks(x, list(names), fontsize=8.0 if len(x) < 4 else 7.0)
-    elif len(x) > 4:
-        tilt = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"} if len(x) > 6 else {}
-        axes.set_xticks(x, [name.replace(":", "\n:") for name in shown.names], fontsize=7.5, **tilt)
     else:
-        axes.set_xticks(x, list(shown.names))
+        tilt = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"} if len(x) > 3 else {}
+        axes.set_xticks(x, list(shown.names), fontsize=8.0, **tilt)
     axes.annotate(
         f"noise floor {newtons(shown.noise_floor)}",
         (0.0, shown.noise_floor),

@@ -95,9 +95,9 @@ def _isobars(level: Array, place: Array) -> tuple[tuple[float, float, float], ..
 def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float = WIDTH) -> Figure:
     """Error before with the effect's trace through it, and below what is left after, on one scale.
 
-    Without a second fit the first's error alone. Below the usual `width` (inches) the words are fewer.
+    Without a second fit the first's error alone. Below the usual `width` (inches) no title names what was added.
     """
-    shown, narrow = data(before, after or before, limit), width < WIDTH
+    shown = data(before, after or before, limit)
     figure = canvas(5.2 if after else 3.0, width)
     panels = figure.subplots(2 if after else 1, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     top, low = panels[0], panels[-1]
@@ -111,18 +111,14 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
         "alpha": 0.45,
     }
 
-    def label(when: str) -> str:
-        return smooth or when if narrow else ", ".join(filter(None, (when, smooth)))
-
     top.plot(shown.x, shown.before, **dots)
-    top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label=label("error before" if after else "error"))
+    top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label=smooth or "error")
     top.set_title(f"{'Before' if after else 'Error'}: {newtons(before.rmse)} rms")
     if after is not None:
-        changes = "what is added" if narrow else "what the added effects change in the model"
-        top.plot(shown.line, shown.effect, color=VERMILION, linewidth=1.0, label=changes)
+        top.plot(shown.line, shown.effect, color=VERMILION, linewidth=1.0, label="what is added")
         low.plot(shown.x, shown.after, **dots)
-        low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=label("error after"))
-        low.set_title(f"After{'' if narrow else _added(before, after)}: {newtons(after.rmse)} rms")
+        low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=smooth or "error")
+        low.set_title(f"After{'' if width < WIDTH else _added(before, after)}: {newtons(after.rmse)} rms")
     for axes in panels:
         zero_line(axes)
         axes.set_ylabel("error (N)")
@@ -136,7 +132,7 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
 
 def _added(before: Fit, after: Fit) -> str:
     labels = [label for label in after.model.labels if label not in before.model.labels]
-    return f" adding {', '.join(labels or ['nothing']) if sum(map(len, labels)) < 60 else f'{len(labels)} effects'}"
+    return f" adding {', '.join(labels or ['nothing']) if sum(map(len, labels)) < 36 else f'{len(labels)} effects'}"
 
 
 def _mark_isobars(axes: Axes, shown: Signature, width: float) -> None:

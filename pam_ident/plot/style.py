@@ -26,7 +26,7 @@ BRANCH_MARK = {"contraction": "o", "extension": "^", "static": "o"}
 BRANCH_NAME = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
 BEHIND: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
 """A white ground for words that stand on lines."""
-WIDTH = 9.0
+WIDTH = 7.2
 """Width of every figure in inches."""
 
 RC: dict[Any, Any] = {

@@ -2,47 +2,51 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from .. import plot
 from ..diagnosis.against import Against, ParameterDifference
 from ..diagnosis.follows import told
-from .easel import Easel, Part
-from .opening import BESIDE
-from .render import environment
+from ..diagnosis.nouns import Diagnosis
+from ..live import available
+from .easel import Easel, Part, Picture, live
+from .opening import BESIDE, HERO
+from .render import MOST_POINTS, environment, inlined
 from .tables import PageTable
 from .tables import provenance as provenance_table
 from .words import VERDICTS, known_to, likely, newtons, titles, unit, with_error
+
+SAMPLES = 2 * MOST_POINTS
+"""Of each record, in figures to zoom into."""
 
 
 def render_against(found: Against, provenance: Mapping[str, object]) -> str:
     """One HTML file as text; `provenance` as in a Story."""
     names = [one.base.record.name for one in (found.a, found.b)]
-    easel = Easel("ab", 0)
+    records = [("ab", "A against B", parts(found, SAMPLES if available() else 0))]
     return (
         environment()
         .get_template("report.html.j2")
         .render(
             title=f"{names[0]} against {names[1]}",
-            records=[("ab", "A against B", parts(found, easel))],
+            records=records,
+            live=inlined(records),
             provenance=provenance_table(provenance),
             command=provenance.get("command"),
         )
     )
 
 
-def parts(found: Against, easel: Easel) -> tuple[Part, ...]:
-    """What differs in a sentence, then the effects, what the errors follow, and the parameters."""
-    bars = tuple(
-        easel.hang(
-            plot.follows.draw(one.follows, BESIDE),
-            f"What the law's error in {which} follows, as one bar. {told(one.follows)}",
-            f"{which}, {one.base.record.name}: what the law's error follows. {told(one.follows)}",
-        )
-        for which, one in (("A", found.a), ("B", found.b))
-    )
+def parts(found: Against, samples: int = 0) -> tuple[Part, ...]:
+    """What differs in a sentence, then the effects, the errors and what they follow, and the parameters; what can be
+    zoomed into has so many `samples` a record, if any."""
+    both = [_pictures(which, one, samples) for which, one in (("A", found.a), ("B", found.b))]
+    traces, bars = zip(*both, strict=True)
+    _one_scale(traces)
     return (
         Part("ab-answer", "What differs", (found.sentence,), tables=(records_table(found),)),
         Part("ab-effects", "Effects", tables=(effects_table(found),)),
+        Part("ab-errors", "The errors over the records", pictures=traces),
         Part("ab-follows", "What the error follows", pictures=bars),
         Part(
             "ab-parameters",
@@ -51,6 +55,38 @@ def parts(found: Against, easel: Easel) -> tuple[Part, ...]:
             tables=(parameters_table(found),),
         ),
     )
+
+
+def _pictures(which: str, one: Diagnosis, samples: int) -> tuple[Picture, Picture]:
+    """The error of the law over a record, with what is missing, and what it follows."""
+    after, name = one.best if one.selected else None, one.base.record.name
+    easel = Easel(f"ab{which.lower()}", MOST_POINTS, live(one.base, after, samples))
+    left = " before (above), with what is missing drawn through it, and after (below)." if after else "."
+    trace = easel.hang(
+        plot.signature.draw(one.base, after, easel.points, HERO),
+        f"{which}: error of the law over the record{' before and after' if after else ''}",
+        f"{which}, {name}: the law's error{left}",
+        live=easel.live and easel.live.trace,
+    )
+    bar = easel.hang(
+        plot.follows.draw(one.follows, BESIDE),
+        f"What the law's error in {which} follows, as one bar. {told(one.follows)}",
+        f"{which}, {name}: what the law's error follows. {told(one.follows)}",
+    )
+    return trace, bar
+
+
+def _one_scale(traces: tuple[Picture, ...]) -> None:
+    """The same scale of the error for both records."""
+    axes = [one.figure.axes[0] for one in traces]
+    end = max(one.get_ylim()[1] for one in axes)
+    for one in axes:
+        one.set_ylim(-end, end)
+    panels: list[Any] = [one.live.children[0] for one in traces if one.live is not None]
+    ranges = [one.y_range for one in panels]
+    end = max((one.end for one in ranges), default=0.0)
+    for one in ranges:
+        one.update(start=-end, end=end, reset_start=-end, reset_end=end)
 
 
 def records_table(found: Against) -> PageTable:

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
+from ..fitting import Fit
 from .tables import PageTable
 
 if TYPE_CHECKING:
-    from bokeh.models import LayoutDOM
+    from bokeh.models import Column
 
     from ..live.record import Figures
 
@@ -28,7 +29,7 @@ class Picture:
     caption: str
     tips: Mapping[str, str] = field(default_factory=dict)
     switches: Mapping[str, str] = field(default_factory=dict)
-    live: "LayoutDOM | None" = None
+    live: "Column | None" = None
 
 
 @dataclass(frozen=True)
@@ -68,8 +69,17 @@ class Easel:
         caption: str,
         tips: Mapping[str, str] | None = None,
         switches: Mapping[str, str] | None = None,
-        live: "LayoutDOM | None" = None,
+        live: "Column | None" = None,
     ) -> Picture:
         """The figure under the next free name."""
         self.count += 1
         return Picture(f"{self.prefix}f{self.count}", figure, label, caption, tips or {}, switches or {}, live)
+
+
+def live(before: Fit, after: Fit | None, samples: int) -> "Figures | None":
+    """What can be zoomed into of two fits of a record, with so many samples; nothing without any."""
+    if not samples:
+        return None
+    from ..live.record import Figures  # Bokeh takes half a second, and is not everywhere
+
+    return Figures(before, after, samples)

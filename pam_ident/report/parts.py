@@ -2,24 +2,20 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from .. import plot
 from ..diagnosis.nouns import Diagnosis
 from . import tables
-from .easel import Easel, Part
+from .easel import Easel, Part, live
 from .opening import held_out, opening
 from .rungs import steps
 from .story import Section
 from .words import equation, groups, named, newtons, percent, titles
 
-if TYPE_CHECKING:
-    from ..live.record import Figures
-
 
 def parts(section: Section, prefix: str, points: int, samples: int = 0) -> tuple[Part, ...]:
     """All parts that the section has something to say in; figures to zoom into have so many `samples`, if any."""
-    easel = Easel(prefix, points, _live(section, samples) if samples else None)
+    easel = Easel(prefix, points, live(section.before, section.after, samples))
     builders: tuple[Callable[[Section, Easel], Part | None], ...] = (
         opening,
         _numbers,
@@ -36,12 +32,6 @@ def parts(section: Section, prefix: str, points: int, samples: int = 0) -> tuple
     )
     found = (build(section, easel) for build in builders)
     return tuple(part for part in found if part is not None)
-
-
-def _live(section: Section, samples: int) -> "Figures":
-    from ..live.record import Figures  # Bokeh takes half a second, and is not everywhere
-
-    return Figures(section.before, section.after, samples)
 
 
 def _numbers(section: Section, easel: Easel) -> Part:
@@ -79,9 +69,9 @@ def _failure(section: Section, easel: Easel) -> Part:
             plot.failure_map.draw(comparison),
             "Heat map of the mean error over pressure and contraction, by branch; the table of its cells has the same",
             "Mean error (N) in each cell of pressure and contraction. Framed: the cells with the largest share of the "
-            "squared error, the share below the number. Grey: no sample. A pointer on a cell brings up its numbers; "
-            "the table has all of them.",
+            "squared error. Grey: no sample. A pointer on a cell brings up its numbers; the table has all of them.",
             plot.failure_map.tips(comparison),
+            live=easel.live and easel.live.mapped(comparison),
         )
     ]
     if plot.profiles.data(comparison):
@@ -175,7 +165,8 @@ def _pattern(section: Section, easel: Easel) -> Part | None:
         "The mean of what the best model leaves, with a band of ± 2 standard errors. Dotted: the place, the moment or "
         "the periods that the pattern names.",
     )
-    text = f"{pattern.text} It holds {percent(pattern.share)} of the squared error that was to be explained."
+    said = f"{pattern.text[:1].upper()}{pattern.text[1:]}."
+    text = f"{said} It holds {percent(pattern.share)} of the squared error that was to be explained."
     return Part(f"{easel.prefix}-pattern", "What no known effect explains", (text,), (picture,))
 
 

@@ -1,11 +1,11 @@
 """A story becomes a page."""
 
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from ..live import available
 from . import tables
 from .easel import Part, Picture
 from .parts import parts
@@ -24,16 +24,16 @@ Chapters = list[tuple[str, str, tuple[Part, ...]]]
 def render(story: Story, live: bool = True) -> str:
     """One HTML file as text: nothing loaded from anywhere, every text escaped.
 
-    Where Bokeh is installed and `live`, two figures a record can be zoomed into; else there is no script.
+    Where Bokeh is installed and `live`, figures can be zoomed into and pointed at; else there is no script.
     """
-    found = chapters(story, live and _has_bokeh())
+    found = chapters(story, live and available())
     return (
         environment()
         .get_template("report.html.j2")
         .render(
             title=story.title,
             records=found,
-            live=_inline(found),
+            live=inlined(found),
             provenance=tables.provenance(story.provenance),
             command=Markup.escape(plain(str(story.provenance.get("command", "")))),  # to be copied as it is
         )
@@ -68,19 +68,11 @@ def environment() -> Environment:
     return made
 
 
-def _has_bokeh() -> bool:
-    """Whether there is the Bokeh that the extra `workbench` asks for; the page can do without."""
-    try:
-        return tuple(map(int, version("bokeh").split(".")[:2])) >= (3, 8)
-    except PackageNotFoundError:
-        return False
-
-
 def _embed(picture: Picture) -> Markup:
     return embed(picture.figure, picture.name, picture.label, tips=picture.tips, classes=picture.switches)
 
 
-def _inline(records: Chapters) -> "Inline | None":
+def inlined(records: Chapters) -> "Inline | None":
     """What brings the figures of a page to life."""
     pictures = [one for _, _, parts in records for part in parts for one in part.pictures]
     figures = {f"{one.name}-live": one.live for one in pictures if one.live is not None}

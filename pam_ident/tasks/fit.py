@@ -142,8 +142,9 @@ class FitAnswer:
 
     @property
     def problems(self) -> list[str]:
-        """Why a fit is not valid, branch by branch; empty when all are."""
-        return [f"{branch}: {problem}" for branch, one in self.fits.items() for problem in one.problems]
+        """Why a fit is not valid, branch by branch, then isobar by isobar; empty when all are."""
+        found = [f"{branch}: {problem}" for branch, one in self.fits.items() for problem in one.problems]
+        return found + (self.isobars.problems if self.isobars else [])
 
 
 def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | None = None) -> FitAnswer:
@@ -258,7 +259,7 @@ def _with_intervals(one: Fit, setup: Setup, wishes: FitOptions) -> tuple[Fit, tu
 
 
 def _covers(table: IsobarTable, branch: str, one: Fit) -> bool:
-    return {p.name for p in one.model.params} == set(table.two_stage.get(branch, ()))
+    return branch in table.two_stage and {p.name for p in one.model.params} == set(table.two_stage[branch])
 
 
 def _from_lines(one: Fit, table: IsobarTable, branch: str) -> Fit:
@@ -275,11 +276,10 @@ def _from_lines(one: Fit, table: IsobarTable, branch: str) -> Fit:
 
 
 def _on_lines(e: Estimate, value: float, stderr: float, dof: float) -> Estimate:
+    """What all isobars at once cannot tell, lines through them cannot either."""
     half = float(student(np.array(dof))) * stderr if dof > 0 else math.nan
-    verdict = e.verdict if e.verdict.kind == "held" else PINNED
-    return Estimate(
-        e.name, e.unit, e.doc, value, stderr, False, True, value - half, value + half, dof, verdict, e.range
-    )
+    verdict = PINNED if e.identified and e.verdict.determined else e.verdict
+    return replace(e, value=value, stderr=stderr, low=value - half, high=value + half, dof=dof, verdict=verdict)
 
 
 def _line_errors(table: IsobarTable, branch: str) -> dict[str, tuple[float, float]]:

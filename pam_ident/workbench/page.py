@@ -345,7 +345,6 @@ class Workbench(Viewer):
         """The bench as it is."""
         bench, pinned = self.bench, self.history.pinned
         self.head.object = str(words.head(bench))
-        self.verdict.object = str(words.verdict(bench))
         self.follows.object = str(words.follows(bench.diagnosis.follows if bench and bench.diagnosis else ()))
         for name in ("where", "parameters", "model"):
             self.texts[name].object = str(getattr(words, name)(bench))
@@ -363,6 +362,7 @@ class Workbench(Viewer):
         self.side.columns.visible = self.history.draft is not None and self.history.draft.ours
         self.side.show(bench, self.setup)
         self.draft.show(self.history.draft, self.asking)
+        self.verdict.object = str(words.verdict(bench))  # once all that it tells of is there
         self._busy()
 
 

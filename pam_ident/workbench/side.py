@@ -33,7 +33,13 @@ class Side:
         self.form = SpecimenForm()
         self.use_specimen = pn.widgets.Button(label="Use this specimen", **WIDE)
         self.specimen = pn.Card(
-            self.form.row, self.use_specimen, header=html("<h3>Specimen</h3>"), collapsed=True, margin=(8, 10), **WIDE
+            self.form.row,
+            self.use_specimen,
+            header=html("<h3>Specimen</h3>"),
+            collapsed=True,
+            margin=(8, 10),
+            styles={"box-shadow": "none"},
+            **WIDE,
         )
         self.model, self.terms = html(), Cards("Effects in the model", removed)
         self.effect = pn.widgets.Select(label="Another effect", options=[], **WIDE)

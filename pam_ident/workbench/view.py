@@ -4,15 +4,11 @@ from typing import Any
 
 import numpy as np
 import panel as pn
-from bokeh.models import ColumnDataSource, CustomJS, HoverTool, Range1d
-from bokeh.palettes import RdBu11
-from bokeh.plotting import figure
-from bokeh.transform import linear_cmap
+from bokeh.models import ColumnDataSource, CustomJS, Range1d
 
-from ..core.digits import newtons, percent
 from ..fitting import Fit
+from ..live.failure_map import Panel
 from ..live.panels import (
-    CLEAR,
     ORANGE,
     PINNED,
     THEME,
@@ -27,6 +23,7 @@ from ..live.panels import (
     span,
     tips,
 )
+from ..plot import failure_map
 from .bench import Bench
 from .parts import STYLE, in_turn
 
@@ -60,25 +57,10 @@ class Views:
         link((self.force, self.error))
         self.along = pn.widgets.Select(label="Along", options=["time"], width=140, stylesheets=[STYLE])
         self.along.param.watch(lambda _: in_turn(self._place), "value")
-        self.maps = [self._map(), self._map()]
+        self.maps = [Panel(height=260, width=350, x_axis_label="contraction (ratio), cell edges") for _ in range(2)]
         self.figures = pn.Column(pn.pane.Bokeh(self.force, **wide), pn.pane.Bokeh(self.error, **wide), **wide)
         self.zoom = pn.FlexBox(self.along, *map(self._button, ZOOM), align_items="end", **wide)
-        self.map = pn.FlexBox(*(pn.pane.Bokeh(one, width=350) for one in self.maps), **wide)
-
-    def _map(self) -> Any:
-        cells = ColumnDataSource(
-            {name: [] for name in ("left", "right", "row", "pressure", "mean", "error", "rms", "share")}
-        )
-        made = figure(height=260, width=350, x_range=Range1d(), y_range=Range1d(), x_axis_label=ALONG["contraction"],
-                      y_axis_label=ALONG["pressure"], tools="", toolbar_location=None, **CLEAR)  # fmt: skip
-        drawn = made.hbar(
-            y="row", left="left", right="right", height=1.0, source=cells, line_color=None,
-            fill_color=linear_cmap("mean", RdBu11, -1.0, 1.0),
-        )  # fmt: skip
-        tips = [("mean error", "@error"), ("rms", "@rms"), ("share of the squared error", "@share")]
-        made.add_tools(HoverTool(tooltips=[("at", "@pressure{0.000} MPa"), *tips], renderers=[drawn]))
-        made.grid.visible = False
-        return made
+        self.map = pn.FlexBox(*(pn.pane.Bokeh(one.figure, width=350) for one in self.maps), **wide)
 
     def _button(self, name: str) -> pn.widgets.Button:
         made = pn.widgets.Button(label=name, stylesheets=[STYLE])
@@ -88,7 +70,7 @@ class Views:
     @property
     def themed(self) -> CustomJS:
         """What colours the figures as the browser's are, once the page stands."""
-        return CustomJS(args={"figures": [self.force, self.error, *self.maps]}, code=THEME)
+        return CustomJS(args={"figures": [self.force, self.error, *(one.figure for one in self.maps)]}, code=THEME)
 
     def show(self, bench: Bench, pinned: Fit | None) -> None:
         """Draw a bench; what was zoomed into stays in sight as long as the record does."""
@@ -138,22 +120,8 @@ class Views:
         span(self.x, x)
 
     def _show_map(self, bench: Bench) -> None:
-        found = bench.comparison
-        told = {"error": (newtons, found.mean), "rms": (newtons, found.rms), "share": (percent, found.share)}
-        most = max(float(np.nanmax(np.abs(found.mean))), bench.noise_floor or 0.0, 1e-9)
-        for k, one in enumerate(self.maps):
-            one.visible = k < len(found.branches)
-            if not one.visible:
-                continue
-            row, cell = np.nonzero(np.isfinite(found.mean[k]))
-            drawn = one.renderers[0]
-            drawn.data_source.data = {
-                "left": found.edges[cell], "right": found.edges[cell + 1], "row": row, "pressure": found.pressures[row],
-                "mean": found.mean[k][row, cell],
-            } | {name: [say(v) for v in of[k][row, cell]] for name, (say, of) in told.items()}  # fmt: skip
-            drawn.glyph.fill_color.transform.update(low=-most, high=most)
-            one.title.text = f"{found.branches[k]}: mean error (red: measured above)"
-            span(one.x_range, found.edges)
-            one.y_range.update(start=-0.6, end=len(found.pressures) - 0.4)
-            one.yaxis.ticker = list(range(len(found.pressures)))
-            one.yaxis.major_label_overrides = {j: f"{p:.3g}" for j, p in enumerate(found.pressures)}
+        shown = failure_map.data(bench.comparison)
+        for branch, one in enumerate(self.maps):
+            one.figure.visible = branch < len(shown.branches)
+            if one.figure.visible:
+                one.show(shown, branch)

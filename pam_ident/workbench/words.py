@@ -12,15 +12,14 @@ from ..diagnosis.nouns import Diagnosis, Follows
 from ..fitting.estimate import impossible
 from ..model import Model
 from ..notebook.pages import table
+from ..plot.follows import COLOUR
+from ..plot.style import INK
 from ..records.doubt import Doubt
 from ..report import tables
-from ..report.words import STATUS, VERDICTS, equation, groups, likely, newtons, number, stderr, titles, value_of
+from ..report.words import STATUS, equation, groups, likely, newtons, number, stderr, titles, value_of
 from ..schema.diagnosis import candidates
 from .bench import Bench
 from .draft import Draft, DraftColumn
-
-COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
-"""Of the parts of the bar; the noise is grey."""
 
 
 def status(text: str, state: str) -> Markup:
@@ -86,23 +85,22 @@ def column(one: DraftColumn) -> Markup:
     )
 
 
-def headline(found: Diagnosis) -> str:
-    """The verdict in a sentence, effects by their plain names."""
+def headline(found: Diagnosis) -> tuple[str, str]:
+    """The verdict in a few words, effects by their plain names, and what is left."""
     known = titles(found.best.model)
     law = " + ".join([found.base.model.law.title, *(known.get(n, n) for n in found.base.model.effect_names)])
     start = f"{law} leaves {newtons(found.base.rmse)} rms; the noise is about {newtons(found.noise_floor)}."
     if found.verdict == "adequate":
-        return f"Nothing is missing that this record could show. {start}"
-    parts = []
-    if found.selected:
-        names = ", ".join(known.get(name, name) for name in found.selected)
-        them = "it" if len(found.selected) == 1 else "them"
-        parts += [f"Missing: {names}.", start, f"With {them} {newtons(found.best.rmse)} are left."]
-    else:
-        parts.append(start)
-    if found.pattern is not None:
-        parts.append(f"Something is left that no known effect explains: {found.pattern.text}.")
-    return " ".join(parts)
+        return "Nothing is missing that this record could show.", start
+    left = ""
+    if found.verdict == "unknown_effect" or found.pattern is not None:
+        what = f": {found.pattern.text}" if found.pattern else ""
+        left = f"Something is left that no known effect explains{what}."
+    if not found.selected:
+        return left or "Something is missing.", start
+    names = ", ".join(known.get(name, name) for name in found.selected)
+    start += f" With {'it' if len(found.selected) == 1 else 'them'} {newtons(found.best.rmse)} are left."
+    return f"Missing: {names}.", f"{start} {left}".strip()
 
 
 def verdict(bench: Bench | None) -> Markup:
@@ -124,12 +122,11 @@ def verdict(bench: Bench | None) -> Markup:
     if bench.held:
         parts.append(Markup("<p>Parameters are held by hand. Release them to have named what is missing.</p>"))
     if found is not None:
-        badge, _ = VERDICTS.get(found.verdict, (found.verdict, ""))
         notes = groups(found, titles(found.best.model))
         if found.next_experiment is not None:
             notes.append(f"Next experiment: {found.next_experiment.text}")
         parts = [
-            Markup('<p class="lead"><span class="badge">{}</span> {}</p>').format(badge, headline(found)),
+            Markup('<p class="lead"><b>{}</b> {}</p>').format(*headline(found)),
             *parts,
             *[Markup("<p>{}</p>").format(note) for note in notes],
         ]
@@ -151,10 +148,8 @@ def follows(found: tuple[Follows, ...]) -> Markup:
     if not found:
         return Markup("")
     parts = [
-        Markup('<span style="flex:{} 0 0;background:{}"></span>').format(
-            f"{one.share:.4f}", "#9aa5b1" if one.what == "noise" else COLOURS[k % len(COLOURS)]
-        )
-        for k, one in enumerate(found)
+        Markup('<span style="flex:{} 0 0;background:{}"></span>').format(f"{one.share:.4f}", COLOUR.get(one.what, INK))
+        for one in found
     ]
     bar = Markup('<div class="shares" aria-hidden="true">{}</div>').format(Markup("").join(parts))
     return Markup("<h2>What the error follows</h2>{}<p>{}</p>").format(bar, told(found))

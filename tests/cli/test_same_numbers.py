@@ -81,13 +81,14 @@ def test_in_python_and_on_the_workbench(rippled):
 
     found = pam.diagnose(rippled, "exponential_law")
     details = found.details
-    assert newtons(details.base.rmse) in details.sentence and newtons(details.base.rmse) in words.headline(details)
-    assert details.pattern is not None and details.pattern.text in words.headline(details)
+    headline = " ".join(words.headline(details))
+    assert newtons(details.base.rmse) in details.sentence and newtons(details.base.rmse) in headline
+    assert details.pattern is not None and details.pattern.text in headline
     said = found.summary()
     assert all(percent(one.share) in said for one in details.follows)
     assert all(probability(one) in said for one in found.candidates["probability"])
     assert percent(details.follows[0].share) in pam.compare(rippled, "exponential_law").summary()
-    for told in (said, found._repr_html_(), words.headline(details), words.follows(details.follows)):
+    for told in (said, found._repr_html_(), headline, words.follows(details.follows)):
         assert not strays(DRAWN.sub(" ", str(told)))
 
 

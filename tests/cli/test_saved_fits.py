@@ -120,7 +120,8 @@ def test_one_law_and_one_effect_in_full(ask):
     assert effect == ask("effects", "show", "creep").stdout and "form textbook" in effect
 
 
-def test_a_law_at_its_bound_that_nothing_tells_apart_ends_with_3(answer, write_record):
+@pytest.mark.parametrize("method", ["global", "two-stage", "both"])
+def test_a_law_at_its_bound_that_nothing_tells_apart_ends_with_3_by_every_method(answer, write_record, method):
     rows, t = ["time_s,pressure_MPa,displacement_mm,force_N"], 0.0
     rng = np.random.default_rng(1)
     for p in (0.2, 0.3, 0.4):
@@ -130,10 +131,23 @@ def test_a_law_at_its_bound_that_nothing_tells_apart_ends_with_3(answer, write_r
                 force = -190 + 2400 * p - (900 + 5500 * p) * e + 3000 * e**2 + rng.normal()
                 rows.append(f"{t:.3f},{p},{x:.4f},{force:.4f}")
                 t += 0.05
-    result, found = answer("fit", write_record("\n".join(rows) + "\n"), *LAW)
+    result, found = answer("fit", write_record("\n".join(rows) + "\n"), *LAW, "--method", method)
     parameters = found["branches"]["together"]["parameters"]
     assert result.exit_code == 3 and "does not determine" in result.stderr and ", mu;" in result.stderr
     assert parameters["mu"]["at_bound"] and not parameters["mu"]["identified"] and not parameters["c1"]["identified"]
+
+
+def test_an_isobar_that_does_not_determine_what_is_printed_of_it_ends_with_3(answer):
+    words = ("fit", "nothing_hidden", "--law", "martens_boblan")
+    assert answer(*words)[0].exit_code == 0, "all isobars at once"
+    result, found = answer(*words, "--method", "two-stage")
+    assert result.exit_code == 3 and "0.1 MPa alone" in " ".join(result.stderr.split())
+    assert all(one["identified"] for one in found["branches"]["together"]["parameters"].values())
+
+
+def test_two_stages_of_a_law_without_parameters_are_its_isobars(answer):
+    result, found = answer("fit", "nothing_hidden", "--law", "chou_hannaford", "--method", "two-stage")
+    assert result.exit_code == 0 and [row["parameters"] for row in found["per_pressure"]] == 5 * [{}]
 
 
 def test_tables_are_no_wider_than_the_terminal(ask, monkeypatch, rubbing):

@@ -37,7 +37,9 @@ def test_it_shows_its_answers_and_is_small_and_teaches_without_asserts(book):
     assert sum(bool(cell.outputs) for cell in run) >= len(run) - 2
     assert not any(one.output_type == "error" or one.get("name") == "stderr" for cell in run for one in cell.outputs)
     assert not any(re.search(r"^\s*assert\b", cell.source, re.M) for cell in run)
-    assert book.stat().st_size <= 300_000
+    assert book.stat().st_size <= 1_500_000
+    shown = book.read_text(encoding="utf-8")
+    assert shown.count('const bokeh = \\"') == ("<figure" in shown), "one cell brings Bokeh for all"
     assert not OF_A_MACHINE.search(str([cell.outputs for cell in run]))
 
 

@@ -61,7 +61,7 @@ def results(record, table, diagnosis, ladder, track):
         ("table", 1, ["15", "0.2, 0.4, 0.6"]),
         ("fit", 1, ["coulomb_friction.F_c", "95 % interval", "N rms", "−F_c sgn(ε̇)"]),
         ("comparison", 1, []),
-        ("diagnosis", 1, ["a constant gap of 16 N", "97 %", "Repeat the strokes at 0.1 MPa."]),
+        ("diagnosis", 2, ["a constant gap of 16 N", "97 %", "Repeat the strokes at 0.1 MPa."]),
         ("ladder", 1, ["noise floor", "halves the error"]),
         ("track", 1, ["PID, by hand", "2.828", "0.300 to 0.500"]),
     ],

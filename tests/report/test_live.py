@@ -1,9 +1,11 @@
 """The report's figures in a real browser: zoomed into, pointed at, switched; and the pictures where they are not."""
 
+import io
 import re
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from pam_ident.diagnosis import compare
 from pam_ident.report import Section, Story, render
@@ -137,6 +139,18 @@ def test_a_narrow_dark_page_holds_the_figures(opened):
     assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
 
 
+def test_a_figure_that_changes_its_size_leaves_nothing_where_it_was(opened):
+    def seen():
+        opened.wait_for_timeout(700)
+        return imread(io.BytesIO(live(opened, 0).locator(".panels").screenshot()), "png")[..., :3]
+
+    before = seen()
+    for width in (1100, 1400):
+        opened.set_viewport_size({"width": width, "height": 900})
+        after = seen()
+    assert np.mean(np.abs(after - before).max(2) > 0.02) < 3e-4
+
+
 def test_without_scripts_the_pictures_stand(browser, file):
     with browser.new_context(offline=True, java_script_enabled=False) as context:
         page = context.new_page()
@@ -146,3 +160,9 @@ def test_without_scripts_the_pictures_stand(browser, file):
         drawing = page.locator(".drawing").first
         assert drawing.evaluate("(one) => getComputedStyle(one).opacity") == "1"
         assert drawing.locator("svg").bounding_box()["width"] > 300
+        page.locator(".rest > summary").first.click()
+        cells = page.locator("figure", has_text="Mean error (N) in each cell").locator("svg g:has(> title)")
+        for cell in (cells.first, cells.last):
+            cell.hover()  # fails where anything lies over the cell
+            text = page.locator("g:hover > title").last.text_content()
+            assert re.search(r"MPa, ε .* mean error [+−0].* N, rms .* of the squared error, n = \d+$", text)

@@ -53,7 +53,7 @@ def test_a_rung_shows_what_it_adds_through_what_the_rung_below_leaves(tall, diag
     top, low = third.figure.axes
     lines = {line.get_label(): line.get_ydata() for line in top.lines}
     below, above = tall.rungs[1].fit, tall.rungs[2].fit
-    trace = lines["what the added effects change in the model"]
+    trace = lines["what is added"]
     assert len(trace) == 100
     assert trace[[0, -1]] == pytest.approx((above.force - below.force)[[0, -1]])
     assert low.get_title(loc="left").startswith("After adding viscous_damping: ")

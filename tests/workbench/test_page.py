@@ -10,6 +10,8 @@ pn = pytest.importorskip("panel")
 
 import pam_ident.tasks.diagnose as tasks_diagnose  # noqa: E402
 from pam_ident.core import UsageError  # noqa: E402
+from pam_ident.plot import failure_map  # noqa: E402
+from pam_ident.plot.follows import COLOUR  # noqa: E402
 from pam_ident.records import read_record  # noqa: E402
 from pam_ident.tasks.diagnose import diagnosing_record  # noqa: E402
 from pam_ident.tasks.setup import Setup  # noqa: E402
@@ -52,18 +54,18 @@ def choose(page, cards, key):
 
 @pytest.mark.long
 def test_the_story_from_verdict_to_adequate_and_back(page):
-    assert "Effect missing" in page.verdict.object and "Missing: Coulomb friction" in page.verdict.object
+    assert "<b>Missing: Coulomb friction.</b>" in page.verdict.object
     first = page.candidates.items[0]
     assert first["key"].startswith("coulomb_friction") and first["kind"] == "named"
     assert first["text"].startswith(("probability 9", "probability > 99"))
     left = page.bench.previews[0].rmse
     choose(page, page.candidates, first["key"])
     assert page.bench.fit.rmse == left, "what a candidate would leave is what adding it leaves"
-    assert "Adequate" in page.verdict.object and page.candidates.items == []
+    assert "Nothing is missing" in page.verdict.object and page.candidates.items == []
     assert "--effect coulomb_friction" in page.side.command.object
     assert b"<html" in page.side.save.callback().read()
     choose(page, page.side.terms, "coulomb_friction")
-    assert "Effect missing" in page.verdict.object and "--effect" not in page.side.command.object
+    assert "Missing:" in page.verdict.object and "--effect" not in page.side.command.object
     assert page.side.terms.items == [] and len(page.history.steps) == 3
 
 
@@ -97,7 +99,7 @@ def test_what_the_likeliest_candidate_leads_to_is_found_before_it_is_chosen(page
     monkeypatch.setattr(bench, "diagnosing_record", lambda *given: asked.append(given) or diagnosing_record(*given))
     page.ahead.begin(page.bench, page.history)
     choose(page, page.candidates, page.candidates.items[0]["key"])
-    assert "Adequate" in page.verdict.object and not page.error.visible and page.candidates.items == []
+    assert "Nothing is missing" in page.verdict.object and not page.error.visible and page.candidates.items == []
     assert len(asked) == 1, "what is under way is waited for"
 
 
@@ -134,6 +136,15 @@ def test_what_is_drawn_is_the_record_also_without_a_clock(page):
     page.wait()
     assert {len(column) for column in page.view.points.data.values()} == {len(page.bench.record)}
     assert page.view.along.value == "sample" and page.view.x.end > len(page.bench.record) - 1
+
+
+def test_the_map_and_the_bar_of_what_the_error_follows_are_those_of_the_report(page):
+    shown = failure_map.data(page.bench.comparison)
+    cells = failure_map.cells(shown)
+    for branch, one in enumerate(page.view.maps):
+        assert one.source.data["n"] == [cell.n for cell in cells if cell.place[0] == branch]
+        assert one.figure.title.text == shown.branches[branch]
+    assert all(COLOUR[one.what] in page.follows.object for one in page.bench.diagnosis.follows)
 
 
 def test_a_grave_warning_stops_naming_until_it_is_answered_all_the_same(folder, tmp_path, monkeypatch):
@@ -259,7 +270,7 @@ def test_examples_are_records():
     assert {"hidden_effect", "dmsp20_300"} <= set(page.side.example.options.values())
     page.side.example.value = "nothing_hidden"
     page.wait()
-    assert "Adequate" in page.verdict.object
+    assert "Nothing is missing" in page.verdict.object
 
 
 def test_a_wrong_law_is_refused_before_the_page_is_made():
