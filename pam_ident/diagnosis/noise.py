@@ -125,7 +125,7 @@ def estimate_noise(
     displacement sensor's noise into force; `outlier` (mask) is found when not given; `white` forbids colour. What
     comes back with every cycle is left out.
     """
-    n = len(residual)
+    n, all_left = len(residual), residual
     middle, shared = _middle(residual), None
     if unsure:
         for _ in range(2):  # the noise's own size is known better once the shared part is down to it
@@ -157,9 +157,9 @@ def estimate_noise(
         even = _filled(z, outlier) / np.sqrt(1.0 + extra)
         deviance -= likelier_colour(even, tuple(advance for _, advance, _ in _clocks(record.inputs)), decay, share)
     more = (float(np.mean(extra[~outlier])) if not outlier.all() else 0.0) + (shared.mean if shared else 0.0)
-    return Noise(
-        sigma, sigma * math.sqrt(1.0 + more), share, memory, clock, decay, gain, spread, outlier, deviance, shared
-    )
+    largest = float(np.sqrt(np.mean(all_left[~outlier] ** 2))) if not outlier.all() else math.inf
+    whole = min(sigma * math.sqrt(1.0 + more), max(largest, sigma))
+    return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance, shared)
 
 
 def _filled(z: Array, gaps: Array) -> Array:
