@@ -125,13 +125,13 @@ class Adequacy:
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
 
-        What they follow must be there, whatever else is, and no other name may follow it; nor what is left, unless the
-        names explain nearly all.
+        No other name may follow what they do. Where the names do not explain nearly all, what they follow must be there,
+        whatever else is, and what is left must not follow it.
         """
         followed = Counter(name for term in self.fitted.terms for name in term.effect.follows)
-        sure = {name for name in self.selection.following.needed if followed[name] == 1}
-        if self.unexplained[1] >= 1.0 - NEARLY_ALL:
-            sure -= self.left.drivers
+        following, all_but = self.selection.following, self.unexplained[1]
+        sure = following.likely if all_but < 1.0 - NEARLY_ALL else frozenset(following.needed) - self.left.drivers
+        sure = {name for name in sure if followed[name] == 1}
         kept = [t for t in self.fitted.terms if not t.effect.candidate or sure.issuperset(t.effect.follows[:1])]
         return replace(self, fitted=self.selection.refit(kept, self.fitted.values))
 
