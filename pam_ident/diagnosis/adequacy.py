@@ -125,8 +125,8 @@ class Adequacy:
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
 
-        No other name may follow what they do. Where the names do not explain nearly all, what they follow must be there,
-        whatever else is, and what is left must not follow it.
+        No other name may follow what they do. Where the names do not explain nearly all, what they follow must be
+        there, whatever else is, and what is left must not follow it.
         """
         followed = Counter(name for term in self.fitted.terms for name in term.effect.follows)
         following, all_but = self.selection.following, self.unexplained[1]

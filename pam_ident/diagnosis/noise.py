@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core import Inputs
 from ..records import Record
-from ..records.motion import noise_around
+from ..records.roughness import noise_around
 from .noises import likelier_colour
 from .repeats import without_repeats
 from .track import SharedNoise, TrackError

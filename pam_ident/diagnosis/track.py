@@ -14,7 +14,8 @@ from scipy import sparse
 
 from ..core import Inputs, Specimen
 from ..records import Record
-from ..records.motion import noise_around, settling_basis, smooth_basis
+from ..records.roughness import noise_around
+from ..records.smoothing import settling_basis, smooth_basis
 from .dictionary import Slopes
 
 Array = np.ndarray

@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from .columns_on_disk import STRETCH, Columns
-from .motion import NORMAL_MEDIAN, follow, long_pause, roughness
+from .motion import follow, long_pause
 from .record import turns
+from .roughness import NORMAL_MEDIAN, roughness
 
 Array = np.ndarray
 KINDS = {"branch": np.int8, "moving": np.bool_, "segment": np.int32, "stroke": np.int32, "turn": np.int32}
