@@ -215,6 +215,11 @@ class Following:
             for name, other in without.items()
         }
 
+    @property
+    def _least(self) -> float:
+        """Loss of evidence from which drivers are not as good."""
+        return max(EQUAL, BESIDE * self.evidence(self.best))
+
     def _beside(self, name: str) -> float:
         """What is lost by a further driver beside the likeliest, in its best detail, the others in theirs."""
         worth = self._adding(self.best)
@@ -229,7 +234,8 @@ class Following:
         With one speed alone the speed and the direction of motion are one; and in a locked muscle, of which nobody
         measures how far its braid slides, the way since a reversal and the relaxation since.
         """
-        return self._alike(self.chosen.union(*(others for loss, others in self._instead.values() if loss < EQUAL)))
+        as_good = (others for loss, others in self._instead.values() if loss <= self._least)
+        return self._alike(self.chosen.union(*as_good))
 
     @cached_property
     def drivers(self) -> frozenset[str]:
@@ -248,8 +254,7 @@ class Following:
         """Drivers that must be there; none in a table, which holds few of them."""
         if self.record.inputs.time is None:
             return ()
-        least = max(EQUAL, BESIDE * self.evidence(self.best))
-        return tuple(name for name, (loss, _) in self._instead.items() if loss > least)
+        return tuple(name for name, (loss, _) in self._instead.items() if loss > self._least)
 
     def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
         """Drivers that must be there and that none of some effects follows; none where one may follow anything."""

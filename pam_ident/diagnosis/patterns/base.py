@@ -19,6 +19,8 @@ BLURRED = 6.0
 one place are seen beside it, each with the force that its own error makes."""
 FAR = 8.0
 """Standard deviations at which a bell's tail stays what it is, 1e-14."""
+SINCE = 0.02
+"""Share of the record that must lie before a moment, and after it."""
 SINCE_REVERSAL = "the way since a reversal"
 """A coordinate that a table has not, nor a test at few lengths."""
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
@@ -61,10 +63,9 @@ class Extent:
         return Param("place", "mm", "where", low, low + span, low + span / 2, grid=steps(low, span, count))
 
     def moment(self, count: int = 150) -> Param:
-        """Some time of the record, looked for at so many moments."""
-        begin, end = self.first, self.first + self.duration
-        grid = steps(begin, self.duration, count)
-        return Param("moment", "s", "when", begin, end, begin + self.duration / 2, grid=grid)
+        """Some time of the record, looked for at so many moments; not so near its ends that it could be an offset."""
+        begin, span = self.first + SINCE * self.duration, (1.0 - 2.0 * SINCE) * self.duration
+        return Param("moment", "s", "when", begin, begin + span, begin + span / 2, grid=steps(begin, span, count))
 
 
 @dataclass(frozen=True)
