@@ -125,13 +125,19 @@ class Adequacy:
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
 
-        No other name may follow what they do. Where the names do not explain nearly all, what they follow must be
-        there, whatever else is, and what is left must not follow it.
+        No other name may follow what they do. Where those that are left do not explain nearly all, what they follow
+        must be there, whatever else is, and what is left must not follow it.
         """
+        following = self.selection.following
+        kept = self._following(following.possible)
+        if kept.unexplained[1] < 1.0 - NEARLY_ALL:
+            return kept
+        return self._following(frozenset(following.needed) - self.left.drivers)
+
+    def _following(self, drivers: frozenset[str]) -> "Adequacy":
+        """The same with the names that are the only ones to follow theirs, first one of some drivers."""
         followed = Counter(name for term in self.fitted.terms for name in term.effect.follows)
-        following, all_but = self.selection.following, self.unexplained[1]
-        sure = following.likely if all_but < 1.0 - NEARLY_ALL else frozenset(following.needed) - self.left.drivers
-        sure = {name for name in sure if followed[name] == 1}
+        sure = {name for name in drivers if followed[name] == 1}
         kept = [t for t in self.fitted.terms if not t.effect.candidate or sure.issuperset(t.effect.follows[:1])]
         return replace(self, fitted=self.selection.refit(kept, self.fitted.values))
 

@@ -234,8 +234,16 @@ class Following:
         With one speed alone the speed and the direction of motion are one; and in a locked muscle, of which nobody
         measures how far its braid slides, the way since a reversal and the relaxation since.
         """
-        as_good = (others for loss, others in self._instead.values() if loss <= self._least)
-        return self._alike(self.chosen.union(*as_good))
+        return self._within(EQUAL)
+
+    @property
+    def possible(self) -> frozenset[str]:
+        """The likeliest, and those without which none of these is `needed`."""
+        return self._within(self._least)
+
+    def _within(self, most: float) -> frozenset[str]:
+        """The likeliest, and those in the place of one by which no more than that evidence is lost."""
+        return self._alike(self.chosen.union(*(others for loss, others in self._instead.values() if loss <= most)))
 
     @cached_property
     def drivers(self) -> frozenset[str]:

@@ -157,7 +157,7 @@ def estimate_noise(
         even = _filled(z, outlier) / np.sqrt(1.0 + extra)
         deviance -= likelier_colour(even, tuple(advance for _, advance, _ in _clocks(record.inputs)), decay, share)
     more = (float(np.mean(extra[~outlier])) if not outlier.all() else 0.0) + (shared.mean if shared else 0.0)
-    largest = float(np.sqrt(np.mean(all_left[~outlier] ** 2))) if not outlier.all() else math.inf
+    largest = math.sqrt(float(np.sum(all_left[~outlier] ** 2)) / max((~outlier).sum() - parameters, 1))
     whole = min(sigma * math.sqrt(1.0 + more), max(largest, sigma))
     return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance, shared)
 
