@@ -93,9 +93,10 @@ class Adequacy:
     def unexplained(self) -> tuple[float, float]:
         """Squares that the set leaves beyond noise: as a share of the noise's, and of what is to be explained."""
         clean = ~self.free.noise.outlier
-        left, alone = (float(np.mean(one.newtons[clean] ** 2)) for one in (self.left, self.selection.following))
+        alone = self.selection.plain_residual((), self.selection.base.values)
+        left, all_ = (float(np.mean(one[clean] ** 2)) for one in (self.residual, alone))
         noise = self.free.noise.whole**2
-        return (left - noise) / noise, (left - noise) / max(alone - noise, 1e-9 * noise)
+        return (left - noise) / noise, (left - noise) / max(all_ - noise, 1e-9 * noise)
 
     @cached_property
     def residual(self) -> np.ndarray:
@@ -124,10 +125,19 @@ class Adequacy:
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
 
-        What they follow must be there, whatever else is, and neither what is left nor another name may follow it.
+        No other name may follow what they do. Where those that are left do not explain nearly all, what they follow
+        must be there, whatever else is, and what is left must not follow it.
         """
+        following = self.selection.following
+        kept = self._following(following.possible)
+        if kept.unexplained[1] < 1.0 - NEARLY_ALL:
+            return kept
+        return self._following(frozenset(following.needed) - self.left.drivers)
+
+    def _following(self, drivers: frozenset[str]) -> "Adequacy":
+        """The same with the names that are the only ones to follow theirs, first one of some drivers."""
         followed = Counter(name for term in self.fitted.terms for name in term.effect.follows)
-        sure = {name for name in self.selection.following.needed if followed[name] == 1} - self.left.drivers
+        sure = {name for name in drivers if followed[name] == 1}
         kept = [t for t in self.fitted.terms if not t.effect.candidate or sure.issuperset(t.effect.follows[:1])]
         return replace(self, fitted=self.selection.refit(kept, self.fitted.values))
 
@@ -142,10 +152,11 @@ class Adequacy:
 
 def needless(selection: Selection, effect: Effect, others: FittedSet) -> bool:
     """Whether nothing speaks for an effect beside others: without what it follows first their drivers explain as much,
-    or they follow that, too, and the free model does not beat them."""
+    or what they leave does not follow it; or they follow it, too, and the free model does not beat them."""
     if not effect.follows or selection.record.inputs.time is None:
         return False
     first, followed = effect.follows[0], {name for term in others.terms for name in term.effect.follows}
+    beside = Adequacy(selection, others, FreeModel.of(selection))
     if first in followed:
-        return FreeModel.of(selection).odds(selection, others) < EQUAL
-    return selection.following.enough(followed, first)
+        return beside.free.odds(selection, others) < EQUAL
+    return selection.following.enough(followed, first) or first not in beside.left.likely

@@ -20,6 +20,7 @@ import numpy as np
 from ..core.digits import percent
 from ..effects.base import Effect
 from ..fitting import Fit
+from ..fitting.estimate import at_bound
 from ..fitting.solve import jacobian
 from ..model import Model
 from ..records import Record, thinned
@@ -56,10 +57,10 @@ def one_speed(record: Record) -> bool:
         return False
     level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
     cells = (level + 1j * record.inputs.direction)[moving]  # a pair as one number
-    return all(_alike(speed[moving][cells == cell]) for cell in np.unique(cells))
+    return all(_one(speed[moving][cells == cell]) for cell in np.unique(cells))
 
 
-def _alike(speeds: Array) -> bool:
+def _one(speeds: Array) -> bool:
     """Whether most of some speeds are practically one."""
     return float(np.quantile(speeds, 0.95)) < SPEED_RATIO * float(np.quantile(speeds, 0.05))
 
@@ -82,13 +83,15 @@ class Following:
     """What a model leaves, and how much of it smooth surfaces over each set of drivers explain.
 
     `variance` is that of what the richest surfaces over all drivers leave, and `memory` the samples of it that count as
-    one. `unsure` is how far the driven track may be off: what it makes of the force is evened out.
+    one. `unsure` is how far the driven track may be off: what it makes of the force is evened out, and where it is
+    unread nothing is looked at.
     """
 
     def __init__(
         self, record: Record, model: Model, values: Mapping[str, float], unsure: TrackError | None = None
     ) -> None:
         self.record, self.unsure = record, unsure
+        self.read = ~unsure.unread if unsure else np.ones(len(record), bool)
         self.shared: SharedNoise | None = None
         self._look(model, values)
         if unsure is not None:
@@ -99,15 +102,21 @@ class Following:
 
     def _look(self, model: Model, values: Mapping[str, float]) -> None:
         """Work out what is left, surfaces and noise, what rows share of it evened out."""
-        inputs, even = self.record.inputs, self.shared.even if self.shared else np.asarray
+        inputs, even = self.record.inputs, self._even
         left = even(self.record.force - model.force(inputs, values))
-        law = orthonormal(even(jacobian(model, inputs, values, self.record.force)))
+        free = [not at_bound(p, values[p.name]) for p in model.bounded(inputs)]  # none can follow beyond its bound
+        law = orthonormal(even(jacobian(model, inputs, values, self.record.force)[:, free]))
         self.left = left - law @ (law.T @ left)
         self.surfaces = Surfaces(inputs, law, self.left, even)
         richest = frozenset({name: k for k, name in enumerate(self.surfaces.names)}.values())
         remainder = self.left - self.surfaces.explained(richest)
-        self.variance = float(remainder @ remainder) / max(len(left) - self.surfaces.of(richest)[1], 1.0)
+        self.variance = float(remainder @ remainder) / max(int(self.read.sum()) - self.surfaces.of(richest)[1], 1.0)
         self.memory = _memory(remainder)
+
+    def _even(self, values: Array) -> Array:
+        """Values (n,) or columns (n, k) with what rows share evened out, 0 where the track is unread."""
+        seen = np.where(self.read[:, None] if values.ndim == 2 else self.read, values, 0.0)
+        return self.shared.even(seen) if self.shared else seen
 
     @classmethod
     def of(cls, fit: Fit) -> "Following":
@@ -206,6 +215,11 @@ class Following:
             for name, other in without.items()
         }
 
+    @property
+    def _least(self) -> float:
+        """Loss of evidence from which drivers are not as good."""
+        return max(EQUAL, BESIDE * self.evidence(self.best))
+
     def _beside(self, name: str) -> float:
         """What is lost by a further driver beside the likeliest, in its best detail, the others in theirs."""
         worth = self._adding(self.best)
@@ -214,14 +228,31 @@ class Following:
         return self.evidence(self.best) - self.evidence(best)
 
     @cached_property
-    def drivers(self) -> frozenset[str]:
-        """The likeliest drivers, and those that could stand in the place of one, or beside them, at odds as good.
+    def likely(self) -> frozenset[str]:
+        """The likeliest drivers, and those that could stand in the place of one, at odds as good.
 
         With one speed alone the speed and the direction of motion are one; and in a locked muscle, of which nobody
         measures how far its braid slides, the way since a reversal and the relaxation since.
         """
-        found = self.chosen.union(*(others for loss, others in self._instead.values() if loss < EQUAL))
-        found |= {name for name in set(self.surfaces.names) - found if self.best and self._beside(name) < EQUAL}
+        return self._within(EQUAL)
+
+    @property
+    def possible(self) -> frozenset[str]:
+        """The likeliest, and those without which none of these is `needed`."""
+        return self._within(self._least)
+
+    def _within(self, most: float) -> frozenset[str]:
+        """The likeliest, and those in the place of one by which no more than that evidence is lost."""
+        return self._alike(self.chosen.union(*(others for loss, others in self._instead.values() if loss <= most)))
+
+    @cached_property
+    def drivers(self) -> frozenset[str]:
+        """The likely drivers, and those that could stand beside them, at odds as good."""
+        beside = {name for name in set(self.surfaces.names) - self.likely if self.best and self._beside(name) < EQUAL}
+        return self._alike(self.likely | beside)
+
+    def _alike(self, found: frozenset[str]) -> frozenset[str]:
+        """Drivers with those that are one with them in this record."""
         one = [{"speed", "direction"}] if one_speed(self.record) else []
         one += [{"way", "rest"}] if self.record.inputs.slide is not None else []
         return found.union(*(same for same in one if found & same))
@@ -231,8 +262,7 @@ class Following:
         """Drivers that must be there; none in a table, which holds few of them."""
         if self.record.inputs.time is None:
             return ()
-        least = max(EQUAL, BESIDE * self.evidence(self.best))
-        return tuple(name for name, (loss, _) in self._instead.items() if loss > least)
+        return tuple(name for name, (loss, _) in self._instead.items() if loss > self._least)
 
     def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
         """Drivers that must be there and that none of some effects follows; none where one may follow anything."""
@@ -283,7 +313,7 @@ class Following:
                 taken = more
         whole = sum(shares.values())
         rest = self.left - surfaces.explained(self.best)
-        back = (1.0 - whole) * comes_back(self.record, rest, np.ones(len(rest), bool))
+        back = (1.0 - whole) * comes_back(self.record, rest, self.read)
         found = [
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]

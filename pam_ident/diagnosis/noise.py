@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core import Inputs
 from ..records import Record
-from ..records.motion import noise_around
+from ..records.roughness import noise_around
 from .noises import likelier_colour
 from .repeats import without_repeats
 from .track import SharedNoise, TrackError
@@ -25,6 +25,8 @@ UNREAD = 1e12
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, *40.0 * 2.0 ** np.arange(6)])
 """Up to a wander over minutes: noise that is slower than any here passes for a drift."""
+WANDERS = 2.0
+"""Size of slow noise, over that of what is left, up to which it may be: it cannot have been small all the time."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour scanned to the same answer."""
 
@@ -123,7 +125,7 @@ def estimate_noise(
     displacement sensor's noise into force; `outlier` (mask) is found when not given; `white` forbids colour. What
     comes back with every cycle is left out.
     """
-    n = len(residual)
+    n, all_left = len(residual), residual
     middle, shared = _middle(residual), None
     if unsure:
         for _ in range(2):  # the noise's own size is known better once the shared part is down to it
@@ -131,7 +133,8 @@ def estimate_noise(
             middle = _middle(shared.even(residual) if shared else residual)
     residual = shared.even(residual) if shared else residual
     if outlier is None:
-        outlier = _isolated(np.abs(residual) > 5.0 * middle) | _turning(record.inputs)
+        outlier = _isolated(np.abs(residual) > 5.0 * middle)
+        outlier |= unsure.unread if unsure else False
     extra = np.zeros(n)
     if record.inputs.time is not None:
         off = unsure.by_itself if unsure else noise_around(record.inputs.displacement_mm, record.inputs.time)
@@ -154,9 +157,9 @@ def estimate_noise(
         even = _filled(z, outlier) / np.sqrt(1.0 + extra)
         deviance -= likelier_colour(even, tuple(advance for _, advance, _ in _clocks(record.inputs)), decay, share)
     more = (float(np.mean(extra[~outlier])) if not outlier.all() else 0.0) + (shared.mean if shared else 0.0)
-    return Noise(
-        sigma, sigma * math.sqrt(1.0 + more), share, memory, clock, decay, gain, spread, outlier, deviance, shared
-    )
+    largest = math.sqrt(float(np.sum(all_left[~outlier] ** 2)) / max((~outlier).sum() - parameters, 1))
+    whole = min(sigma * math.sqrt(1.0 + more), max(largest, sigma))
+    return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance, shared)
 
 
 def _filled(z: Array, gaps: Array) -> Array:
@@ -176,16 +179,6 @@ def _isolated(far: Array) -> Array:
     """Samples that are far off singly or in twos."""
     near = np.convolve(far.astype(float), np.ones(7))[3 : len(far) + 3]
     return far & (near <= 2.0)
-
-
-def _turning(inputs: Inputs) -> Array:
-    """The sample at the point of each turn without a hold, (n,): it belongs to both strokes, or to neither."""
-    found = np.zeros(len(inputs), bool)
-    if inputs.moving is not None:
-        turn = np.flatnonzero((np.diff(inputs.direction) != 0.0) & inputs.moving[1:] & inputs.moving[:-1])
-        onward = np.diff(inputs.displacement_mm)[turn] * inputs.direction[turn] > 0.0
-        found[turn + onward] = True
-    return found
 
 
 def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, Array]:
@@ -248,6 +241,6 @@ def _deviances(places: Sequence[tuple[int, int]], advance: Array, z: Array, extr
     gain, spread = filter_gains(decay, share, extra)
     left = [innovations(z[:, None], d, g)[:, 0] for d, g in zip(decay.T, gain.T, strict=True)]
     logs, read = 2.0 * np.sum(np.log(spread), axis=0), float(np.sum(extra < UNREAD))
-    return [
-        read * float(np.log(np.mean((e / s) ** 2))) + float(c) for e, s, c in zip(left, spread.T, logs, strict=True)
-    ]
+    square = np.mean([(e / s) ** 2 for e, s in zip(left, spread.T, strict=True)], axis=1)
+    most = WANDERS**2 * np.mean(z**2 / (1.0 + extra))
+    return np.where(square > most, np.inf, read * np.log(square) + logs).tolist()

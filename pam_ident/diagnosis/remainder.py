@@ -72,8 +72,8 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     far = np.abs(left) > 5.0 * float(np.median(np.abs(left))) / 0.6745
     share = float(np.sum(left[far] ** 2) / np.sum(left**2))
     rest = residual / (float(np.median(np.abs(residual))) / 0.6745)
-    lasting = np.roll(rest, -1) * np.sign(rest) > 2.0
-    usual = 0.5 * float(np.mean(np.abs(rest) > 2.0))
+    off = np.abs(rest) > 2.0
+    lasting, usual = np.roll(off, -1), float(np.mean(off))
     from scipy.special import bdtrc  # slow to import, and seldom needed
 
     if share < STRUCK or bdtrc(np.count_nonzero(lasting[far]) - 1, np.count_nonzero(far), usual) > CHANCE:

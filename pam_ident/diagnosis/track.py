@@ -12,15 +12,18 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from ..core import Specimen
+from ..core import Inputs, Specimen
 from ..records import Record
-from ..records.motion import noise_around, settling_basis, smooth_basis
+from ..records.roughness import noise_around
+from ..records.smoothing import settling_basis, smooth_basis
 from .dictionary import Slopes
 
 Array = np.ndarray
 Block = tuple[Array, Array]
 NEGLIGIBLE = 0.05
 """Share of the noise's variance below which it does not matter how unsure the track is."""
+ON_LEVEL = 4.0
+"""Standard deviations of the position sensor within which a sample lies on a hold's level."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +99,7 @@ class TrackError:
     by_itself: Array
     locked: bool
     sensor_mm: float
+    unread: Array
 
     @classmethod
     def of(cls, record: Record, whole: Record) -> "TrackError | None":
@@ -124,7 +128,9 @@ class TrackError:
                 blocks.append((group, off[group, None] * basis))
         sensor_mm = 0.0 if locked else float(np.sqrt(np.mean(off**2)))
         alone = np.where(smoothed, 0.0, off)
-        return cls(tuple(blocks), alone, np.maximum(alone, noise_around(calm, raw.time)), locked, sensor_mm)
+        by_itself = np.maximum(alone, noise_around(calm, raw.time))
+        unread = _unread(record.steady, None if locked else ON_LEVEL * sensor_mm)
+        return cls(tuple(blocks), alone, by_itself, locked, sensor_mm, unread)
 
     def slope(self, around: Slopes, specimen: Specimen) -> Array:
         """That of the force over the track, (n,) in N/mm or N/MPa, from a model's."""
@@ -140,6 +146,24 @@ class TrackError:
         alone = scale * self.alone if every else np.zeros(len(slope))
         total = float(np.sum(alone**2)) + sum(float(np.sum(block**2)) for _, block in blocks)
         return SharedNoise(blocks, alone) if total > NEGLIGIBLE * len(slope) else None
+
+
+def _unread(inputs: Inputs, near_mm: float | None) -> Array:
+    """Samples in which the muscle may rest or slide either way, (n,): at the point of a turn without a hold, which
+    belongs to both strokes, or to neither; in the rest that a segment begins with, because nobody saw how it was come
+    to; and the last one within `near_mm` of a hold's level, where a stroke may have begun."""
+    moving, segment, x = inputs.moving, inputs.segment, inputs.displacement_mm
+    assert moving is not None and segment is not None
+    found = np.zeros(len(inputs), bool)
+    turn = np.flatnonzero((np.diff(inputs.direction) != 0.0) & moving[1:] & moving[:-1])
+    found[turn + (np.diff(x)[turn] * inputs.direction[turn] > 0.0)] = True
+    begins = np.diff(segment, prepend=segment[0] - 1) != 0
+    run = np.cumsum(begins | np.diff(moving, prepend=moving[0]))
+    found |= np.isin(run, run[begins & ~moving]) & np.isin(segment, segment[moving])
+    if near_mm is not None:
+        last = np.flatnonzero(moving[1:] & ~moving[:-1])
+        found[last + (np.abs(np.diff(x)[last]) <= near_mm)] = True
+    return found
 
 
 def _runs(numbers: Array) -> Sequence[Array]:

@@ -16,7 +16,10 @@ SWING = (
 )
 SOON = replace(TAU, lower=40.0, upper=300.0, start=100.0, grid=(60.0, 200.0))
 """What settles more slowly is what powers of the time follow; faster, and one stroke alone would show it."""
-FREE = tuple(Param(f"F_{k}", "N", f"coefficient of (t/10 min)^{k}", scale=10.0) for k in (1, 2, 3))
+FREE = (
+    replace(LEVEL, lower=-1e5, upper=1e5, range=None),  # parts of a course, each of which may be far larger
+    *(Param(f"F_{k}", "N", f"coefficient of (t/10 min)^{k}", scale=10.0) for k in range(1, 6)),
+)
 PERIOD = Param("T", "s", "period of the swing", 120.0, 1e5, start=1800.0, grid=(450.0, 900.0, 1800.0, 3600.0, 7200.0))
 
 
@@ -50,7 +53,7 @@ def _swinging(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _smooth(inputs: Inputs, values: Values, force: Array) -> Array:
     late = elapsed(inputs) / 600.0
-    powers = inputs.xp.stack([late, late**2, late**3]).T
+    powers = inputs.xp.stack([late**k for k in range(1, 6)]).T
     return inputs.xp.hstack([_settling(inputs, values, force), powers])
 
 
@@ -65,7 +68,7 @@ EFFECT = Effect(
         AddsForce("logarithmic", "+F_d ln(1 + t/τ)", (LEVEL,), _logarithmic, (TAU,)),
         AddsForce("settling_on", "+F_d (1 − exp(−t/τ)) + rate · t", (LEVEL, RATE), _settling_on, (TAU,)),
         AddsForce("swinging", "+F_sin sin(2πt/T) + F_cos (1 − cos(2πt/T))", SWING, _swinging, (PERIOD,)),
-        AddsForce("free", "+F_d (1 − exp(−t/τ)) + Σ F_k (t/10 min)^k, k = 1, 2, 3", (LEVEL, *FREE), _smooth, (SOON,)),
+        AddsForce("free", "+F_d (1 − exp(−t/τ)) + Σ F_k (t/10 min)^k, k = 1 … 5", FREE, _smooth, (SOON,)),
     ),
     follows=("clock",),
     test="tare before and after; pressures in random order",

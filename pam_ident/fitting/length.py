@@ -17,9 +17,9 @@ from ..effects._history import acceleration
 from ..model import Model
 from ..records import Record
 from ..records.kind import kind_of
-from ..records.motion import position_noise
-from ..records.record import calmed
+from ..records.roughness import position_noise
 from ..records.run_constants import GRAVITY
+from ..records.smoothing import calmed
 from .covariance import Sums, sums
 from .problem import Problem, Solution, Whiten, all_rows
 from .readings import with_memory

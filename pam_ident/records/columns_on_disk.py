@@ -40,12 +40,6 @@ class Columns:
                 file.seek(8 * first)
                 file.write(moved.data)
 
-    def repeat(self, name: str, rows: Array, kind: type) -> None:
-        """Give the rows (m,) of a column, none the first, the number before each; no two are neighbours."""
-        kept = np.memmap(self.folder / name, kind, "r+")
-        kept[rows] = kept[rows - 1]
-        kept.flush()
-
     def drop(self, name: str) -> None:
         """Forget a column."""
         (self.folder / name).unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""Sensors that hang: one reading again and again, and a jump when it wakes."""
+"""Sensors that hang: one reading again and again, and a jump when it wakes, or a muscle that moves meanwhile."""
 
 from collections.abc import Iterable, Mapping
 
@@ -12,18 +12,20 @@ RARE = 0.01
 """Share of repeats among the other readings up to which a repeat is none of a coarse sensor or of a simulation."""
 MOST = 0.2
 """Share of a column up to which its long repeats are faults; more are the protocol's rests."""
-JUMP = 4.0
-"""How many of its usual steps, and of those just behind it, a sensor jumps by when it wakes."""
+JUMP, FAR = 4.0, 8.0
+"""How many of its usual steps, and of those just behind it, a sensor jumps by when it wakes; and by how many of its own
+the way goes on beyond doubt."""
 
 
 def frozen_rows(values: Mapping[str, Array]) -> dict[str, Array]:
     """Quantity → mask (n,) of the rows in which its sensor hangs, for those in which any does."""
-    found = {key: _frozen(values[key]) for key in SENSORS if key in values}
+    way = next((values[key] for key in ("displacement", "contraction", "length") if key in values), None)
+    found = {key: _frozen(values[key], way if key == "force" else None) for key in SENSORS if key in values}
     return {key: rows for key, rows in found.items() if rows.any()}
 
 
-def _frozen(x: Array) -> Array:
-    """Mask (n,) of repeats of a reading after its first, in runs that end in a jump.
+def _frozen(x: Array, way: Array | None) -> Array:
+    """Mask (n,) of repeats of a reading after its first, in runs that end in a jump or in which the `way` (n,) goes on.
 
     A clipped sensor, a rest and a noiseless hold repeat readings too. The first is at an end of the range, and none
     ends in a step that is far larger than those before and behind.
@@ -38,10 +40,12 @@ def _frozen(x: Array) -> Array:
         return hung
     steps = np.abs(np.diff(x))
     usual = float(np.median(steps[steps > 0.0])) if inside < len(steps) else 0.0
+    pace = float(np.median(np.abs(np.diff(way)))) if way is not None else 0.0
     for begin, end in runs:
         behind = steps[end + 1 : end + 4]
         wakes = len(behind) == 3 and steps[end] > JUMP * max(float(behind.max()), usual)
-        hung[begin + 1 : end + 1] = wakes and x.min() < x[begin] < x.max()
+        moves = way is not None and np.ptp(way[begin : end + 1]) > FAR * pace > 0.0
+        hung[begin + 1 : end + 1] = (wakes or moves) and x.min() < x[begin] < x.max()
     return hung
 
 

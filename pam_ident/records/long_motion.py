@@ -1,14 +1,13 @@
 """The motion of a record on disk, followed piece by piece."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from .columns_on_disk import STRETCH, Columns
-from .corners import REST, TAKEN, Corners
-from .motion import NORMAL_MEDIAN, follow, long_pause, roughness
+from .motion import follow, long_pause
 from .record import turns
+from .roughness import NORMAL_MEDIAN, roughness
 
 Array = np.ndarray
 KINDS = {"branch": np.int8, "moving": np.bool_, "segment": np.int32, "stroke": np.int32, "turn": np.int32}
@@ -30,19 +29,10 @@ def keep_motion(
         return on_disk.read("time", begin, end), x, level(begin, end)
 
     begin, turn, noise = 0, 0, noise_on_disk(on_disk, n, length_mm)
-    corners: list[Corners] = []
-    lasts: list[Array] = []
     pause = long_pause(on_disk.quantile("time", 0, n, 1, 0.95))
     for fresh, found in follow(n, read, noise, span, pause):
         end = begin + len(found.stroke)
         track = read(begin, end)[1]
-        parts = [found.moving, found.direction, found.segment, track, on_disk.read("force", begin, end)]
-        if lasts:
-            parts = [np.concatenate(pair) for pair in zip(lasts, parts, strict=True)]
-        moving, direction, segment, x, force = parts
-        there = Corners.of(moving, direction, segment, x, force, noise)
-        corners.append(replace(there, rows=there.rows + end - len(x)))
-        lasts = [part[-REST:] for part in parts]
         begins = turns(track, found.stroke, found.segment)
         begins[0] |= fresh and begin > 0
         count = turn + np.cumsum(begins)
@@ -51,10 +41,6 @@ def keep_motion(
         for name in columns.keys() - set(given):
             on_disk.append(name, columns[name].astype(KINDS.get(name, np.float64)))
         begin, turn = end, int(count[-1])
-    at = Corners.together(corners)
-    if at.rest:
-        for name in {"velocity", "moving", "branch", *TAKEN} - {"direction", "position", *given}:
-            on_disk.repeat(name, at.rows, KINDS.get(name, np.float64))
 
 
 def noise_on_disk(on_disk: Columns, n: int, length_mm: float) -> float:

@@ -5,27 +5,19 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from . import turning
+from .roughness import NORMAL_MEDIAN, position_noise, roughness
+from .smoothing import FEWEST, LARGEST, NOISE_ONLY, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
 from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
 Array = np.ndarray
 Read = Callable[[int, int], tuple[Array, Array, Array]]
 """Time in s, position in mm and nominal pressure in MPa of some rows, begin … end."""
-NORMAL_MEDIAN = 0.6745
-"""Median magnitude of a standard normal number."""
-NOISE_ONLY = 1.25
-"""Ratio to the sensor's noise up to which what a curve misses of a stroke is noise alone."""
-FEWEST, SLOW_ORDERS = 12, 12
-"""Samples of a stroke that a polynomial is fitted to, and its highest order where a drive may turn slowly: enough for a
-sine, too few for a corner."""
-LARGEST = 4.0
-"""Standard deviations that a sample of noise alone is off at most."""
-SETTLING, CHANCE = 8, 1e-3
-"""Samples of a hold from which it may settle along a curve, and the chance that rests are taken for that."""
-SLOPE_NOISE = 0.01
-"""Share of a stroke's speed that the sensor's noise may make of the speed at a sample."""
+SLOW_ORDERS = 12
+"""Highest order of a polynomial that describes a drive's slow turn: enough for a sine, too few for a corner."""
+FEWEST_HELD, SOFT = 6, 3
+"""Samples of a hold whose level is known, and of those at either end that may lie off it."""
 
 
 @dataclass(frozen=True)
@@ -43,50 +35,6 @@ class Motion:
     position: Array
     segment: Array
     cycle: Array
-
-
-def position_noise(x: Array, time: Array | None = None) -> float:
-    """Standard deviation of the noise on a smooth track (n,), in its unit, from the median of its `roughness`; rows are
-    evenly spaced where no `time` (n,), in any unit, is given, or where none of it tells them apart."""
-    rough = roughness(x, time)
-    if len(rough):
-        return float(np.median(rough) / NORMAL_MEDIAN)
-    return position_noise(x) if time is not None and len(x) > 4 else 0.0
-
-
-def noise_around(x: Array, time: Array, rows: int = 21) -> Array:
-    """Standard deviation of the noise on a smooth track at each sample, from `rows` around it, shape (n,)."""
-    if len(x) < rows + 4:
-        return np.full(len(x), position_noise(x, time))
-    rough = np.pad(_distances(x, time), 2, constant_values=np.nan)
-    rough[~np.isfinite(rough)] = np.median(rough[np.isfinite(rough)]) if np.isfinite(rough).any() else 0.0
-    around = np.pad(rough, rows // 2, mode="reflect")
-    return np.median(np.lib.stride_tricks.sliding_window_view(around, rows), axis=1) / NORMAL_MEDIAN
-
-
-def roughness(x: Array, time: Array | None = None) -> Array:
-    """Distance of a sample from the cubic through its four neighbours over what unit noise would make of it, (m,) of
-    the samples of a track (n,) that have them; not where a clock is coarser than the rows."""
-    off = _distances(x, time)
-    return off[np.isfinite(off)]
-
-
-def _distances(x: Array, time: Array | None) -> Array:
-    n = max(len(x) - 4, 0)
-    # By the clock as it is: second differences of rows taken as even make a clock's jitter into noise of the sensor,
-    # by which strokes then were smoothed, and their ends came out as a rub or as friction.
-    t = np.arange(len(x), dtype=float) if time is None else time
-    near, shares = (0, 1, 3, 4), []
-    with np.errstate(over="ignore", invalid="ignore"):  # steps of a spoilt clock; what is not finite is left out
-        for j in near:
-            share = np.ones(n)
-            for k in near:
-                if k != j:
-                    apart = t[j : j + n] - t[k : k + n]
-                    share *= np.divide(t[2 : 2 + n] - t[k : k + n], apart, out=np.full(n, np.nan), where=apart != 0.0)
-            shares.append(share)
-        off = x[2 : 2 + n] - sum(share * x[j : j + n] for j, share in zip(near, shares, strict=True))
-        return np.where(np.isfinite(off), np.abs(off), np.nan) / np.sqrt(1.0 + sum(share**2 for share in shares))
 
 
 def find_motion(time: Array, x: Array, level: Array) -> Motion:
@@ -176,12 +124,13 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
                 continue
             count += 1
             rows = _square_ends(time, x, part, moving, noise)
-            into.position[rows], slope = _smooth_stroke(time[rows], x[rows], noise)
+            into.position[rows], slope = smooth_stroke(time[rows], x[rows], noise)
             into.velocity[rows], moving[rows], stroke[rows] = slope, True, count
             direction[rows] = np.sign(x[end] - x[begin])
             speed[rows] = quantile(np.abs(slope), 0.5)
     _carry(direction, moving, stroke, speed)
-    _smooth_holds(into.position, time, x, np.flatnonzero(~moving), noise)
+    _soft_ends(into, time, x, noise)
+    smooth_holds(into.position, time, x, np.flatnonzero(~moving), noise)
     return count
 
 
@@ -204,7 +153,7 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
             return []
         even = np.linspace(t[0], t[-1], len(t))  # between few rows at rest a curve could do as it likes
         way, still = np.interp(even, t, x[rows]), np.interp(even, t, held[rows].astype(float)) > 0.0
-        waves = _waves(even, min(SLOW_ORDERS, len(t) // 3))
+        waves = chebyshev_waves(even, min(SLOW_ORDERS, len(t) // 3))
         missed.append(_less(way, waves))
         resting = np.interp(even, t, sharp[rows].astype(float)) > 0.5
         for part in np.split(np.arange(len(t)), np.flatnonzero(np.diff(resting)) + 1):
@@ -221,6 +170,27 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
     smooth = np.std(off) < NOISE_ONLY * whole and np.std(off[still]) < NOISE_ONLY * noise
     better = np.sum(off**2) * freedom[1] < by_rests * freedom[0]  # each over what it leaves free
     return middles if smooth and better else []
+
+
+def _soft_ends(into: Motion, time: Array, x: Array, noise: float) -> None:
+    """Give the samples at the ends of a hold that are off its level to the strokes beside it: there a drive speeds up,
+    or brakes, and the muscle slides as it does in the stroke, if not as fast."""
+    moving = into.moving
+    edges = np.r_[0, np.flatnonzero(np.diff(moving)) + 1, len(x)].tolist()
+    for begin, end in pairwise(edges):
+        if moving[begin] or end - begin < FEWEST_HELD:
+            continue
+        off = np.abs(x[begin:end] - quantile(x[begin:end], 0.5))
+        away = off > LARGEST * max(quantile(off, 0.5) / NORMAL_MEDIAN, noise)
+        for rows, stroke in ((range(begin, end), begin - 1), (range(end - 1, begin - 1, -1), end)):
+            for k in rows[:SOFT] if 0 <= stroke < len(x) else ():
+                if not away[k - begin]:
+                    break
+                near = max(k - 1, 0), min(k + 1, len(x) - 1)
+                moving[k] = True
+                into.velocity[k] = (x[near[1]] - x[near[0]]) / max(time[near[1]] - time[near[0]], 1e-12)
+                for track in (into.direction, into.stroke, into.stroke_speed):
+                    track[k] = track[stroke]
 
 
 def _less(values: Array, basis: Array) -> Array:
@@ -281,109 +251,6 @@ def _steps(x: Array, at: tuple[int, int, int], tolerance: float, noise: float) -
     inner, end, outer = (x.item(k) for k in at)
     onward = outer - end if end > inner else end - outer
     return abs(end - inner) > 1.5 * tolerance and onward > 4.0 * noise
-
-
-def _smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
-    """Position and dx/dt along one stroke: a polynomial where that describes it to the noise, else local slopes."""
-    n, width = len(x), float(np.ptp(time))
-    if width <= 0.0:
-        return x, np.zeros(n)
-    if n >= FEWEST:
-        waves = smooth_basis(time, n)
-        few = waves[:, : min(7, n // 6) + 1]  # of more, a slope would swing at the ends of a stroke
-        curve = np.linalg.lstsq(few, x, rcond=None)[0]
-        missed = np.std(x - few @ curve)
-        basis = np.linalg.qr(waves)[0]
-        off, spread = x - basis @ (basis.T @ x), 1.0 - np.sum(basis**2, axis=1)
-        # A curve that misses more than noise, of all samples or of one at an end, is off at the ends of every stroke
-        # alike, which comes out as friction or creep: then the position stays as measured.
-        free = n - waves.shape[1]
-        whole = off @ off < max(NOISE_ONLY**2, 1.0 + 3.0 * np.sqrt(2.0 / free)) * noise**2 * free
-        smooth = whole and np.all(off**2 <= (LARGEST * noise) ** 2 * spread)
-        position = x - off if smooth else x
-        if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
-            return position, few[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
-        return position, _local_slopes(time, x, noise)
-    return x, _local_slopes(time, x, noise)
-
-
-def smooth_basis(time: Array, n: int) -> Array:
-    """Polynomials over the times (m,) of a stroke of `n` samples, which its track is smoothed by, shape (m, orders).
-
-    As many as samples allow: what an order too few leaves out is the same in every stroke, and passes for an effect.
-    """
-    return _waves(time, min(7, n // 3))
-
-
-def _waves(time: Array, orders: int) -> Array:
-    return chebyshev.chebvander(2.0 * (time - time[0]) / float(np.ptp(time)) - 1.0, orders)
-
-
-def _local_slopes(time: Array, x: Array, noise: float) -> Array:
-    """dx/dt from a line through the neighbours of each sample, at the ends from a parabola: over as few as keep the
-    noise below SLOPE_NOISE of the stroke's speed, because a drive may speed up and brake within a few samples."""
-    n, step = len(x), float(np.ptp(time)) / (len(x) - 1)
-    pace = float(np.ptp(x)) / float(np.ptp(time))
-    half = 1
-    while half < min(6, n // 4) and noise > SLOPE_NOISE * pace * step * np.sqrt(half * (half + 1) * (2 * half + 1) / 3):
-        half += 1
-    index = np.arange(n)
-    m, st, sx, stt, stx = (np.zeros(n) for _ in range(5))
-    for offset in range(-half, half + 1):
-        near = np.clip(index + offset, 0, n - 1)
-        inside = near == index + offset
-        dt, dx = inside * (time[near] - time), inside * (x[near] - x)
-        for total, part in ((m, inside), (st, dt), (sx, dx), (stt, dt * dt), (stx, dt * dx)):
-            total += part
-    slope = (stx - st * sx / m) / np.maximum(stt - st**2 / m, 1e-15)
-    span = 2 * half + 1
-    if n > span:
-        for ends, near in ((index[:half], index[:span]), (index[-half:], index[-span:])):
-            at = time[near] - time[near[half]]
-            if np.ptp(at) > 0.0:
-                scaled = at / np.ptp(at)
-                bent, straight, _ = np.linalg.lstsq(np.vander(scaled, 3), x[near] - x[near[half]], rcond=None)[0]
-                slope[ends] = (2.0 * bent * (time[ends] - time[near[half]]) / np.ptp(at) + straight) / np.ptp(at)
-    return slope
-
-
-def _smooth_holds(position: Array, time: Array, x: Array, rest: Array, noise: float) -> None:
-    """Replace the position in each hold by its mean, or where holds settle by a curve, if that leaves no more than the
-    noise, but for samples out of the noise and the hold's own scatter, in which the drive still brakes or speeds up."""
-    holds = [hold for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1) if len(hold) >= 4]
-    settle = _settle(time, x, holds)
-    for hold in holds:
-        basis = settling_basis(time[hold]) if settle and len(hold) >= SETTLING else None
-        off = x[hold] - (quantile(x[hold], 0.5) if basis is None else _curve(basis, x[hold]))
-        if np.std(off) < 2.0 * noise:
-            still = np.abs(off) <= 3.0 * max(1.4826 * quantile(np.abs(off), 0.5), noise)
-            seen = x[hold[still]]
-            position[hold[still]] = seen.mean() if basis is None else _curve(basis[still], seen)
-
-
-def _settle(time: Array, x: Array, holds: list[Array]) -> bool:
-    """Whether curves describe holds better than their means do, by an F test over all of them."""
-    level, curve, more, rest = 0.0, 0.0, 0, 0
-    for hold in holds:
-        if len(hold) >= SETTLING:
-            basis = settling_basis(time[hold])
-            more, rest = more + basis.shape[1] - 1, rest + len(hold) - basis.shape[1]
-            level += float(np.sum((x[hold] - x[hold].mean()) ** 2))
-            curve += float(np.sum((x[hold] - _curve(basis, x[hold])) ** 2))
-    if not level > curve > 0.0:
-        return False
-    from scipy.special import fdtrc  # slow to import, and seldom needed
-
-    return float(fdtrc(more, rest, (level - curve) / more * rest / curve)) < CHANCE
-
-
-def settling_basis(time: Array) -> Array:
-    """A parabola in the root of the time (m,) since a hold began, (m, 3): a regulator's pressure settles like that."""
-    return chebyshev.chebvander(2.0 * np.sqrt((time - time[0]) / max(float(np.ptp(time)), 1e-9)) - 1.0, 2)
-
-
-def _curve(basis: Array, x: Array) -> Array:
-    return basis @ np.linalg.lstsq(basis, x, rcond=None)[0]
 
 
 def _carry(direction: Array, moving: Array, stroke: Array, speed: Array) -> None:

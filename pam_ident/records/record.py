@@ -1,18 +1,17 @@
 """A measured record, ready to be fitted."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from ..core import DataError, Inputs, Specimen
-from .corners import rest_corners
 from .kind import find_kind
 from .motion import find_motion
 from .notes import Note
+from .smoothing import calmed
 
 Array = np.ndarray
 SHORT_LIST = 200
@@ -167,7 +166,6 @@ def build_record(
         driven = find_motion(time, KPA * pressure, held) if loaded else None
         x = contraction * specimen.initial_length_mm
         motion = find_motion(time, x, held)
-        rest_corners(motion, time, x, force)
     segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
     inputs = Inputs(
         pressure=pressure,
@@ -186,10 +184,11 @@ def build_record(
     )
     _, number = np.unique(cycle.astype(int), return_inverse=True)
     _, block = np.unique(segment * (number.max() + 1) + number, return_inverse=True)
+    run = np.cumsum((np.diff(motion.stroke, prepend=0) != 0) | np.diff(motion.moving, prepend=False))
     smooth = motion.position / specimen.initial_length_mm + (0.0 if slide is None else held)
     calm = replace(
         inputs,
-        pressure=calmed(pressure, segment) if driven is None else driven.position / KPA,
+        pressure=calmed(pressure, segment, time, run) if driven is None else driven.position / KPA,
         contraction=smooth if slide is None else held,
         slide=None if slide is None else smooth,
     )
@@ -226,24 +225,6 @@ def turns(x: Array, stroke: Array, segment: Array) -> Array:
     found = np.r_[False, np.diff(segment) != 0]
     found[across[np.searchsorted(run[across], np.arange(len(begins)))]] = True
     return found
-
-
-def _runs(segment: Array) -> Iterator[slice]:
-    """The samples of each segment."""
-    edges = [0, *(np.flatnonzero(np.diff(segment)) + 1).tolist(), len(segment)]
-    return (slice(begin, end) for begin, end in pairwise(edges))
-
-
-def calmed(values: Array, segment: Array) -> Array:
-    """What is held (n,), with each run's mean where its deviations are white, so that they are the sensor's noise."""
-    calm = values.copy()
-    for rows in _runs(segment):
-        off = values[rows] - values[rows].mean()
-        square = float(np.mean(off**2))
-        # Only white deviations are the sensor's. What a regulator does slowly is the muscle's own pressure.
-        if len(off) > 20 and square > 0 and np.mean(off[1:] * off[:-1]) < 4.0 / np.sqrt(len(off)) * square:
-            calm[rows] = values[rows].mean()
-    return calm
 
 
 def _table(

@@ -14,19 +14,25 @@ RUN, HOLD, STROKE_MM = 30, 6, 40.0
 NOISE_N, NOISE_MM, NOISE_MPA = 1.0, 0.01, 1e-4
 
 
-def strokes(hidden, begun=False, speeds=(4.0, 12.0, 40.0), times=4, seed=3):
-    """At four pressures, `times` there and back at each of the speeds in mm/s. The last sample of a hold lies at the
-    corner, and there the friction is that of the stroke if it has `begun`. `hidden` takes pressure in MPa, contraction
-    over the largest, the side (±1, kept in holds) and velocity in mm/s (0 in holds) to the force in N."""
+def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0):
+    """At four pressures, `times` there and back at each of the speeds in mm/s, the drive speeding up and braking over
+    `soft` of a stroke. The last sample of a hold lies at the corner: there the friction is that of the stroke before or
+    of the next, by chance, and in the hold before the first stroke of a pressure that of either side. `hidden` takes
+    pressure in MPa, contraction over the largest, the side (±1, kept in holds) and velocity in mm/s (0 in holds) to
+    the force in N."""
     rng, columns = np.random.default_rng(seed), []
+    u = np.linspace(0.0, 1.0, RUN + 1)[1:]
+    way = np.interp(u, *ramped(soft))
     for pressure in (0.15, 0.25, 0.4, 0.5):
+        before = np.zeros(2 * HOLD), np.full(2 * HOLD, rng.choice([-1.0, 1.0])), np.zeros(2 * HOLD)
+        columns.append((np.full(2 * HOLD, 0.5), *before, np.full(2 * HOLD, pressure)))
         for speed in speeds:
             for sign in (1.0, -1.0) * times:
-                way = np.linspace(0.0, 1.0, RUN + 1)[1:]
                 x = np.r_[way if sign > 0.0 else 1.0 - way, np.full(HOLD, float(sign > 0.0))]
                 step = np.r_[np.full(RUN, STROKE_MM / speed / RUN), np.full(HOLD, 0.5)]
-                side, velocity = np.full(len(x), sign), np.r_[np.full(RUN, sign * speed), np.zeros(HOLD)]
-                side[-1] = -sign if begun else sign
+                side = np.full(len(x), sign)
+                velocity = np.r_[sign * speed * np.gradient(way, u), np.zeros(HOLD)]
+                side[-1] = rng.choice([-1.0, 1.0])
                 columns.append((step, x, side, velocity, np.full(len(x), pressure)))
     step, x, side, velocity, pressure = (np.concatenate(parts) for parts in zip(*columns, strict=True))
     time, contraction = np.cumsum(step), STROKE_MM * x / SPECIMEN.initial_length_mm
@@ -42,10 +48,12 @@ def strokes(hidden, begun=False, speeds=(4.0, 12.0, 40.0), times=4, seed=3):
     )
 
 
-def corners(record):
-    """Rows at the end of a hold that another stroke follows."""
-    every = np.arange(RUN + HOLD - 1, len(record), RUN + HOLD)
-    return every[:-1][np.diff(record.level[every]) == 0.0]
+def ramped(soft):
+    """Time and way, as shares of a stroke's, of a drive that speeds up and brakes evenly over `soft` of the time."""
+    time = np.linspace(0.0, 1.0, 1001)
+    speed = np.minimum(1.0, np.minimum(time, 1.0 - time) / soft) if soft else np.ones(len(time))
+    way = np.r_[0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]))]
+    return time, way / way[-1]
 
 
 HIDDEN = {
@@ -58,15 +66,19 @@ HIDDEN = {
 }
 
 
-@pytest.mark.parametrize("begun", [True, False])
-def test_the_force_tells_whether_a_corner_rests(begun):
-    made = strokes(lambda p, e, side, v: -6.0 * side, begun)
-    assert made.inputs.moving[corners(made)].mean() == pytest.approx(float(begun), abs=0.02)
-
-
+@pytest.mark.parametrize("soft", [0.0, 0.1])
 @pytest.mark.parametrize("name", HIDDEN)
-def test_a_name_rests_on_what_the_force_follows(name):
-    record = strokes(HIDDEN[name], speeds=(1.0, 4.0, 15.0, 50.0), times=3)
+def test_a_name_rests_on_what_the_force_follows(name, soft):
+    record = strokes(HIDDEN[name], speeds=(1.0, 4.0, 15.0, 50.0), times=3, soft=soft)
     found = diagnose(LAW, record)
     assert set(found.selected) == {name}, found.sentence
-    assert found.base.rmse > 1.5 * NOISE_N and found.best.rmse < 1.1 * NOISE_N
+    assert found.base.rmse > 1.5 * NOISE_N and found.noise_floor < 1.1 * NOISE_N
+    assert "Much is left" not in found.sentence
+
+
+@pytest.mark.parametrize("soft", [0.04, 0.06, 0.1])
+def test_where_a_drive_speeds_up_the_muscle_slides(soft):
+    record = strokes(lambda p, e, side, v: 0.0 * p, soft=soft)
+    x, moving = record.inputs.displacement_mm, record.inputs.moving
+    off = np.minimum(np.abs(x), np.abs(x - STROKE_MM))
+    assert moving[off > 6.0 * NOISE_MM].all()

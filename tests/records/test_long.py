@@ -10,7 +10,7 @@ from pam_ident.records import read_record, text_table, turning
 from pam_ident.records.columns_on_disk import Columns
 from pam_ident.records.long import open_long
 from pam_ident.records.long_motion import noise_on_disk
-from pam_ident.records.motion import position_noise
+from pam_ident.records.roughness import position_noise
 from pam_ident.rig import Plan, Protocol, make_record, write_case
 
 PLAN = Plan(7, protocol=Protocol((0.2, 0.4), (5.0, 20.0), 2, move_rows=60, hold_rows=20))

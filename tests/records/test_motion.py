@@ -5,7 +5,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.records import build_record
-from pam_ident.records.motion import position_noise
+from pam_ident.records.roughness import position_noise
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 TRAVEL = 40.0

@@ -19,6 +19,8 @@ BLURRED = 6.0
 one place are seen beside it, each with the force that its own error makes."""
 FAR = 8.0
 """Standard deviations at which a bell's tail stays what it is, 1e-14."""
+SINCE = 0.02
+"""Share of the record that must lie before a moment, and after it."""
 SINCE_REVERSAL = "the way since a reversal"
 """A coordinate that a table has not, nor a test at few lengths."""
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
@@ -29,9 +31,9 @@ WAVE = (Param("cosine", "N", "cosine part", scale=10.0), Param("sine", "N", "sin
 
 @dataclass(frozen=True)
 class Extent:
-    """What a record covers: displacement from `low` over `stroke` (mm), time from `first` over `duration` (s, 0 without
-    time), the periods in s, `beats`, that a spectrum of what is left shows, and below how many mm the position is
-    `blurred`."""
+    """What a record covers: displacement from `low` over `stroke` (mm), time from `first`, the first motion, over
+    `duration` (s, 0 without time), the periods in s, `beats`, that a spectrum of what is left shows, and below how many
+    mm the position is `blurred`."""
 
     inputs: Inputs
     low: float
@@ -45,7 +47,10 @@ class Extent:
     def of(cls, inputs: Inputs, beats: tuple[float, ...] = (), error_mm: float = 0.0) -> "Extent":
         """The span of a record's inputs, whose position has an error."""
         x, time = inputs.displacement_mm, inputs.time
-        first, duration = (0.0, 0.0) if time is None else (float(time[0]), max(float(np.ptp(time)), 1e-9))
+        first, duration = 0.0, 0.0
+        if time is not None:
+            moves = 0 if inputs.moving is None else int(np.argmax(inputs.moving))  # what is before is not looked at
+            first, duration = float(time[moves]), max(float(time[-1] - time[moves]), 1e-9)
         stroke = max(float(np.ptp(x)), 1e-9)
         return cls(inputs, float(x.min()), stroke, first, duration, beats, min(BLURRED * error_mm, 0.25 * stroke))
 
@@ -58,10 +63,9 @@ class Extent:
         return Param("place", "mm", "where", low, low + span, low + span / 2, grid=steps(low, span, count))
 
     def moment(self, count: int = 150) -> Param:
-        """Some time of the record, looked for at so many moments."""
-        begin, end = self.first, self.first + self.duration
-        grid = steps(begin, self.duration, count)
-        return Param("moment", "s", "when", begin, end, begin + self.duration / 2, grid=grid)
+        """Some time of the record, looked for at so many moments; not so near its ends that it could be an offset."""
+        begin, span = self.first + SINCE * self.duration, (1.0 - 2.0 * SINCE) * self.duration
+        return Param("moment", "s", "when", begin, begin + span, begin + span / 2, grid=steps(begin, span, count))
 
 
 @dataclass(frozen=True)
