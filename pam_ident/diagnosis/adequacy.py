@@ -94,9 +94,9 @@ class Adequacy:
         """Squares that the set leaves beyond noise: as a share of the noise's, and of what is to be explained."""
         clean = ~self.free.noise.outlier
         alone = self.selection.plain_residual((), self.selection.base.values)
-        left, all_ = (float(np.mean(one[clean] ** 2)) for one in (self.residual, alone))
+        left, before = (float(np.mean(one[clean] ** 2)) for one in (self.residual, alone))
         noise = self.free.noise.whole**2
-        return (left - noise) / noise, (left - noise) / max(all_ - noise, 1e-9 * noise)
+        return (left - noise) / noise, (left - noise) / max(before - noise, 1e-9 * noise)
 
     @cached_property
     def residual(self) -> np.ndarray:

@@ -29,8 +29,7 @@ from .selection import FittedSet, Selection
 
 Array = np.ndarray
 BY_FORM = 0.5
-"""Chance that a name is right which follows the same as a larger one: 5 of 12 were false on sets of other hands and our
-own (docs/validation.md)."""
+"""Chance that a name is right which follows the same as a larger one: 4 of 7 were false (docs/validation.md)."""
 TOLD, ENDED_BADLY = 0.05, 1.01
 """Chance of something unknown in place of a name from which it is said; error of a law with a candidate, over that of
 the law alone, from which its fit has failed: an effect of size zero leaves no more."""
