@@ -23,7 +23,7 @@ SLOPE_NOISE = 0.01
 
 
 def smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
-    """Position and dx/dt (n,) along one stroke, x over the time in s: a polynomial where that describes it to the noise,
+    """Position and dx/dt (n,) along one stroke, x over the time in s: a polynomial where that describes it to noise,
     else x and local slopes."""
     n, width = len(x), float(np.ptp(time))
     if width <= 0.0:
@@ -89,8 +89,9 @@ def _local_slopes(time: Array, x: Array, noise: float) -> Array:
 
 
 def smooth_holds(position: Array, time: Array, x: Array, rest: Array, noise: float) -> None:
-    """Replace the position (n,) in each hold by its mean, or where holds settle by a curve, if that leaves no more than the
-    noise, but for samples out of the noise and the hold's own scatter, in which the drive still brakes or speeds up."""
+    """Replace the position (n,) in each hold by its mean, or where holds settle by a curve, if that leaves no more than
+    the noise, but for samples out of the noise and the hold's own scatter, in which a drive still brakes or speeds up.
+    """
     holds = [hold for hold in np.split(rest, np.flatnonzero(np.diff(rest) > 1) + 1) if len(hold) >= 4]
     settle = _settle(time, x, holds)
     for hold in holds:
