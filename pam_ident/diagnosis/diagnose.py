@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core import UsageError
 from ..core.digits import newtons, probability
+from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
@@ -35,6 +36,7 @@ TOLD, ENDED_BADLY = 0.05, 1.01
 the law alone, from which its fit has failed: an effect of size zero leaves no more."""
 
 
+@one_blas_thread()
 def diagnose(
     model: Model,
     record: Record,

@@ -199,8 +199,8 @@ class Following:
 
     @property
     def newtons_followed(self) -> Array:
-        """What of it the likeliest drivers explain, in N, (n,)."""
-        return self.in_newtons(self.surfaces.explained(self.best))
+        """What of it the likeliest drivers explain, in N, (n,); no number where the track is unread."""
+        return np.where(self.read, self.in_newtons(self.surfaces.explained(self.best)), np.nan)
 
     def in_newtons(self, values: Array) -> Array:
         """Values (n,) or columns (n, k) as they are before what rows share is evened out."""
