@@ -46,7 +46,8 @@ def _document(figures: Sequence[LayoutDOM]) -> str:
     document = Document()
     for one in figures:
         document.add_root(one)
-    return _packed(json.dumps(document.to_json(deferred=False), separators=(",", ":")))
+    drawn = {**document.to_json(deferred=False), "defs": []}  # of what else is loaded, as the workbench's Panel
+    return _packed(json.dumps(drawn, separators=(",", ":")))
 
 
 @cache
