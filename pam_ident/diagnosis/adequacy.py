@@ -82,12 +82,7 @@ class Adequacy:
     @cached_property
     def left(self) -> Following:
         """What the set leaves, and what that follows."""
-        selection, fitted = self.selection, self.fitted
-        if not fitted.terms and fitted.values == selection.base.values:
-            return selection.following
-        return Following(
-            selection.record, selection.base.model.adding(*fitted.terms), fitted.values, selection.following.unsure
-        )
+        return _left_by(self.selection, self.fitted)
 
     @cached_property
     def unexplained(self) -> tuple[float, float]:
@@ -150,13 +145,20 @@ class Adequacy:
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)
 
 
+def _left_by(selection: Selection, fitted: FittedSet) -> Following:
+    """What a set leaves, and what that follows."""
+    if not fitted.terms and fitted.values == selection.base.values:
+        return selection.following
+    model = selection.base.model.adding(*fitted.terms)
+    return Following(selection.record, model, fitted.values, selection.following.unsure)
+
+
 def needless(selection: Selection, effect: Effect, others: FittedSet) -> bool:
     """Whether nothing speaks for an effect beside others: without what it follows first their drivers explain as much,
     or what they leave does not follow it; or they follow it, too, and the free model does not beat them."""
     if not effect.follows or selection.record.inputs.time is None:
         return False
     first, followed = effect.follows[0], {name for term in others.terms for name in term.effect.follows}
-    beside = Adequacy(selection, others, FreeModel.of(selection))
     if first in followed:
-        return beside.free.odds(selection, others) < EQUAL
-    return selection.following.enough(followed, first) or first not in beside.left.likely
+        return FreeModel.of(selection).odds(selection, others) < EQUAL
+    return selection.following.enough(followed, first) or first not in _left_by(selection, others).likely

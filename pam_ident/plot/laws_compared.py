@@ -94,7 +94,8 @@ def draw(fits: Sequence[Fit], pressure_MPa: float | None = None, limit: int = 60
         )
         for law in panel.laws:
             colour, dash = styles[law.label]
-            text = f"{law.label.replace(' + ', chr(10) + '+ ')}: {newtons(law.rmse)} rms"  # no wider than its panel
+            name = law.label.replace(" + ", "\n+ ")  # no wider than its panel
+            text = f"{name}: {newtons(law.rmse)} rms"
             axes.plot(law.line, law.line_force, color=colour, linestyle=dash, linewidth=1.6, label=text)
         axes.set_xlabel("contraction ratio ε (1)")
         legend = axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), labelcolor=INK, alignment="left")

@@ -112,11 +112,15 @@ def _settle(time: Array, x: Array, holds: list[Array]) -> bool:
             more, rest = more + basis.shape[1] - 1, rest + len(hold) - basis.shape[1]
             level += float(np.sum((x[hold] - x[hold].mean()) ** 2))
             curve += float(np.sum((x[hold] - _curve(basis, x[hold])) ** 2))
-    if not level > curve > 0.0:
-        return False
+    return level > curve > 0.0 and _beyond_chance(level, curve, more, rest)
+
+
+def _beyond_chance(before: float, after: float, more: int, rest: int) -> bool:
+    """Whether squares fall by more than chance would have it, by an F test: with so many parameters `more`, where
+    `rest` are left."""
     from scipy.special import fdtrc  # slow to import, and seldom needed
 
-    return float(fdtrc(more, rest, (level - curve) / more * rest / curve)) < CHANCE
+    return float(fdtrc(more, rest, (before - after) / more * rest / after)) < CHANCE
 
 
 def settling_basis(time: Array) -> Array:
@@ -159,11 +163,7 @@ def _wavers(off: Array, time: Array, run: Array) -> bool:
         slope = float(t @ y) / max(float(t @ t), 1e-300)
         left += float(np.sum((y - y.mean() - slope * t) ** 2))
         more, rest = more + min(2, len(y)), rest + max(len(y) - 2, 0)
-    if not (rest > more and left > 0.0):
-        return False
-    from scipy.special import fdtrc  # slow to import
-
-    return float(fdtrc(more, rest, (float(off @ off) - left) / more * rest / left)) < CHANCE
+    return rest > more and left > 0.0 and _beyond_chance(float(off @ off), left, more, rest)
 
 
 def _runs(segment: Array) -> Iterator[slice]:
