@@ -55,8 +55,8 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
 def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What strikes now and then is no noise: most of it lies in little of the time.
 
-    Of each two samples in a row the product is looked at, for noise with heavy tails strikes single ones. At the corners
-    of the motion what is left is the position's, wherever the force is steep.
+    Of each two samples in a row the product is looked at, for noise with heavy tails strikes single ones. At the
+    corners of the motion what is left is the position's, wherever the force is steep.
     """
     record, inputs = selection.record, selection.record.inputs
     if inputs.time is None:

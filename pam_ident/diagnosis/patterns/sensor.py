@@ -31,9 +31,7 @@ def _clock(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _forms(span: Extent) -> Sequence[Form]:
-    found: list[Form] = [
-        AddsForce("reading", "free curve over the force", knots(READINGS - 2), _reading, uses_force=True)
-    ]
+    found: list[Form] = [AddsForce("reading", "curve over the force", knots(READINGS - 2), _reading, uses_force=True)]
     if span.inputs.time is not None:
         found.append(TransformsPressure("clock", "free curve of the pressure's zero", ZEROS, _clock))
     if span.inputs.temperature is not None and np.ptp(span.inputs.temperature) > 0.0:
