@@ -104,13 +104,13 @@ def write_protocol(path: str, experiment: "Experiment | None") -> str:
 
 def describe(found: "Diagnosis") -> list[str]:
     """A diagnosis in words, and a table of the candidates where something is missing."""
+    from ..effects import in_words
     from ..tasks.diagnose import candidates, told
 
     held = text.newtons(found.heldout_rmse)
     held += f" → {text.newtons(found.heldout_rmse_after)}" if found.selected else ""
-    lines = [found.sentence, f"verdict {found.verdict}; on held-out data {held}"]
+    lines = [found.sentence, f"verdict: {text.verdict(found.verdict)}; on held-out data {held}"]
     lines += [*found.best.at_bounds, told(found.follows)]
-    lines += [f"cannot be told apart here: {', '.join(group)}" for group in found.groups if len(group) > 1]
     rows = [
         (
             s.label or s.effect,
@@ -122,7 +122,7 @@ def describe(found: "Diagnosis") -> list[str]:
     ]
     lines += text.table(("candidate", "probability", "rmse after [N]", "held out [N]"), rows)
     for status, words in STATUS.items():
-        names = [s.effect for s in found.ranking if s.status == status]
+        names = [in_words(s.effect, found.best.model.own) for s in found.ranking if s.status == status]
         if names:
             lines.append(f"{words}: {', '.join(names)}")
     if found.pattern is not None:

@@ -35,7 +35,9 @@ def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
     shape = catalogue_of_patterns()[name]
     along = shape.elsewhere.get(term.form.name, shape.coordinate)
-    text = f"{shape.words(at, along)} ({term.form.name}), {percent(share)} of what is left unexplained"
+    text = (
+        f"{shape.words(at, along)} ({term.form.name.replace('_', ' ')}), {percent(share)} of what is left unexplained"
+    )
     return Pattern(shape.kind, along, value, unit, float(share), text)
 
 
@@ -48,7 +50,8 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
         return None if fitted.terms else _bursts(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
-    text = f"about {newtons(size)} rms without a shape of its own, {percent(share)} of what is left unexplained"
+    part = f", {percent(share)} of what was to be explained" if share < 1.0 else ""
+    text = f"about {newtons(size)} rms without a shape of its own{part}"
     return Pattern("other", "contraction", None, "", share, text)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core import DataError, FitError, PamError, UsageError
 from ..core.digits import millimetres, newtons, percent
+from ..core.prose import capital
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..fitting.estimate import impossible
@@ -105,7 +106,7 @@ def doubts_about(one: Fit) -> tuple[Doubt, ...]:
         return _grave_first(found)
     law = Doubt(
         "explains_nothing",
-        f"{_formula(one)} leaves {newtons(one.rmse)} rms of a force of {newtons(size)} rms: it "
+        f"The {one.model.words} leaves {newtons(one.rmse)} rms of a force of {newtons(size)} rms: it "
         "explains nothing. Check units, signs and the specimen, or take another law.",
         "force",
         True,
@@ -121,8 +122,8 @@ def _doubt_length(one: Fit) -> Iterator[Doubt]:
     moves = math.sqrt(errors.spread / errors.n) if errors else 0.0
     if errors and errors.rmse**2 >= (1.0 - LITTLE) * moves**2:
         text = (
-            f"{_formula(one)} leaves {millimetres(errors.rmse)} rms of a length that moves by {millimetres(moves)} "
-            "rms: it explains nothing. Check units, signs and the specimen, or take another law."
+            f"The {one.model.words} leaves {millimetres(errors.rmse)} rms of a length that moves by "
+            f"{millimetres(moves)} rms: it explains nothing. Check units, signs and the specimen, or take another law."
         )
         yield Doubt("explains_nothing", text, "displacement", True)
     if len(np.unique(weight)) == 1:
@@ -170,7 +171,7 @@ def doubt_values(one: Fit) -> Iterator[Doubt]:
 def warnings_of(one: Fit) -> tuple[Doubt, ...]:
     """The same, and what the effects of its model warn of."""
     effects = [term.effect for term in one.model.terms]
-    return (*doubts_about(one), *(Doubt("effect", f"{e.name}: {e.warning}") for e in effects if e.warning))
+    return (*doubts_about(one), *(Doubt("effect", f"{capital(e.title)}: {e.warning}") for e in effects if e.warning))
 
 
 def admit(record: Record, length: bool = False) -> None:
@@ -261,15 +262,11 @@ def check_completed(one: Fit, assume: tuple[str, ...] = ()) -> None:
     if not one.model.terms or force.std() < CONSTANT * abs(force.mean()) or one.r2 > 1.0 - MOST_LEFT:
         return
     text = (
-        f"{_formula(one)} would leave {newtons(one.rmse)} rms of a force that varies by {newtons(force.std())} "
+        f"The {one.model.words} would leave {newtons(one.rmse)} rms of a force that varies by {newtons(force.std())} "
         "rms: names explain little here. Check units, signs and the specimen, or take another law."
     )
     law = Doubt("explains_nothing", text, "force", True)
     _stop(one.record, (law, *doubts_of(one.record)), assume)
-
-
-def _formula(one: Fit) -> str:
-    return " + ".join([one.model.law.name, *one.model.labels])
 
 
 def _stop(record: Record, doubts: tuple[Doubt, ...], assume: tuple[str, ...]) -> None:

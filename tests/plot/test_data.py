@@ -105,7 +105,7 @@ def test_profiles_have_one_entry_a_coordinate_that_varies(diagnosis, table):
 
 def test_ladder_names_what_each_rung_adds(ladder, diagnosis):
     shown = ladder_figure.data(ladder)
-    assert shown.names == ("modified_chou_hannaford", "+ coulomb_friction")
+    assert shown.names == ("modified Chou–Hannaford law", "+ Coulomb friction")
     assert shown.rmse == pytest.approx([diagnosis.base.rmse, diagnosis.best.rmse])
     assert list(shown.heldout) == [8.3, 0.55]
     assert shown.noise_floor == 0.5
