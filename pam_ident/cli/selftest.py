@@ -25,7 +25,7 @@ def selftest(json: options.JsonFile = None) -> None:
     text.say(*text.table(("problem", "start", "digits", "of std. errors", ""), rows, left=(0, 4)))
     text.say(
         f"simulated record: true parameters within {recovery.furthest:.1f} standard errors (at most {FURTHEST:g}), "
-        f"verdict {recovery.clean_verdict}",
+        f"verdict {text.verdict(recovery.clean_verdict)}",
         f"the same with {recovery.hidden} hidden: named {', '.join(recovery.named) or 'nothing'}",
     )
     if not found.passed:

@@ -14,7 +14,7 @@ Fit = "a file that `fit --json` or `ladder --json` wrote"
 
 def track(
     plant: Annotated[
-        str | None, options.option("--plant", "FIT", f"Muscle in the leg: {Fit}; of a ladder the last rung.")
+        str | None, options.option("--plant", "FIT", f"Muscle in the leg: {Fit}; of a ladder the last step.")
     ] = None,
     controller: Annotated[
         str | None, options.option("--controller", "FIT", f"The model that the feed-forward knows: {Fit}.")

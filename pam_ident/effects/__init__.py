@@ -145,7 +145,7 @@ def load_effect_file(path: str | Path) -> tuple[Effect, ...]:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise UsageError(f"{path}: fails on import ({type(error).__name__}: {error}); mend the file") from None
+        raise UsageError(f"{path}: fails on import ({type(error).__name__}: {error}); fix the file") from None
     found = tuple(v for k, v in vars(module).items() if k.isupper() and isinstance(v, Effect))
     if not found:
         raise UsageError(f"{path}: defines no effect; expected EFFECT = Effect(...)")

@@ -35,7 +35,7 @@ class Estimate:
     def words(self) -> str:
         """The parameter with its value in a sentence: `q = 1.3 of extensible threads`."""
         effect, _, name = self.name.rpartition(".")
-        value = f"{name} = {self.value:.4g}{'' if self.unit == '1' else f' {self.unit}'}"
+        value = f"{name} = {self.value:.3g}{'' if self.unit == '1' else f' {self.unit}'}"
         return f"{value} of {in_words(effect)}" if effect else value
 
     @property

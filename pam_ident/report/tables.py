@@ -12,9 +12,10 @@ from ..model import steps
 from ..plot.failure_map import Cell
 from ..records import Record
 from ..records.package import told
+from ..schema.diagnosis import STATUS
 from ..schema.diagnosis import candidates as likeliest
 from .story import Section
-from .words import STATUS, heldout, known_to, likely, newtons, number, percent, standing, stderr, unit, value_of
+from .words import heldout, known_to, likely, newtons, number, percent, standing, stderr, unit, value_of
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ def candidates(diagnosis: Diagnosis) -> PageTable:
     rows = tuple(
         (
             named(s.label or s.effect, known),
-            "selected" if s.effect in diagnosis.selected else STATUS.get(s.status, s.status),
+            "selected" if s.effect in diagnosis.selected else STATUS[s.status],
             likely(s.probability) if s.status == "candidate" else "–",
             number(s.rmse_after, 3),
             number(s.heldout_rmse_after, 3),
@@ -56,7 +57,7 @@ def not_judged(diagnosis: Diagnosis) -> PageTable:
     """The effects that the record cannot show, and why."""
     known = diagnosis.best.model.own
     left = [s for s in diagnosis.ranking if s.status != "candidate"]
-    rows = tuple((named(s.label or s.effect, known), STATUS.get(s.status, s.status), s.why) for s in left)
+    rows = tuple((named(s.label or s.effect, known), STATUS[s.status], s.why) for s in left)
     return PageTable("Effects that this record and this law cannot show", ("effect", "standing", "why"), rows)
 
 

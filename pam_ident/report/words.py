@@ -18,11 +18,6 @@ VERDICTS = {
         "The model leaves an error that no effect of the catalogue explains well enough.",
     ),
 }
-STATUS = {
-    "candidate": "candidate",
-    "absorbed_by_law": "absorbed by the law",
-    "not_excited": "not excited by this record",
-}
 ROLES: dict[type[Form], str] = {
     AddsForce: "added to the force",
     ScalesForce: "scales the force",

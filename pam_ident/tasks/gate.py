@@ -78,7 +78,7 @@ class GraveDoubt(NothingNamed, DataError):
         more = f" (and {', '.join(others)})" if others else ""
         codes = " ".join(f"--assume {code}" for code in (first, *others))
         super().__init__(
-            f"{where}: nothing is named: {stops[0].text.rstrip('.')}{more}. Mend it in the file or by a "
+            f"{where}: nothing is named: {stops[0].text.rstrip('.')}{more}. Fix it in the file or by a "
             f"columns.toml; if it is meant so, {codes}",
             n,
             doubts,
@@ -156,7 +156,7 @@ def _doubt_outliers(one: Fit) -> Iterator[Doubt]:
         yield Doubt(
             "outlier",
             f"sample {row + 1} reads {newtons(one.record.force[row])}, {newtons(size[row])} off the fit, and decides "
-            f"it{rest} by {percent(share)} of the squared error. Mend or delete the row.",
+            f"it{rest} by {percent(share)} of the squared error. Fix or delete the row.",
             "force",
             True,
         )
@@ -179,11 +179,11 @@ def admit(record: Record, length: bool = False) -> None:
     beyond arithmetic. With `length` the length may have answered."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
-        text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Mend or delete the row"
+        text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Fix or delete the row"
         raise _refused(Refused, record, "impossible_value", text)
     time = record.inputs.time
     if time is not None and len(record) > 1 and np.ptp(time) < LEAST_STEP_S * len(record):
-        text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Mend its unit, or leave the time out"
+        text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Fix its unit, or leave the time out"
         raise _refused(Refused, record, "clock_scale", text)
     kind = kind_of(record)
     if kind in FITTING or (length and kind == "isotonic"):
@@ -207,7 +207,7 @@ def require_information(record: Record, model: Model) -> None:
     """Raises TooLittle, with what to measure, where too little is in the record for names."""
     lacking = _lacking(record, len(model.params))
     if lacking is not None:
-        text = f"{lacking}; too little to name an effect by. Measure more, or mend the record"
+        text = f"{lacking}; too little to name an effect by. Measure more, or fix the record"
         raise _refused(TooLittle, record, "too_little", text)
 
 

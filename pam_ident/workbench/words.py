@@ -18,8 +18,8 @@ from ..plot.follows import COLOUR
 from ..plot.style import INK
 from ..records.doubt import Doubt
 from ..report import tables
-from ..report.words import STATUS, equation, groups, likely, newtons, number, stderr, value_of
-from ..schema.diagnosis import candidates
+from ..report.words import equation, groups, likely, newtons, number, stderr, value_of
+from ..schema.diagnosis import STATUS, candidates
 from .bench import Bench
 from .draft import Draft, DraftColumn
 
@@ -65,7 +65,7 @@ def draft(shown: Draft, wrong: str = "") -> Markup:
     lines = [Markup("<h2>What was dropped</h2>")]
     lacking = [*shown.missing, *([] if shown.has_specimen else ["the muscle's size"])] if shown.ours else []
     if not shown.ours and shown.problem:
-        lines.append(Markup("<p>Mend the file, or its columns.toml, and drop it again.</p>"))
+        lines.append(Markup("<p>Fix the file, or its columns.toml, and drop it again.</p>"))
     elif shown.missing:
         lines.append(Markup("<p>Say which column is {}.</p>").format(", and ".join(lacking)))
     else:

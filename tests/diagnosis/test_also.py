@@ -145,7 +145,9 @@ def test_the_sentence_takes_the_first_that_the_rest_follows_and_the_record_can_s
     assert could_be_tried([Follows("temperature", 0.9, "the temperature")], others, base) == ""
     assert could_be_tried([Follows("map", 0.09, "the map")], others, base) == ""
     clock = [Follows("clock", 0.4, "the clock"), Follows("cycle", 0.2, "the cycle")]
-    assert could_be_tried(clock, others, base).startswith(" It follows the cycle: first_cycle is in the catalogue")
+    assert could_be_tried(clock, others, base).startswith(
+        " It follows the cycle. So does what is tried only on request: loss of the first stroke ("
+    )
     table = fit(Model.build("sarosi"), read_record(dataset_record("dmsp20_300")))
     assert could_be_tried([Follows("acceleration", 0.9, "the acceleration")], others, table) == ""
     held = fit(Model.build(LAW.law.name, ("end_contact",)), base.record)

@@ -123,7 +123,7 @@ def test_candidates_put_the_likely_first_and_the_unseen_last(diagnosis):
     assert [b.selected for b in shown.bars] == [True, False, False, False, False]
     assert shown.bars[0].rmse_after == diagnosis.best.rmse
     assert math.isnan(shown.bars[2].heldout)
-    assert [b.note for b in shown.bars[3:]] == ["absorbed by the law", "not excited by this record"]
+    assert [b.note for b in shown.bars[3:]] == ["absorbed by the law", "not shown by this record"]
     assert all(math.isnan(b.rmse_after) for b in shown.bars[3:])
     assert shown.before == diagnosis.base.rmse
     assert [b.label for b in candidates.data(diagnosis, limit=1).bars][1:] == ["force_bias", "thermal_softening"]
