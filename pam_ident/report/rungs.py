@@ -43,7 +43,7 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
     before, after, why = below.fit, rung.fit, rung.found
     known = after.model.own
     new = [label for label in after.model.labels if label not in before.model.labels]
-    what = ", ".join(named(label, known) for label in new) or "nothing"
+    what, words = (", ".join(say(label, known) for label in new) or "nothing" for say in (named, in_words))
     facts = [
         ("error", f"{newtons(before.rmse)} → {newtons(after.rmse)} rms"),
         (heldout(rung), f"{newtons(below.heldout_rmse)} → {newtons(rung.heldout_rmse)} rms"),
@@ -59,8 +59,8 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
         ]
     picture = easel.hang(
         plot.signature.draw(before, after, max(easel.points // SHARE, 100)),
-        f"Error over the record before and after adding {what}",
-        f"Above: the error of step {k - 1}, and through it what {what} changes in the modelled force. "
+        f"Error over the record before and after adding {words}",
+        f"Above: the error of step {k - 1}, and through it what {words} changes in the modelled force. "
         f"Below: what step {k} leaves.",
     )
     return Part(
