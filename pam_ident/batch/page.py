@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..effects import in_words
+from ..laws import get_law
 from ..plot import batch_spread, batch_trend
 from ..report.batch import Easel, PageTable, Part, newtons, number, render_batch
 from .compare import Spread, Trend, spreads, trends
@@ -28,7 +29,7 @@ def batch_page(table: str | Path, command: str) -> str:
     """The HTML of a table that `batch` wrote; `command` makes it again. Raises UsageError for another file."""
     frame = read_results(table)
     question, units = frame.attrs["question"], frame.attrs["units"]
-    law = " + ".join([question["law"], *question["effects"]])
+    law = " + ".join([get_law(question["law"]).title, *map(in_words, question["effects"])])
     listed = {str(name): f"m{k}" for k, name in enumerate(frame["record"].unique()[:MOST_MUSCLES])}
     whole: tuple[Part, ...] = (
         _overview(frame),
