@@ -15,6 +15,8 @@ OF_ALL = 0.03
 """Share of what is to be explained that it must be, too: a form that is not exactly right may leave less."""
 MOSTLY, UNDER_A_NAME = 0.5, 0.1
 """Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
+ALL = 0.995
+"""Share of what is to be explained from which it is all of it."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
 WINDOW, BURSTING = 20, 3.0
@@ -35,8 +37,13 @@ def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
     shape = catalogue_of_patterns()[name]
     along = shape.elsewhere.get(term.form.name, shape.coordinate)
-    text = f"{shape.words(at, along)} ({term.form.name}), {percent(share)} of what is left unexplained"
+    text = f"{shape.words(at, along)} ({term.form.name.replace('_', ' ')}){_part(share)}"
     return Pattern(shape.kind, along, value, unit, float(share), text)
+
+
+def _part(share: float) -> str:
+    """How much of the error a pattern is, where that is not all of it."""
+    return f", {percent(share)} of what the law left unexplained" if share < ALL else ""
 
 
 def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -48,7 +55,7 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
         return None if fitted.terms else _bursts(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
-    text = f"about {newtons(size)} rms without a shape of its own, {percent(share)} of what is left unexplained"
+    text = f"about {newtons(size)} rms without a shape of its own{_part(share)}"
     return Pattern("other", "contraction", None, "", share, text)
 
 

@@ -67,7 +67,7 @@ def _elastic(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="creep",
-    title="Creep and stress relaxation",
+    title="creep and stress relaxation",
     source="standard linear solid, Prony series; Vo-Minh, Kamers, Ramon & Van Brussel 2012, Mechatronics 22, 923–933",
     forms=(
         AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,), remembers=True),

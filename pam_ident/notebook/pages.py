@@ -108,7 +108,7 @@ def _diagnosis(one: "Diagnosis") -> Markup:
 
 
 def _ladder(one: "Ladder") -> Markup:
-    figure = picture(plot.ladder.draw(one), "Error over the rungs, down to the noise floor")
+    figure = picture(plot.ladder.draw(one), "Error as effects are added, down to the noise floor")
     return _said(lines.ladder(one)) + table(tables.ladder(one)) + figure
 
 

@@ -9,14 +9,9 @@ from matplotlib.patches import Patch
 
 from ..core.digits import newtons, probability
 from ..diagnosis.nouns import Diagnosis
+from ..schema.diagnosis import STATUS
 from ..schema.diagnosis import candidates as likeliest
 from .style import BEHIND, BLUE, GREY, INK, SKY, VERMILION, canvas, styled
-
-WORDS = {
-    "candidate": "not computed",
-    "absorbed_by_law": "absorbed by the law",
-    "not_excited": "not excited by this record",
-}
 
 
 @dataclass(frozen=True)
@@ -54,7 +49,7 @@ def data(diagnosis: Diagnosis, limit: int = 16) -> CandidatesData:
                 _number(candidate.rmse_after) if known else math.nan,
                 _number(candidate.heldout_rmse_after) if known else math.nan,
                 candidate.effect in diagnosis.selected,
-                "" if known else WORDS.get(candidate.status, candidate.status),
+                "" if known else "not computed" if candidate.status == "candidate" else STATUS[candidate.status],
             )
         )
     return CandidatesData(tuple(bars), diagnosis.base.rmse, diagnosis.noise_floor)

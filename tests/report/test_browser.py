@@ -118,7 +118,7 @@ def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(unfolded):
     opened = unfolded
     choice = opened.locator(".steps fieldset").first.get_by_role("radio")
     assert choice.count() == 3
-    names = ["Rung 0", "Rung 1: + Coulomb friction", "Rung 2: + Viscous damping"]
+    names = ["Step 0", "Step 1: + Coulomb friction", "Step 2: + viscous damping"]
     for k in (1, 2, 0):
         choice.nth(k).click()
         (head,) = shown(opened)
@@ -131,7 +131,7 @@ def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(unfolded):
     opened.keyboard.press("ArrowDown")
     assert shown(opened)[0].startswith(names[0])
     other = opened.locator(".steps").nth(1).locator("h4:visible")
-    assert other.count() == 1 and "Rung 0" in other.text_content()
+    assert other.count() == 1 and "Step 0" in other.text_content()
 
 
 def test_the_map_tells_its_numbers_under_the_pointer_and_in_a_table(unfolded, diagnosis):

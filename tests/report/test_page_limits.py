@@ -79,4 +79,4 @@ def test_without_bokeh_or_where_nobody_wants_it_there_is_no_script(long, monkeyp
 @pytest.mark.long
 def test_markdown_holds_all_six_rungs(long):
     text, figures = render_markdown(Story("x", (long,)), "here")
-    assert text.count("\n#### Rung ") == 6 and len(figures) == 12
+    assert text.count("\n#### Step ") == 6 and len(figures) == 12

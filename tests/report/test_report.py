@@ -233,7 +233,7 @@ def test_numbers():
 
 def test_ladder_and_candidate_tables(diagnosis, ladder):
     table = tables.ladder(ladder)
-    assert table.rows[1][:3] == ("1", "+ coulomb_friction", str(len(diagnosis.best.model.params)))
+    assert table.rows[1][:3] == ("1", "+ Coulomb friction (coulomb_friction)", str(len(diagnosis.best.model.params)))
     assert table.rows[1][3] == number(diagnosis.best.rmse, 3)
     assert table.rows[1][6] == "halves the error"
     rows = tables.candidates(diagnosis).rows
@@ -322,7 +322,7 @@ def test_a_ladder_without_a_step_is_neither_drawn_nor_stepped_through(section, t
     alone = replace(diagnosis, verdict="adequate", selected=(), labels=(), groups=(), best=diagnosis.base)
     page = render(Story("low", (Section(section.record, section.comparison, alone, ladder=low),)), live=False)
     assert f"No effect was added to the law, which leaves {number(diagnosis.base.rmse, 3)} N rms." in Page(page).text
-    assert "step" not in page.partition("<body>")[2] and page.count("<figure ") == 5
+    assert 'class="steps"' not in page.partition("<body>")[2] and page.count("<figure ") == 5
     assert "<dd>8.30 N</dd>" in page and "<dd>8.30 N → 0.550 N</dd>" in text
 
 

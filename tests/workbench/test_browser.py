@@ -319,7 +319,7 @@ def test_a_model_is_pinned_and_a_parameter_held(lying):
         if error_now(lying) > before:
             break
         lying.wait_for_timeout(100)
-    assert error_now(lying) > before and lying.get_by_role("cell", name="Exponential law").count() == 2
+    assert error_now(lying) > before and lying.get_by_role("cell", name="exponential law").count() == 2
     lying.get_by_role("button", name="Release mu").click()
     lying.get_by_text("Missing:").wait_for()
 
