@@ -20,6 +20,8 @@ FILL: dict[str, Any] = {"sizing_mode": "stretch_both", "min_border_left": 62}
 BRANCHES = {"contraction": (BLUE, "solid"), "extension": (ORANGE, "dashed"), "static": (BLUE, "solid")}
 PALE: dict[str, Any] = {"fill_color": "gray", "fill_alpha": 0.5}
 """Samples behind lines, on a light page and on a dark one."""
+SHARE = 4
+"""A step of a ladder has this part of the samples of the others: there are many steps."""
 
 
 class Figures:
@@ -29,7 +31,7 @@ class Figures:
     """
 
     def __init__(self, before: Fit, after: Fit | None, limit: int) -> None:
-        self.before, self.after = before, after
+        self.before, self.after, self.limit = before, after, limit
         self.fits = {"before": before} | ({"after": after} if after else {})
         shown = self.shown = signature.data(before, after or before, limit)
         self.size = 3 if len(shown.rows) > 300 else 6
@@ -96,6 +98,10 @@ class Figures:
         panels[-1].xaxis.axis_label = "contraction ratio ε (1)"
         link(panels)
         return column(panels, sizing_mode="stretch_both")
+
+    def step(self, before: Fit, after: Fit) -> Column:
+        """The `trace` of a step of a ladder."""
+        return Figures(before, after, self.limit // SHARE).trace
 
     @staticmethod
     def mapped(comparison: Comparison) -> Column:
