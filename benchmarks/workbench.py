@@ -64,7 +64,7 @@ def main() -> None:
         page.goto(address.group())
         page.get_by_label("Another effect").wait_for()
         idle(page)
-        rows = re.search(r"\d+ samples", page.locator("body").inner_text())
+        rows = page.get_by_text(re.compile(r"^\d+ samples")).first.inner_text().partition(" at ")[0]
         found: dict[str, list[tuple[float, ...]]] = {}
         program = psutil.Process(server.pid)
         for effect in EFFECTS:
@@ -91,7 +91,7 @@ def main() -> None:
         medians = (statistics.median(each) for each in zip(*times, strict=True))
         lines.append(f"| {name} | {' | '.join(f'{seconds:.2f} s' for seconds in medians)} |")
     machine = f"{os.cpu_count()} cores, load {' to '.join(f'{one:.1f}' for one in (begun, os.getloadavg()[0]))}"
-    text = "\n".join([f"`{given.record}`, {rows[0] if rows else ''}; {machine}; medians of {len(LAWS)}.", "", *lines])
+    text = "\n".join([f"`{given.record}`, {rows}; {machine}; medians of {len(LAWS)}.", "", *lines])
     print(text)
     if given.markdown:
         put_tables(text, given.markdown, "<!-- workbench -->\n", "<!-- /workbench -->")
