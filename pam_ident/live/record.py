@@ -22,8 +22,6 @@ PALE: dict[str, Any] = {"fill_color": "gray", "fill_alpha": 0.5}
 """Samples behind lines, on a light page and on a dark one."""
 LEAST_ROOM = 0.12
 """Of the panel's width, for a stripe to be named in."""
-SHARE = 4
-"""A step of a ladder has this part of the samples of the others: there are many steps."""
 
 
 class Figures:
@@ -102,9 +100,9 @@ class Figures:
         link(panels)
         return column(panels, sizing_mode="stretch_both")
 
-    def step(self, before: Fit, after: Fit) -> Column:
-        """The `trace` of a step of a ladder."""
-        return Figures(before, after, self.limit // SHARE).trace
+    def step(self, before: Fit, after: Fit, share: int) -> Column:
+        """The `trace` of a step of a ladder, of one in `share` samples."""
+        return Figures(before, after, self.limit // share).trace
 
     @staticmethod
     def mapped(comparison: Comparison) -> Column:

@@ -61,7 +61,7 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
         f"Error over the record before and after adding {what}",
         f"Above: the error of rung {k - 1}, and through it what {what} changes in the modelled force. "
         f"Below: what rung {k} leaves.",
-        live=easel.live and easel.live.step(before, after),
+        live=easel.live and easel.live.step(before, after, SHARE),
     )
     return Part(
         f"{easel.prefix}-rung{k}",
