@@ -62,6 +62,7 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
         f"Error over the record before and after adding {words}",
         f"Above: the error of step {k - 1}, and through it what {words} changes in the modelled force. "
         f"Below: what step {k} leaves.",
+        live=easel.live and easel.live.step(before, after, SHARE),
     )
     return Part(
         f"{easel.prefix}-rung{k}",

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from pam_ident.diagnosis.compare import compare
 from pam_ident.diagnosis.nouns import Pattern
 from pam_ident.fitting import fit, fit_isobars, loop_energies
+from pam_ident.fitting.identifiability import AT_BOUND
 from pam_ident.model import Model
 from pam_ident.report import Section, Story, render, tables
 from pam_ident.report.easel import Easel
@@ -177,6 +178,14 @@ def test_what_the_answer_says_is_what_was_found(section, diagnosis):
     unknown = replace(none, verdict="unknown_effect")
     part = opening(Section(section.record, section.comparison, unknown), Easel("x", 50))
     assert part.heading == "Something is left that no known effect explains."
+
+
+def test_a_parameter_at_its_bound_is_said_beside_the_answer(section):
+    after = section.after
+    stuck = replace(after.estimates[0], at_bound=True, verdict=AT_BOUND)
+    told = replace(section.comparison_after, fit=replace(after, given=(stuck, *after.estimates[1:])))
+    notes = opening(replace(section, comparison_after=told), Easel("x", 50)).notes
+    assert [one for one in notes if one.startswith(f"{stuck.name} = ") and "bound" in one]
 
 
 def test_noise_and_held_out_error_are_the_same_all_over_the_page(section):
