@@ -44,7 +44,8 @@ def answer_of(
     lacking = Adequacy.lacking(selection, fitted, remains)
     if lacking and lacking.noise_unfollowed:
         whiter, other = in_noise(selection, candidates, lacking.noise_unfollowed)
-        if all(t.effect.candidate for t in other.terms) and Adequacy.lacking(whiter, other, False) is None:
+        names = all(t.effect.candidate for t in other.terms) and len(other.terms) <= len(fitted.terms) + 1
+        if names and Adequacy.lacking(whiter, other, False) is None:
             return Selected(whiter, other, None)
     return Selected(selection, fitted, lacking)
 

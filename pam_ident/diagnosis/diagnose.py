@@ -24,6 +24,7 @@ from .heldout import heldout_nearby, heldout_rmse, in_best_forms
 from .nouns import Candidate, Diagnosis, Pattern
 from .probability import probabilities
 from .remainder import pattern_of
+from .search import CLOSE
 from .select import EXACT
 from .selection import FittedSet, Selection
 from .sentence import reservations, sentence
@@ -270,11 +271,23 @@ def _possible(
     ruled_out: dict[str, Fit] = {}
     while True:
         best, after, named = _confirmed(base, heldout, named, fitted, least)
+        best = _as_nature_allows(best, _wrong(best, fitted))
         wrong = {e.name.partition(".")[0] for e in _wrong(best, fitted)} & {t.effect.name for t in named}
         if not wrong:
             return best, after, named, ruled_out
         ruled_out |= dict.fromkeys(sorted(wrong), best)
         named = [t for t in named if t.effect.name not in wrong]
+
+
+def _as_nature_allows(best: Fit, wrong: list[Estimate]) -> Fit:
+    """The fit with what is beyond nature's end held there, where that is as likely: of κ and τ of a fast lag, say, only
+    the product shows."""
+    if not wrong:
+        return best
+    ends = {e.name: e.range.low if e.value < e.range.low else e.range.high for e in wrong if e.range}
+    held = fit(best.model, best.record, start=best.values, held=ends)
+    less_likely = 2.0 * len(best.record) * math.log(held.rmse / best.rmse)
+    return held if less_likely < CLOSE else best
 
 
 def _wrong(fit: Fit, fitted: FittedSet) -> list[Estimate]:

@@ -130,3 +130,22 @@ def test_creep_may_follow_the_tension_by_any_kernel():
     found = diagnose(LAW, strokes(NOTHING, cell=creeping))
     assert found.selected == ("creep",), found.sentence
     assert found.base.rmse > 1.5 * NOISE_N and found.noise_floor < 1.1 * NOISE_N
+
+
+def throttled(p, x, side, v):
+    """A short hose takes pressure in proportion to the mass that flows, 2.2 times as much where the muscle is vented."""
+    e = STROKE_MM * x / SPECIMEN.initial_length_mm
+    sine, cosine = np.sin(np.radians(SPECIMEN.braid_angle_deg)), np.cos(np.radians(SPECIMEN.braid_angle_deg))
+    per_MPa = TRUE["k0"] * np.pi * SPECIMEN.initial_radius_mm**2
+    per_MPa = per_MPa * (3.0 * (cosine / sine) ** 2 * (1.0 - TRUE["k1"] * e) ** 2 - 1.0 / sine**2)
+    volume = (1.0 - (cosine * (1.0 - e)) ** 2) * (1.0 - e) / sine**2
+    growth = (2.0 * (cosine * (1.0 - e)) ** 2 - sine**2 * volume / (1.0 - e)) / sine**2  # dV/dε over V0
+    lost = 0.004 * (p + 0.101) * growth * v / SPECIMEN.initial_length_mm * np.where(v * growth > 0.0, 1.0, 2.2)
+    return -lost * per_MPa
+
+
+def test_a_value_beyond_natures_end_is_none_where_one_within_does_as_well():
+    found = diagnose(LAW, strokes(throttled, speeds=(4.0, 12.0, 40.0, 80.0), times=3))
+    assert found.selected == ("pressure_lag",), found.sentence
+    assert not found.best.impossible and "impossible" not in found.sentence
+    assert found.base.rmse > 1.5 * NOISE_N
