@@ -142,7 +142,7 @@ def diagnosing(
     follows = following.shares()
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
-    chance = probabilities(selection, classes, selected)
+    chance = probabilities(selection, classes, selected, pattern is not None)
     if lacking:
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}

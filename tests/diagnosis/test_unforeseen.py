@@ -133,7 +133,7 @@ def test_creep_may_follow_the_tension_by_any_kernel():
 
 
 def throttled(p, x, side, v):
-    """A short hose takes pressure in proportion to the mass that flows, 2.2 times as much where the muscle is vented."""
+    """A short hose takes pressure in proportion to the flow of mass, 2.2 times as much where the muscle is vented."""
     e = STROKE_MM * x / SPECIMEN.initial_length_mm
     sine, cosine = np.sin(np.radians(SPECIMEN.braid_angle_deg)), np.cos(np.radians(SPECIMEN.braid_angle_deg))
     per_MPa = TRUE["k0"] * np.pi * SPECIMEN.initial_radius_mm**2
