@@ -11,6 +11,7 @@ from ...effects.base import Array, Values
 from .base import Extent, PatternShape, hats, knots
 
 READINGS, MOMENTS = 6, 5
+SENSORS = {"force": "a load cell", "time": "the zero of a pressure sensor", "temperature": "the zero of a sensor"}
 PER_KELVIN = Param("per_kelvin", "N/K", "zero of the load cell", scale=1.0)
 MPA_PER_KELVIN = Param("per_kelvin", "MPa/K", "zero of the pressure sensor", -0.05, 0.05, scale=0.001)
 ZEROS = tuple(Param(f"knot_{k}", "MPa", "zero of the pressure sensor", -0.3, 0.3, scale=0.002) for k in range(4))
@@ -46,6 +47,6 @@ PATTERN = PatternShape(
     "other",
     "force",
     _forms,
-    lambda at, along: f"an error of a sensor that follows {along}, alike at every length",
+    lambda at, along: f"what follows the {along} alone, whatever the muscle does, as {SENSORS[along]} may",
     {"clock": "time", "warm": "temperature", "warm_gauge": "temperature"},
 )
