@@ -10,7 +10,7 @@ import numpy as np
 from ..core import UsageError
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
-from ..fitting import Fit, fit
+from ..fitting import Fit, fit, repeat_noise
 from ..fitting.estimate import Estimate, impossible
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
@@ -155,6 +155,8 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     error = float(np.sqrt(np.mean(left**2)))
     floor = _as_measured(min(noise.whole, error), best)
+    if lacking and (between := repeat_noise(best)):  # the noise was estimated beside names that are not all there are
+        floor = min(floor, between.sigma)
     extra = (*extra, *model.own)
     said = sentence(base, best, labels, classes, pattern, floor, error > 2.0 * noise.whole, extra)
     if outcome == "adequate" and noise.coloured:

@@ -19,9 +19,10 @@ ALL = 0.995
 """Share of what is to be explained from which it is all of it."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
-WINDOW, BURSTING = 20, 3.0
-"""Samples over which what is left is averaged, and how many times the median of such averages their mean may be: noise
-is there all the time, however coloured, heavy-tailed, or larger at one pressure."""
+WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
+"""Samples, or memories of the noise where these are longer, over which what is left is averaged, and how many times the
+median of such averages their mean may be: noise is there all the time, however coloured, heavy-tailed, or larger at one
+pressure."""
 
 
 def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -71,15 +72,18 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
     size, time, level = (v[~corner] for v in (np.abs(selection.view(fitted).residual), inputs.time, record.level))
-    count = (len(size) - 1) // WINDOW
+    noise = selection.noise
+    memory = noise.memory / float(np.median(np.diff(time))) if noise.clock == "seconds" else noise.memory
+    window = max(WINDOW, round(MEMORIES * memory))
+    count = (len(size) - 1) // window
     if count < WINDOW:
         return None
     for rows in (level == one for one in np.unique(level)):
         size[rows] /= max(float(np.median(size[rows])), 1e-9)
-    pairs = (size[1:] * size[:-1])[: count * WINDOW].reshape(-1, WINDOW).mean(axis=1)
+    pairs = (size[1:] * size[:-1])[: count * window].reshape(-1, window).mean(axis=1)
     if pairs.mean() < BURSTING * np.median(pairs):
         return None
     struck = pairs > BURSTING * np.median(pairs)
-    share, worst = float(pairs[struck].sum() / pairs.sum()), float(time[WINDOW * int(np.argmax(pairs))])
+    share, worst = float(pairs[struck].sum() / pairs.sum()), float(time[window * int(np.argmax(pairs))])
     text = f"bursts: {percent(share)} of what is left in {percent(float(struck.mean()))} of the time, the most at "
     return Pattern("other", "time", worst, "s", share, f"{text}{number(worst)} s")
