@@ -52,7 +52,7 @@ def rungs(reduced: Track, prototype: Track) -> str:
         "",
         f"By hand: {gains(hand.gains)} ({hand.runs} runs; {hand.worst_deg:.2f}° on the worst plant). Automatic: "
         f"{gains(best.gains)} ({best.worst_deg:.2f}°). Both legs differ by {prototype.agreement_deg:.3f}° rms in the",
-        f"last rung, which is {reduced.pid.rms_deg / last[0]:.0f} times better than the PID alone in the reduced leg, "
+        f"last step, which is {reduced.pid.rms_deg / last[0]:.0f} times better than the PID alone in the reduced leg, "
         f"{prototype.pid.rms_deg / last[1]:.0f} times in the prototype. Bands are the reduced leg's.",
     ]
     return "\n".join(rows)
@@ -64,8 +64,8 @@ def gains(given: tuple[float, ...]) -> str:
 
 def cadences(found: dict[tuple[str, str], Track]) -> str:
     rows = [
-        "| strides a second | leg | PID by hand | PID | rung 0 | rung 2 | last rung: rms | peak | own model | troubles "
-        "of the last rung |",
+        "| strides a second | leg | PID by hand | PID | step 0 | step 2 | last step: rms | peak | own model | troubles "
+        "of the last step |",
         "|---|---|---:|---:|---:|---:|---:|---:|---:|---|",
     ]
     for (task, leg), track in found.items():

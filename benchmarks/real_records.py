@@ -105,8 +105,8 @@ def heldout_text(newtons: float) -> str:
     return f"{newtons:.1f}" if newtons < 1e3 else f"10^{math.floor(math.log10(newtons))}"
 
 
-def put_tables(text: str, page: Path) -> None:
-    """Write `text` into a page, between its lines <!-- tables --> and <!-- /tables --> where it has them."""
-    old = page.read_text(encoding="utf-8") if page.is_file() else OPEN + CLOSE
-    before, after = old.split(OPEN, 1)[0], old.split(CLOSE, 1)[1]
-    page.write_text(f"{before}{OPEN}{text}\n{CLOSE}{after}", encoding="utf-8")
+def put_tables(text: str, page: Path, begin: str = OPEN, end: str = CLOSE) -> None:
+    """Write `text` into a page, between its lines `begin` and `end` where it has them."""
+    old = page.read_text(encoding="utf-8") if page.is_file() else begin + end
+    before, after = old.split(begin, 1)[0], old.split(end, 1)[1]
+    page.write_text(f"{before}{begin}{text}\n{end}{after}", encoding="utf-8")

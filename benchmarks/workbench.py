@@ -1,10 +1,11 @@
 """Seconds from a click to its answer on the page, in a real browser: adding, undoing, removing, another
 law, and adding the likeliest candidate.
 
-    python benchmarks/workbench.py [--record NAME]
+    python benchmarks/workbench.py [--record NAME] [--markdown FILE]
 
-`shown` is until the error and its figures are the new ones, `named` until what is missing is said of them, `worked` the
-seconds of a processor that the program needed for it, whatever else runs.
+On the clock until the error and its figures are the new ones, and until what is missing is said of them; then the
+seconds of a processor that the program needed until then, whatever else runs. Medians. `--markdown` puts the table into
+FILE, between its lines <!-- workbench --> and <!-- /workbench -->.
 Needs a chromium: PAM_IDENT_CHROMIUM, or one on the path.
 """
 
@@ -17,9 +18,11 @@ import statistics
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import psutil
 from playwright.sync_api import Page, sync_playwright
+from real_records import put_tables
 
 EFFECTS = (
     "Friction in proportion to pressure",
@@ -43,7 +46,8 @@ LOOKED_S = 5.0
 def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     asked.add_argument("--record", default="hidden_effect")
-    given = asked.parse_args()
+    asked.add_argument("--markdown", type=Path)
+    given, begun = asked.parse_args(), os.getloadavg()[0]
     words = [sys.executable, "-m", "pam_ident", "workbench", given.record, "--no-browser", "--port", "0"]
     with (
         subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server,
@@ -60,12 +64,13 @@ def main() -> None:
         page.goto(address.group())
         page.get_by_label("Another effect").wait_for()
         idle(page)
+        rows = page.get_by_text(re.compile(r"^\d+ samples")).first.inner_text().partition(" at ")[0]
         found: dict[str, list[tuple[float, ...]]] = {}
         program = psutil.Process(server.pid)
         for effect in EFFECTS:
             page.get_by_label("Another effect").select_option(effect)
             for name, button in (
-                ("add", "Add this effect"),
+                ("add another effect", "Add this effect"),
                 ("undo", "Undo"),
                 ("redo", "Redo"),
                 ("remove", f"Remove {effect}"),
@@ -74,14 +79,22 @@ def main() -> None:
                 found.setdefault(name, []).append(timed(page, program, act.click))
         for law in LAWS:
             choose = page.get_by_label("Force law")
-            found.setdefault("law", []).append(timed(page, program, lambda c=choose, law=law: c.select_option(law)))
+            found.setdefault("another law", []).append(
+                timed(page, program, lambda c=choose, law=law: c.select_option(law))
+            )
             likeliest = page.get_by_role("group", name="Candidates").get_by_role("button").first
             time.sleep(LOOKED_S)
-            found.setdefault("likeliest", []).append(timed(page, program, likeliest.click))
+            found.setdefault("add the likeliest, after a look of 5 s", []).append(timed(page, program, likeliest.click))
         browser.close()
+    lines = ["| step | error and figures | what is missing | of a processor |", "|---|---:|---:|---:|"]
     for name, times in found.items():
-        shown, named, worked = (statistics.median(each) for each in zip(*times, strict=True))
-        print(f"{name:9} shown {shown:.2f} s, named {named:.2f} s, worked {worked:.2f} s (median of {len(times)})")
+        medians = (statistics.median(each) for each in zip(*times, strict=True))
+        lines.append(f"| {name} | {' | '.join(f'{seconds:.2f} s' for seconds in medians)} |")
+    machine = f"{os.cpu_count()} cores, load {' to '.join(f'{one:.1f}' for one in (begun, os.getloadavg()[0]))}"
+    text = "\n".join([f"`{given.record}`, {rows}; {machine}; medians of {len(LAWS)}.", "", *lines])
+    print(text)
+    if given.markdown:
+        put_tables(text, given.markdown, "<!-- workbench -->\n", "<!-- /workbench -->")
 
 
 def timed(page: Page, program: psutil.Process, act) -> tuple[float, float, float]:

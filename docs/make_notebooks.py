@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "notebooks"
 FIGURE_ID = re.compile(r"pam-[0-9a-f]{10}(?=-)")
 COLOURS = 48
-NOT_TEXT = re.compile(r"<(svg|style|script|figure).*?</\1>|<[^>]*>", re.S)
+NOT_TEXT = re.compile(r"<(style|script|figure).*?</\1>|<[^>]*>", re.S)
 
 
 def run(book: Path) -> nbformat.NotebookNode:

@@ -1,6 +1,6 @@
 """A model is one law plus labelled effects; nothing else."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from inspect import Parameter, Signature
@@ -20,6 +20,7 @@ from .effects import (
     TransformsPressure,
     catalogue,
     get_effect,
+    in_words,
 )
 from .laws import Law, get_law
 
@@ -165,6 +166,16 @@ class Model:
         """Names of the effects with their forms."""
         return [term.label for term in self.terms]
 
+    @property
+    def own(self) -> tuple[Effect, ...]:
+        """Its effects, which need not be the catalogue's."""
+        return tuple(term.effect for term in self.terms)
+
+    @property
+    def words(self) -> str:
+        """What a sentence calls it: `exponential law + creep and stress relaxation`."""
+        return " + ".join([self.law.title, *(effect.title for effect in self.own)])
+
     @cached_property
     def linear(self) -> tuple[Param, ...]:
         """Parameters in which the force is linear while all others stay."""
@@ -300,6 +311,20 @@ class Model:
 
     def _geometry(self, inputs: Inputs, values: Values) -> Inputs:
         return inputs.with_geometry(values["r0"], values["theta0"]) if self.free_geometry else inputs
+
+
+def steps(models: Iterable[Model], say: Callable[[str, tuple[Effect, ...]], str] = in_words) -> tuple[str, ...]:
+    """What each model has that the one before had not, a line each: the law's title first, then `+ effect`, as `say`
+    calls it."""
+    found: list[str] = []
+    before: list[str] = []
+    own: tuple[Effect, ...] = ()
+    for model in models:
+        new = [f"+ {say(label, model.own)}" for label in model.labels if label not in before]
+        gone = [f"− {say(label, own)}" for label in sorted(set(before) - set(model.labels))]
+        found.append("\n".join([model.law.title] * (not found) + new + gone) or "=")
+        before, own = model.labels, model.own
+    return tuple(found)
 
 
 def _vector(inputs: Inputs, values: list[float]) -> Array:

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from pam_ident.core import Param
+from pam_ident.core.prose import capital
 from pam_ident.effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure
 from pam_ident.laws import Law
 
@@ -52,7 +53,7 @@ def effect_page(
     signature that they leave, `figure` the path of its picture; `pages` names the effects that have a page to link to.
     """
     linked = frozenset(pages)
-    parts = [f"# {effect.title}", f"`{effect.name}`", story(effect)]
+    parts = [f"# {capital(effect.title)}", f"`{effect.name}`", story(effect)]
     parts += [f":::{{warning}}\n{effect.warning}\n:::"] if effect.warning else []
     if not effect.candidate:
         parts.append(
@@ -61,7 +62,7 @@ def effect_page(
     parts += ["## Forms", _forms_intro(effect), *(_form(form) for form in effect.forms)]
     needs = [NEED[need] for need in effect.needs]
     parts += ["## What a record must hold", _listed(needs, "Nothing beyond pressure, contraction and force.")]
-    parts += ["## The test that shows it", f"{_capital(effect.test)}."]
+    parts += ["## The test that shows it", f"{capital(effect.test)}."]
     if effect.levers:
         parts.append("To vary on the rig:\n\n" + _listed([LEVER[one] for one in effect.levers], ""))
     parts += ["## What it is confused with", _confusable(effect, look_alikes, linked)]
@@ -76,7 +77,7 @@ def effect_page(
 def law_page(law: Law) -> str:
     """The page of a force law."""
     isobars = "one isobar" if law.min_levels == 1 else f"{law.min_levels} isobars"
-    parts = [f"# {law.title}", f"`{law.name}`", story(law), "## Formula", _code(law.formula)]
+    parts = [f"# {capital(law.title)}", f"`{law.name}`", story(law), "## Formula", _code(law.formula)]
     parts.append("p is the gauge pressure, ε the contraction ratio, F the force, positive in pull.")
     if law.params:
         parts += ["## Parameters", parameter_table(law.params)]
@@ -86,7 +87,7 @@ def law_page(law: Law) -> str:
     else:
         parts.append("Nothing is free but, with `--free-geometry`, the radius and the braid angle of the specimen.")
     parts += ["## Use", f"```sh\npam-ident fit RECORD --law {law.name}\n```", "How to choose: [laws](../../laws.md)."]
-    parts += ["## Source", _capital(law.source)]
+    parts += ["## Source", capital(law.source)]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -176,10 +177,6 @@ def _names(params: Sequence[Param]) -> str:
 
 def _bound(value: float) -> str:
     return f"{value:g}".replace("inf", "∞").replace("-", "−")
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _cell(text: str) -> str:

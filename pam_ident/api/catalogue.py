@@ -24,9 +24,9 @@ class Catalogue(Mapping[str, T], Generic[T]):
     Example:
         >>> import pam_ident as pam
         >>> print(len(pam.laws), pam.laws["chou_hannaford"].title)
-        9 Ideal law of Chou and Hannaford
+        9 ideal law of Chou and Hannaford
         >>> print(pam.effects.creep.title)
-        Creep and stress relaxation
+        creep and stress relaxation
     """
 
     def __init__(self, module: ModuleType, kind: str) -> None:

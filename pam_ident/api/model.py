@@ -14,7 +14,7 @@ class ShownModel(Model):
     Example:
         >>> import pam_ident as pam
         >>> print(pam.Model("martens_boblan").fit("dmsp20_300"))
-        martens_boblan fitted to DMSP-20-300: 3.21 N rms, 7.70 N at most, R² 0.999924, 60 samples
+        Rubber law of Martens and Boblan fitted to DMSP-20-300: 3.21 N rms, 7.70 N at most, R² 0.999924, 60 samples
     """
 
     def fit(self, record: Any, **more: Any) -> "FitResult":

@@ -70,7 +70,7 @@ def fit(
         >>> import pam_ident as pam
         >>> fitted = pam.fit("dmsp20_300", "martens_boblan")
         >>> print(fitted)
-        martens_boblan fitted to DMSP-20-300: 3.21 N rms, 7.70 N at most, R² 0.999924, 60 samples
+        Rubber law of Martens and Boblan fitted to DMSP-20-300: 3.21 N rms, 7.70 N at most, R² 0.999924, 60 samples
         >>> print(fitted.predict(0.25, 0.1)[["force_N", "reading_low_N", "reading_high_N"]].round(0).to_string())
            force_N  reading_low_N  reading_high_N
         0    135.0          115.0           155.0

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..effects import in_words
+from ..laws import get_law
 from ..plot import batch_spread, batch_trend
 from ..report.batch import Easel, PageTable, Part, newtons, number, render_batch
 from .compare import Spread, Trend, spreads, trends
@@ -27,7 +29,7 @@ def batch_page(table: str | Path, command: str) -> str:
     """The HTML of a table that `batch` wrote; `command` makes it again. Raises UsageError for another file."""
     frame = read_results(table)
     question, units = frame.attrs["question"], frame.attrs["units"]
-    law = " + ".join([question["law"], *question["effects"]])
+    law = " + ".join([get_law(question["law"]).title, *map(in_words, question["effects"])])
     listed = {str(name): f"m{k}" for k, name in enumerate(frame["record"].unique()[:MOST_MUSCLES])}
     whole: tuple[Part, ...] = (
         _overview(frame),
@@ -62,7 +64,7 @@ def _overview(frame: "pd.DataFrame") -> Part:
         ("rows with an error", str(np.count_nonzero(bad))),
         *((name, newtons(_median(frame[column]))) for name, column in MEDIANS.items()),
         *((f"verdict {name.replace('_', ' ')}", str(count)) for name, count in sorted(verdicts.items())),
-        *((f"lacks {name}", str(count)) for name, count in lacks.most_common()),
+        *((f"lacks {in_words(name)}", str(count)) for name, count in lacks.most_common()),
     ]
     return Part("overview", "What was fitted", facts=tuple(facts))
 
@@ -81,7 +83,7 @@ def _muscles(frame: "pd.DataFrame", listed: dict[str, str]) -> Part:
             (
                 str(row["record"]),
                 "error" if row["error"] else str(row["verdict"] or "–").replace("_", " "),
-                ", ".join(lacks) if lacks is not None and len(lacks) else "–",
+                ", ".join(map(in_words, lacks)) if lacks is not None and len(lacks) else "–",
                 number(row["rmse_N"], 3),
                 number(row["noise_floor_N"], 3),
             )

@@ -159,7 +159,7 @@ def _make(folder: Path) -> Path:
 
 def _stopped(why: str, finished: int) -> UsageError:
     return UsageError(
-        f"{why}. The {finished} records that are finished are kept: mend that, then give the same command again"
+        f"{why}. The {finished} records that are finished are kept: fix that, then give the same command again"
     )
 
 

@@ -38,7 +38,7 @@ def add(
     found = add_effects(measured, setup)
     options.give_json(json, lambda: addition_json(record, found) | law_choice_json(choice))
     before, after = found.before, found.after
-    names = " + ".join(after.model.labels)
+    names = " + ".join(effect.title for effect in after.model.own)
     text.say(text.title(record, measured), *text.chosen(choice), *text.equation(after.model), "")
     text.say(*text.banner(found.warnings))
     text.say(

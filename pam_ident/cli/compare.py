@@ -55,6 +55,6 @@ def compare(
 def _print(comparison: "Comparison") -> None:
     unit = "N" if comparison.fit.lengths is None else "mm"
     for key, bins in comparison.by.items():
-        rows = [(b.label, str(b.n), text.number(b.mean, 3), text.number(b.rms, 3), text.percent(b.share)) for b in bins]
+        rows = [(b.label, str(b.n), text.mean(b), text.number(b.rms, 3), text.percent(b.share)) for b in bins]
         head = (HEADS.get(key, f"by {key}"), "samples", f"mean [{unit}]", f"rms [{unit}]", "share")
         text.say("", *text.table(head, rows))

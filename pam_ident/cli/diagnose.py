@@ -10,8 +10,6 @@ from . import options, text
 if TYPE_CHECKING:
     from ..diagnosis.nouns import Diagnosis, Experiment
 
-STATUS = {"absorbed_by_law": "absorbed by the law", "not_excited": "not shown by this record"}
-
 
 def diagnose(
     record: Annotated[
@@ -104,13 +102,14 @@ def write_protocol(path: str, experiment: "Experiment | None") -> str:
 
 def describe(found: "Diagnosis") -> list[str]:
     """A diagnosis in words, and a table of the candidates where something is missing."""
+    from ..effects import in_words
+    from ..schema.diagnosis import STATUS
     from ..tasks.diagnose import candidates, told
 
     held = text.newtons(found.heldout_rmse)
     held += f" → {text.newtons(found.heldout_rmse_after)}" if found.selected else ""
-    lines = [found.sentence, f"verdict {found.verdict}; on held-out data {held}"]
+    lines = [found.sentence, f"verdict: {text.verdict(found.verdict)}; on held-out data {held}"]
     lines += [*found.best.at_bounds, told(found.follows)]
-    lines += [f"cannot be told apart here: {', '.join(group)}" for group in found.groups if len(group) > 1]
     rows = [
         (
             s.label or s.effect,
@@ -122,11 +121,9 @@ def describe(found: "Diagnosis") -> list[str]:
     ]
     lines += text.table(("candidate", "probability", "rmse after [N]", "held out [N]"), rows)
     for status, words in STATUS.items():
-        names = [s.effect for s in found.ranking if s.status == status]
-        if names:
+        names = [in_words(s.effect, found.best.model.own) for s in found.ranking if s.status == status]
+        if names and status != "candidate":
             lines.append(f"{words}: {', '.join(names)}")
-    if found.pattern is not None:
-        lines.append(f"left over: {found.pattern.text}")
     if found.next_experiment is not None:
         lines.append(f"next experiment: {found.next_experiment.text}")
     return lines

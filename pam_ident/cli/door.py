@@ -13,7 +13,7 @@ class Door(TyperGroup):
     """The program's outermost group of commands."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run a command; errors that are the user's to mend become a message and an exit code."""
+        """Run a command; errors that are the user's to put right become a message and an exit code."""
         if not kwargs.pop("standalone_mode", True):
             return super().main(*args, standalone_mode=False, **kwargs)
         try:
@@ -51,7 +51,7 @@ def explain(error: Exception) -> tuple[str, int]:
         return "stopped", 130
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
-        return f"{where}{error.strerror or error}; name another file or folder, or mend its rights", 2
+        return f"{where}{error.strerror or error}; name another file or folder, or change its permissions", 2
 
     from ..core import PamError
 

@@ -41,30 +41,34 @@ def ladder(
     doubts = warnings_of(found.rungs[-1].fit)
     options.give_json(asked.json, lambda: ladder_json(record, found, doubts) | law_choice_json(choice))
     text.say(text.title(record, measured), *text.chosen(choice), *text.equation(setup.model), "", *text.banner(doubts))
-    text.say(found.last.sentence, "", *rungs(found))
     last = found.rungs[-1].fit
-    text.say("", "the last rung's parameters:", *text.parameters(last))
+    text.say(found.last.sentence, *last.at_bounds, "", *rungs(found))
+    text.say("", "parameters of the last step:", *text.parameters(last))
     options.stop_if_invalid(record, last.problems)
 
 
 def rungs(found: "Ladder") -> list[str]:
-    """The falling error, a line a rung, and where it stops."""
+    """The falling error, a line a step, and where it stops."""
+    from ..effects import named
+    from ..tasks.ladder import steps
+
+    names = steps((rung.fit.model for rung in found.rungs), named)
     rows = [
         (
             str(k),
-            " + ".join([rung.fit.model.law.name, *rung.effects]),
+            name.replace("\n", ", "),
             str(len(rung.fit.model.params)),
             text.number(rung.fit.rmse, 3),
             *((text.number(rung.refit_rmse, 3),) if found.nested else ()),
             text.number(rung.heldout_rmse, 3),
         )
-        for k, rung in enumerate(found.rungs)
+        for k, (name, rung) in enumerate(zip(names, found.rungs, strict=True))
     ]
-    head = ("rung", "model", "parameters", "rmse [N]")
+    head = ("step", "model", "parameters", "rmse [N]")
     if found.nested is None:
         return [*text.table((*head, "held out [N]"), rows, left=(0, 1)), *_floor(found)]
     rows += [
-        ("beside", name, str(count), "", "", text.number(error, 3))
+        ("law alone", name, str(count), "", "", text.number(error, 3))
         for name, (count, error) in list(found.nested.beside.items())[:BESIDE]
     ]
     lines = text.table((*head, "refitted", "nested"), rows, left=(0, 1))
@@ -72,4 +76,4 @@ def rungs(found: "Ladder") -> list[str]:
 
 
 def _floor(found: "Ladder") -> list[str]:
-    return [f"  noise floor {text.newtons(found.noise_floor)}; {found.verdict}"]
+    return [f"  noise {text.newtons(found.noise_floor)}; verdict: {text.verdict(found.verdict)}"]

@@ -10,6 +10,7 @@ def selftest(json: options.JsonFile = None) -> None:
 
     It then recovers known parameters and a hidden effect from simulated records. Takes some seconds.
     """
+    from ..effects import in_words
     from ..schema.trials import selftest_json
     from ..validation.selftest import DIGITS, DIGITS_STDERR, FURTHEST
     from ..validation.selftest import selftest as run
@@ -17,6 +18,7 @@ def selftest(json: options.JsonFile = None) -> None:
     found = run()
     options.give_json(json, lambda: selftest_json(found))
     recovery = found.recovery
+    named = ", ".join(map(in_words, recovery.named)) or "nothing"
     rows = [
         (s.name, str(s.start), f"{s.digits:.1f}", f"{s.digits_stderr:.1f}", "" if s.passed else "short")
         for s in found.problems
@@ -25,8 +27,8 @@ def selftest(json: options.JsonFile = None) -> None:
     text.say(*text.table(("problem", "start", "digits", "of std. errors", ""), rows, left=(0, 4)))
     text.say(
         f"simulated record: true parameters within {recovery.furthest:.1f} standard errors (at most {FURTHEST:g}), "
-        f"verdict {recovery.clean_verdict}",
-        f"the same with {recovery.hidden} hidden: named {', '.join(recovery.named) or 'nothing'}",
+        f"verdict {text.verdict(recovery.clean_verdict)}",
+        f"the same with {in_words(recovery.hidden)} hidden: named {named}",
     )
     if not found.passed:
         short = [f"{s.name} from start {s.start}" for s in found.problems if not s.passed]

@@ -13,6 +13,7 @@ import typer
 
 if TYPE_CHECKING:
     from ..core import Param
+    from ..diagnosis.nouns import Bin
     from ..fitting import Fit
     from ..fitting.fit import Estimate
     from ..model import Model
@@ -186,8 +187,11 @@ def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:
     rows = [(e.name, value_of(e), error_of(e), interval_of(e), "" if e.unit == "1" else e.unit, e.doc) for e in ordered]
     head = ("parameter", "value", "std. error", "95 % interval", "unit", "meaning")
     notes = [f"{INDENT}{e.name}: {e.verdict.text}" for e in ordered if e.verdict.kind not in ("pinned", "held")]
-    effects = {} if shared else fit.shares
-    notes += [f"{INDENT}{label} makes {newtons(share)} rms" for label, share in effects.items()]
+    if not shared:
+        from ..effects import in_words
+
+        own, shares = fit.model.own, fit.shares
+        notes += [f"{INDENT}{in_words(name, own)}: {newtons(share)} rms of the force" for name, share in shares.items()]
     return table(head, rows, left=(0, 4, 5)) + notes
 
 
@@ -239,6 +243,18 @@ def probability(share: float) -> str:
     from ..core.digits import probability
 
     return probability(share)
+
+
+def mean(one: "Bin") -> str:
+    """The mean error of a bin with the digits that its standard error leaves."""
+    from ..core.digits import known_to
+
+    return known_to(one.mean, one.rms / math.sqrt(one.n))
+
+
+def verdict(name: str) -> str:
+    """A verdict of the contract in words."""
+    return name.replace("_", " ")
 
 
 def chosen(choice: "LawChoice | None") -> list[str]:

@@ -14,7 +14,7 @@ Fit = "a file that `fit --json` or `ladder --json` wrote"
 
 def track(
     plant: Annotated[
-        str | None, options.option("--plant", "FIT", f"Muscle in the leg: {Fit}; of a ladder the last rung.")
+        str | None, options.option("--plant", "FIT", f"Muscle in the leg: {Fit}; of a ladder the last step.")
     ] = None,
     controller: Annotated[
         str | None, options.option("--controller", "FIT", f"The model that the feed-forward knows: {Fit}.")
@@ -60,7 +60,10 @@ def track(
         bool, typer.Option("--ground", help="The prototype's foot treads a padded belt, heel first.")
     ] = False,
     learn: Annotated[
-        int, typer.Option("--learn", metavar="STRIDES", help="Strides that the rungs learn from, before one is judged.")
+        int,
+        typer.Option(
+            "--learn", metavar="STRIDES", help="Strides that PID with feed-forward learns from, before one is judged."
+        ),
     ] = 0,
     effect_file: options.EffectFiles = None,
     specimen: options.SpecimenFile = None,
@@ -129,9 +132,9 @@ def _head(found: "Track") -> list[str]:
     if str(found.off):
         lines.append(f"the plant is off what the controller knows: {found.off}")
     if found.course.lessons:
-        lines.append(f"the rungs learn from {found.course.lessons} strides; the PID alone does not")
+        lines.append(f"PID with feed-forward learns from {found.course.lessons} strides; the PID alone does not")
     if found.agreement_deg is not None:
-        lines.append(f"reduced leg and prototype differ by {found.agreement_deg:.3f}° rms in the last rung")
+        lines.append(f"reduced leg and prototype differ by {found.agreement_deg:.3f}° rms in the last step")
     return lines
 
 
@@ -144,16 +147,14 @@ def _worst(value: float) -> str:
 
 
 def _table(found: "Track") -> list[str]:
+    from ..tasks.ladder import steps
+
     rows = [("PID, by hand", *_numbers(found.pid_by_hand), ""), ("PID", *_numbers(found.pid), "")]
-    before: list[str] = []
-    for k, rung in enumerate(found.rungs):
-        model = rung.muscle.model
-        new = [f"+ {label}" for label in model.labels if label not in before]
-        gone = [f"- {label}" for label in before if label not in model.labels]
+    names = steps(rung.muscle.model for rung in found.rungs)
+    for k, (name, rung) in enumerate(zip(names, found.rungs, strict=True)):
         band = "" if rung.band is None else f"{rung.band[0]:.3f} to {rung.band[1]:.3f}"
-        name = f"PID + {model.law.name}" if k == 0 else ""
-        rows.append((" ".join([str(k), name, *new, *gone]).replace("  ", " "), *_numbers(rung.tracking), band))
-        before = model.labels
+        said = f"{k} {'PID + ' * (k == 0)}{name}".replace("\n", " ")
+        rows.append((said, *_numbers(rung.tracking), band))
     rows.append(("PID + the plant's own model", *_numbers(found.ideal), ""))
     return text.table(("controller", "rms [deg]", "peak [deg]", "95 % band of rms"), rows)
 
@@ -162,7 +163,7 @@ def _troubles(found: "Track") -> list[str]:
     """Of plain PID and of the last rung; those of all runs are in the JSON."""
     shown = {"PID": found.pid}
     if found.rungs:
-        shown[f"rung {len(found.rungs) - 1}"] = found.rungs[-1].tracking
+        shown[f"step {len(found.rungs) - 1}"] = found.rungs[-1].tracking
     lines = [f"  {name}: {trouble}" for name, run in shown.items() for trouble in run.troubles]
     return ["", *lines] if lines else []
 

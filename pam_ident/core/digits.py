@@ -33,7 +33,7 @@ def millimetres(value: float | None) -> str:
 def known_to(value: float, error: float) -> str:
     """A value to the place of its standard error's second digit, at most eight digits; six without an error."""
     if not (error > 0 and math.isfinite(error)) or value == 0:
-        return number(value, 6)
+        return f"{value:.6g}" if math.isfinite(value) else "-"
     places = 1 - _size(error)
     if not -2 <= places <= 8 or _size(value) > 6 or _size(value) + places >= 8:
         return number(value, min(max(_size(value) + places + 1, 1), 8))

@@ -2,7 +2,7 @@
 
 
 class PamError(Exception):
-    """Base of all errors that are the user's to mend; the message says what to do."""
+    """Base of all errors that are the user's to put right; the message says what to do."""
 
     exit_code = 1
 

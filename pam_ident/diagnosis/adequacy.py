@@ -16,6 +16,7 @@ from ..effects import Effect
 from .follows import EQUAL, Following
 from .noise import Noise
 from .nouns import Pattern
+from .remainder import OF_ALL
 from .repeats import comes_back
 from .selection import FittedSet, Selection
 
@@ -24,6 +25,9 @@ PATTERN_MARGIN = 20.0
 INEXACT, EXACT = 0.005, 0.001
 """Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
 that forms may leave which follow the same, because together they can come near to much."""
+SLOW, WHITE = 0.5, 0.2
+"""Share of the noise that is slow from which its colour is asked whether it follows what was driven; and the share
+below which noise is as good as white."""
 NEARLY_ALL = 0.98
 """Share of what is to be explained from which names stand that what is left does not overturn."""
 
@@ -103,10 +107,24 @@ class Adequacy:
         """Share of the squares that the set leaves in its strokes which repeats of them share: no noise does that."""
         return comes_back(self.selection.record, self.residual, ~self.selection.noise.outlier)
 
+    @cached_property
+    def noise_unfollowed(self) -> Noise | None:
+        """The noise, where most of what passes for slow noise follows what was driven: surfaces over it leave white.
+
+        Noise that is slow is so beside any surfaces but those over the clock.
+        """
+        if self.selection.noise_left_by(self.fitted).share < SLOW or self.unexplained[1] < OF_ALL:
+            return None
+        surfaces, groups = self.left.surfaces, self.left.likeliest({"clock"})
+        rest = self.left.in_newtons(self.left.left - surfaces.explained(groups))
+        taken = len(self.fitted.values) + surfaces.of(groups)[1]
+        noise = self.selection.noise_in(rest, self.selection.law, taken, self.selection.noise.outlier)
+        return noise if noise.share < WHITE else None
+
     @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
-        if self.comes_back > self.selection.noise.too_small:
+        if self.comes_back > self.selection.noise.too_small or self.noise_unfollowed:
             return False
         odds = self.free.odds(self.selection, self.fitted)
         if odds < EQUAL:

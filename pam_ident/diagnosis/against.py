@@ -7,7 +7,8 @@ import numpy as np
 from scipy.stats import t as student_t
 
 from ..core import FitError, Inputs
-from ..core.digits import newtons, percent
+from ..core.digits import known_to, newtons, percent
+from ..effects import named
 from ..fitting import Fit, fit
 from ..fitting.covariance import student
 from ..fitting.solve import jacobian
@@ -208,18 +209,20 @@ def _sentence(
         names = "A", "B"
     parts = []
     if force is not None:
+        error = (force.high - force.low) / 4.0
         parts.append(
-            f"Where both were measured, {names[1]} pulls {_more(force.mean)} than {names[0]} on average "
+            f"Where both were measured, {names[1]} pulls {_more(force.mean, error)} than {names[0]} on average "
             f"({_between(force.low, force.high)}); the difference is {newtons(force.rms)} rms"
         )
     known = [one for one in parameters if math.isfinite(one.p)]
     apart = sorted((one for one in known if one.differs), key=lambda one: one.p)
-    told = f": {', '.join(one.name for one in apart[:4])}{' …' if len(apart) > 4 else ''}" if apart else ""
+    told = f" ({', '.join(one.name for one in apart[:4])}{' …' if len(apart) > 4 else ''})" if apart else ""
     parts.append(
         f"Of {len(known)} parameters {len(apart) or 'none'} differ{'s' * (len(apart) < 2)} beyond chance{told}"
     )
+    own = (*a.best.model.own, *b.best.model.own)
     for where, who in (("both", "both"), ("a", f"{names[0]} alone"), ("b", f"{names[1]} alone")):
-        found = [one.effect for one in effects if one.where == where]
+        found = [named(one.effect, own) for one in effects if one.where == where]
         if found:
             parts.append(f"Missing in {who}: {', '.join(found)}")
     shares = [{one.what: one.share for one in each.follows} for each in (a, b)]
@@ -234,15 +237,16 @@ def _sentence(
     return ". ".join(parts) + "."
 
 
-def _more(force: float) -> str:
-    return f"{newtons(abs(force))} {'more' if force >= 0.0 else 'less'}"
+def _more(force: float, error: float) -> str:
+    return f"{known_to(abs(force), error)} N {'more' if force >= 0.0 else 'less'}"
 
 
 def _between(low: float, high: float) -> str:
     """The 95 % interval of a difference, in words that need no sign."""
     if not math.isfinite(low + high):
         return "its interval is not determined"
+    error = (high - low) / 4.0
     if (low >= 0.0) != (high >= 0.0):
-        return f"95 %: from {_more(low)} to {_more(high)}"
+        return f"95 %: from {_more(low, error)} to {_more(high, error)}"
     near, far = sorted((low, high), key=abs)
-    return f"95 %: {newtons(abs(near))} to {_more(far)}"
+    return f"95 %: {known_to(abs(near), error)} to {_more(far, error)}"

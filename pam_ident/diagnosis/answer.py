@@ -10,7 +10,7 @@ from .confounding import groups
 from .follows import Following
 from .probability import probabilities
 from .remainder import remainder_of
-from .select import in_spite_of, investigate
+from .select import in_noise, in_spite_of, investigate
 from .selection import FittedSet, Selection
 
 
@@ -41,7 +41,13 @@ def answer_of(
         fitted = min((selection.refit(some, fitted.values) for some in either), key=lambda v: v.criterion)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None
-    return Selected(selection, fitted, Adequacy.lacking(selection, fitted, remains))
+    lacking = Adequacy.lacking(selection, fitted, remains)
+    if lacking and lacking.noise_unfollowed:
+        whiter, other = in_noise(selection, candidates, lacking.noise_unfollowed)
+        names = all(t.effect.candidate for t in other.terms) and len(other.terms) <= len(fitted.terms) + 1
+        if names and Adequacy.lacking(whiter, other, False) is None:
+            return Selected(whiter, other, None)
+    return Selected(selection, fitted, lacking)
 
 
 def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:

@@ -158,9 +158,8 @@ def _sentence(
 ) -> str:
     worst_pressure = max(by["pressure_MPa"], key=lambda b: b.share)
     top = worst[0]
-    model = " + ".join([fit.model.law.name, *fit.model.labels])
     text = (
-        f"{model} misses the measurement by {newtons(fit.rmse)} rms (at most {newtons(fit.max_error)}). "
+        f"The {fit.model.words} misses the measurement by {newtons(fit.rmse)} rms (at most {newtons(fit.max_error)}). "
         f"{percent(worst_pressure.share)} of the squared error lies at {worst_pressure.label}; the worst cell is "
         f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}, {top.branch} "
         f"({newtons(top.rms)} rms, {percent(top.share)} of the squared error, "

@@ -8,10 +8,9 @@ from functools import partial
 import numpy as np
 
 from ..core import UsageError
-from ..core.digits import newtons, probability
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
-from ..fitting import Fit, fit
+from ..fitting import Fit, fit, repeat_noise
 from ..fitting.estimate import Estimate, impossible
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
@@ -25,15 +24,17 @@ from .heldout import heldout_nearby, heldout_rmse, in_best_forms
 from .nouns import Candidate, Diagnosis, Pattern
 from .probability import probabilities
 from .remainder import pattern_of
+from .search import CLOSE
 from .select import EXACT
 from .selection import FittedSet, Selection
+from .sentence import reservations, sentence
 
 Array = np.ndarray
 BY_FORM = 0.5
 """Chance that a name is right which follows the same as a larger one: 4 of 7 were false (docs/validation.md)."""
-TOLD, ENDED_BADLY = 0.05, 1.01
-"""Chance of something unknown in place of a name from which it is said; error of a law with a candidate, over that of
-the law alone, from which its fit has failed: an effect of size zero leaves no more."""
+ENDED_BADLY = 1.01
+"""Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
+leaves no more."""
 
 
 @one_blas_thread()
@@ -136,12 +137,12 @@ def diagnosing(
         pattern = lacking.pattern()
     else:
         pattern = pattern_of(selection, fitted if patterns else selection.refit(named, fitted.values))
-    said = _impossible(base, best, fitted, ruled_out)
-    pattern = said if said and (pattern is None or pattern.kind == said.kind) else pattern
+    wrong = _impossible(base, best, fitted, ruled_out)
+    pattern = wrong if wrong and (pattern is None or pattern.kind == wrong.kind) else pattern
     follows = following.shares()
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
-    chance = probabilities(selection, classes, selected)
+    chance = probabilities(selection, classes, selected, pattern is not None)
     if lacking:
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
@@ -154,15 +155,13 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     error = float(np.sqrt(np.mean(left**2)))
     floor = _as_measured(min(noise.whole, error), best)
-    sentence = _sentence(base, best, outcome, labels, classes, pattern, floor, error > 2.0 * noise.whole)
+    if lacking and (between := repeat_noise(best)):  # the noise was estimated beside names that are not all there are
+        floor = min(floor, between.sigma)
+    extra = (*extra, *model.own)
+    said = sentence(base, best, labels, classes, pattern, floor, error > 2.0 * noise.whole, extra)
     if outcome == "adequate" and noise.coloured:
-        sentence += as_slow_noise(follows)
-    for name in selected:
-        if rivals[name] >= TOLD:
-            odd = probability(rivals[name])
-            sentence += f" With a chance of {odd} it is, instead of {name}, something that nobody knows."
-    for name, other in again.items():
-        sentence += f" That {name} is there rests on its form alone, because {other} follows the same."
+        said += as_slow_noise(follows)
+    said += reservations({name: rivals[name] for name in selected}, again, extra)
     found = Diagnosis(
         base,
         best,
@@ -176,19 +175,19 @@ def diagnosing(
         after,
         pattern,
         None,
-        sentence,
+        said,
         follows,
         {"followed": following.newtons_followed} if len(steady) == len(record) else {},
     )
     yield found
     if pattern:
         rest = follows if best is base else Following.of(best).shares()
-        sentence += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
+        said += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
         experiment = after_pattern(pattern, selection, fitted)
     else:
         experiment = next_experiment(selection, fitted, classes)
     ranking = _ranking(base, selection, candidates, named, chance)
-    yield replace(found, ranking=ranking, next_experiment=experiment, sentence=sentence)
+    yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
 def _followed_again(named: list[Term]) -> dict[str, str]:
@@ -274,11 +273,23 @@ def _possible(
     ruled_out: dict[str, Fit] = {}
     while True:
         best, after, named = _confirmed(base, heldout, named, fitted, least)
+        best = _as_nature_allows(best, _wrong(best, fitted))
         wrong = {e.name.partition(".")[0] for e in _wrong(best, fitted)} & {t.effect.name for t in named}
         if not wrong:
             return best, after, named, ruled_out
         ruled_out |= dict.fromkeys(sorted(wrong), best)
         named = [t for t in named if t.effect.name not in wrong]
+
+
+def _as_nature_allows(best: Fit, wrong: list[Estimate]) -> Fit:
+    """The fit with what is beyond nature's end held there, where that is as likely: of κ and τ of a fast lag, say, only
+    the product shows."""
+    if not wrong:
+        return best
+    ends = {e.name: e.range.low if e.value < e.range.low else e.range.high for e in wrong if e.range}
+    held = fit(best.model, best.record, start=best.values, held=ends)
+    less_likely = 2.0 * len(best.record) * math.log(held.rmse / best.rmse)
+    return held if less_likely < CLOSE else best
 
 
 def _wrong(fit: Fit, fitted: FittedSet) -> list[Estimate]:
@@ -367,32 +378,3 @@ def _alone(model: Model, record: Record, start: Mapping[str, float]) -> tuple[fl
 def _left(model: Model, record: Record, values: Mapping[str, float]) -> float:
     """Error in N rms that a model with values leaves of all rows."""
     return float(np.sqrt(np.mean((record.force - model.force(record.inputs, values)) ** 2)))
-
-
-def _sentence(
-    base: Fit,
-    best: Fit,
-    outcome: str,
-    labels: tuple[str, ...],
-    classes: tuple[tuple[str, ...], ...],
-    pattern: Pattern | None,
-    floor: float,
-    much: bool,
-) -> str:
-    law = base.model.law.name + "".join(f" + {label}" for label in base.model.labels)
-    start = f"{law} leaves {newtons(base.rmse)} rms; the noise is about {newtons(floor)}."
-    if outcome == "adequate":
-        return f"{start} Nothing is missing that this record could show."
-    parts = [start]
-    if labels:
-        parts.append(
-            f"Missing: {', '.join(labels)}. "
-            f"With {'it' if len(labels) == 1 else 'them'} the error falls to {newtons(best.rmse)}."
-        )
-        if pattern is None and much:
-            parts.append("Much is left: add and diagnose again, or climb the ladder.")
-    for members in classes:
-        parts.append(f"This record cannot tell {members[0]} from {' or '.join(members[1:])}.")
-    if pattern:
-        parts.append(f"Something is left that no known effect explains: {pattern.text}.")
-    return " ".join(parts)

@@ -14,7 +14,8 @@ import numpy as np
 
 from ..core import Inputs
 from ..core.progress import tell
-from ..effects import Effect
+from ..core.prose import capital
+from ..effects import Effect, in_words
 from ..model import Term
 from ..records import Record
 from .dictionary import Regressor, closer, regressors_at
@@ -62,7 +63,8 @@ def next_experiment(selection: Selection, fitted: FittedSet, classes: Sequence[S
     split = [s for s in found if s.standard_errors >= BARELY]
     if not split:
         return _out_of_reach(questions, found)
-    text = f"To {_aim(split)}: {best.strokes.words()}. {_promise(found, best.minutes)}"
+    own = [e for q in questions for e in (q.effect, *q.rivals)]
+    text = f"To {_aim(split, own)}: {best.strokes.words()}. {_promise(found, best.minutes, own)}"
     return Experiment(best.vary, text, found, best.minutes, best.strokes)
 
 
@@ -123,33 +125,39 @@ def _expected(noise: Noise, inputs: Inputs) -> Noise:
     return replace(noise, **parts, shared=None)  # whose position the run is to be driven to is known
 
 
-def _aim(split: Sequence[Separation]) -> str:
+def _aim(split: Sequence[Separation], own: Sequence[Effect]) -> str:
     told: dict[str, list[str]] = {}
     for s in split:
-        told.setdefault(s.effect, []).extend([s.rival] if s.rival else [])
+        told.setdefault(in_words(s.effect, own), []).extend([in_words(s.rival, own)] if s.rival else [])
     parts = [
         f"tell {name} from {' and '.join(rivals)}" if rivals else f"measure {name}" for name, rivals in told.items()
     ]
     return " and ".join(parts)
 
 
-def _promise(found: Sequence[Separation], minutes: float) -> str:
+def _promise(found: Sequence[Separation], minutes: float, own: Sequence[Effect]) -> str:
     """What a run is predicted to show, with numbers, and what it leaves open."""
     far = [s for s in found if s.standard_errors >= BARELY]
-    said = ", ".join(f"{s.effect}{f' from {s.rival}' if s.rival else ''} by {s.standard_errors:.0f}" for s in far)
-    open_ = " and ".join(f"{s.effect} and {s.rival}" for s in found if s.rival and s not in far)
+    said = ", ".join(
+        f"{in_words(s.effect, own)}{f' from {in_words(s.rival, own)}' if s.rival else ''} by {s.standard_errors:.0f}"
+        for s in far
+    )
+    open_ = " and ".join(
+        f"{in_words(s.effect, own)} from {in_words(s.rival, own)}" for s in found if s.rival and s not in far
+    )
     verb = "separate" if far[0].rival else "show"
     text = f"In {minutes:.0f} minutes it would {verb} {said} standard errors."
-    return f"{text} It would leave {open_} together." if open_ else text
+    return f"{text} It would not tell {open_}." if open_ else text
 
 
 def _out_of_reach(questions: Sequence[Question], found: Sequence[Separation]) -> Experiment:
     """No run of strokes separates them: what would, by the effects' own tests."""
     most = max(s.standard_errors for s in found)
     effects = {e.name: e for q in questions for e in (q.effect, *q.rivals)}
-    tests = "; ".join(f"for {name}: {e.test}" for name, e in effects.items())
+    tests = "; ".join(f"for {e.title}: {e.test}" for e in effects.values())
     levers = tuple(dict.fromkeys(lever for e in effects.values() for lever in e.levers))
-    text = f"No run of strokes would tell {' from '.join(effects)} (by {most:.1f} standard errors at most): {tests}."
+    names = " from ".join(e.title for e in effects.values())
+    text = f"No run of strokes would tell {names} (by {most:.1f} standard errors at most): {tests}."
     return Experiment(levers, text, tuple(found))
 
 
@@ -165,7 +173,8 @@ def after_pattern(pattern: Pattern, selection: Selection, fitted: FittedSet) -> 
     law = replace(selection.base.model, terms=())
     runs = [c for c in possible_runs(selection.record, law, fitted.values) if lever in c.vary]
     if not runs:
-        return Experiment((lever,), f"{text[0].upper()}{text[1:]}.")
+        return Experiment((lever,), f"{capital(text)}.")
     best = min(runs, key=lambda c: c.minutes)
-    words = best.strokes.words()
-    return Experiment(best.vary, f"{words[0].upper()}{words[1:]}; {text}.", minutes=best.minutes, protocol=best.strokes)
+    return Experiment(
+        best.vary, f"{capital(best.strokes.words())}; {text}.", minutes=best.minutes, protocol=best.strokes
+    )

@@ -344,11 +344,9 @@ def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit)
     inputs, held = fit.record.inputs, fit.model.effect_names
     free = [e for e in others if not (e.warning or e.name in held or e.missing(inputs))]
     for one in found:
-        names = [e.name for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
+        names = [f"{e.title} (--also {e.name})" for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
         if names:
-            are = "is" if len(names) == 1 else "are"
-            how = " ".join(f"--also {name}" for name in names)
-            return f" It follows {one.text}: {' and '.join(names)} {are} in the catalogue and can be tried with {how}."
+            return f" It follows {one.text}. So does what is tried only on request: {', '.join(names)}."
     return ""
 
 

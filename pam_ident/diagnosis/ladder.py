@@ -8,6 +8,7 @@ import numpy as np
 
 from ..core.digits import newtons, probability
 from ..core.progress import part
+from ..core.prose import capital
 from ..effects import Effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
@@ -62,7 +63,7 @@ def climb(
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]
     while True:
-        with part(f"rung {len(rungs)}"):
+        with part(f"step {len(rungs)}"):
             found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, also, detail)
         terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
         new = _rungs(rungs[-1], terms, model, found) if terms and len(rungs) <= MOST_RUNGS else []
@@ -122,6 +123,6 @@ def _why(base: Rung, best: Fit, heldout: float, found: Diagnosis) -> str:
     term = best.model.terms[-1]
     chance = next((s.probability for s in found.ranking if s.effect == term.effect.name), math.nan)
     return (
-        f"{term.effect.title} ({term.form.name}): error {newtons(base.fit.rmse)} → {newtons(best.rmse)}, "
+        f"{capital(term.effect.title)} ({term.form.name}): error {newtons(base.fit.rmse)} → {newtons(best.rmse)}, "
         f"held out and refitted {newtons(base.heldout_rmse)} → {newtons(heldout)}, probability {probability(chance)}"
     )

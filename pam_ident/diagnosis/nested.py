@@ -12,9 +12,11 @@ import numpy as np
 
 from ..core import FitError, UsageError
 from ..core.digits import newtons
+from ..core.prose import capital
+from ..effects import named
 from ..fitting import Fit
 from ..fitting.solve import solve
-from ..laws import listed
+from ..laws import get_law, listed
 from ..model import Model
 from ..parallel.executor import Executor
 from ..records import Record
@@ -181,18 +183,23 @@ def _line_error(record: Record, masks: Sequence[Array]) -> float:
 
 def _told(kept: Sequence[Rung], dropped: Sequence[Rung], beside: Mapping[str, tuple[int, float]], by: str) -> str:
     own, parameters = kept[-1].heldout_rmse, len(kept[-1].fit.model.params)
-    said = [f"With each {by} held out and everything chosen anew without it the error is {newtons(own)}."]
+    said = [f"With each {by} held out and everything chosen anew without it (nested) the error is {newtons(own)}."]
     if dropped:
-        names = " and ".join(dropped[-1].effects[len(kept[-1].effects) :])
-        said.append(f"{names} would make it {newtons(dropped[-1].heldout_rmse)}, and is left out.")
+        model = dropped[-1].fit.model
+        names = " and ".join(named(label, model.own) for label in model.labels[len(kept[-1].effects) :])
+        said.append(f"{capital(names)} would make it {newtons(dropped[-1].heldout_rmse)}, and is left out.")
     best, (count, error) = next(iter(beside.items()))
     simple = {name: one for name, one in beside.items() if one[0] < parameters and one[1] <= AS_WELL * own}
     if AS_WELL * error < own:
-        better = f"{best} ({count} parameters) alone predicts better, to {newtons(error)}"
+        better = f"{_named(best)} alone, with {count} parameters, predicts better, to {newtons(error)}"
         said.append(f"{better}: take that one to predict.")
     elif simple:
         name, (count, error) = next(iter(simple.items()))
-        said.append(f"{name}, with {count} parameters for {parameters}, predicts as well, to {newtons(error)}.")
+        said.append(f"{_named(name)}, with {count} parameters for {parameters}, predicts as well, to {newtons(error)}.")
     else:
         said.append("No law alone predicts as well." if error > AS_WELL * own else "")
     return " ".join(filter(None, said))
+
+
+def _named(law: str) -> str:
+    return f"The {law}" if law == MEAN else f"The {get_law(law).title} ({law})"

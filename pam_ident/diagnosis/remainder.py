@@ -15,11 +15,14 @@ OF_ALL = 0.03
 """Share of what is to be explained that it must be, too: a form that is not exactly right may leave less."""
 MOSTLY, UNDER_A_NAME = 0.5, 0.1
 """Where names leave more than the one share of what is to be explained, the other is the limit of that excess."""
+ALL = 0.995
+"""Share of what is to be explained from which it is all of it."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
-HEAVY, STRUCK, CHANCE = 3.0, 0.1, 1e-4
-"""Excess kurtosis of the innovations and share of their squares that lies far out, from which bursts are told, and the
-chance that as many of these samples have a next one that is off, too: noise with heavy tails strikes single samples."""
+WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
+"""Samples, or memories of the noise where these are longer, over which what is left is averaged, and how many times the
+median of such averages their mean may be: noise is there all the time, however coloured, heavy-tailed, or larger at one
+pressure."""
 
 
 def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -35,8 +38,13 @@ def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
     shape = catalogue_of_patterns()[name]
     along = shape.elsewhere.get(term.form.name, shape.coordinate)
-    text = f"{shape.words(at, along)} ({term.form.name}), {percent(share)} of what is left unexplained"
+    text = f"{shape.words(at, along)} ({term.form.name.replace('_', ' ')}){_part(share)}"
     return Pattern(shape.kind, along, value, unit, float(share), text)
+
+
+def _part(share: float) -> str:
+    """How much of the error a pattern is, where that is not all of it."""
+    return f", {percent(share)} of what the law left unexplained" if share < ALL else ""
 
 
 def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -48,36 +56,34 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
         return None if fitted.terms else _bursts(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
-    text = f"about {newtons(size)} rms without a shape of its own, {percent(share)} of what is left unexplained"
+    text = f"about {newtons(size)} rms without a shape of its own{_part(share)}"
     return Pattern("other", "contraction", None, "", share, text)
 
 
 def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What strikes now and then and dies away is in no normal noise, however coloured: its tails are too heavy.
+    """What strikes now and then is no noise: most of it lies in little of the time.
 
-    At the corners of the motion it is the position's, wherever the force is steep.
+    Of each two samples in a row the product is looked at, for noise with heavy tails strikes single ones. At the
+    corners of the motion what is left is the position's, wherever the force is steep.
     """
-    inputs = selection.record.inputs
+    record, inputs = selection.record, selection.record.inputs
     if inputs.time is None:
         return None
     moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
-    if corner.all():
+    size, time, level = (v[~corner] for v in (np.abs(selection.view(fitted).residual), inputs.time, record.level))
+    noise = selection.noise
+    memory = noise.memory / float(np.median(np.diff(time))) if noise.clock == "seconds" else noise.memory
+    window = max(WINDOW, round(MEMORIES * memory))
+    count = (len(size) - 1) // window
+    if count < WINDOW:
         return None
-    residual = selection.view(fitted).residual
-    time, left, residual = inputs.time[~corner], selection.noise.whiten(residual)[~corner], residual[~corner]
-    square = float(np.mean(left**2))
-    if not square > 0.0 or float(np.mean(left**4)) / square**2 - 3.0 < HEAVY:
+    for rows in (level == one for one in np.unique(level)):
+        size[rows] /= max(float(np.median(size[rows])), 1e-9)
+    pairs = (size[1:] * size[:-1])[: count * window].reshape(-1, window).mean(axis=1)
+    if pairs.mean() < BURSTING * np.median(pairs):
         return None
-    far = np.abs(left) > 5.0 * float(np.median(np.abs(left))) / 0.6745
-    share = float(np.sum(left[far] ** 2) / np.sum(left**2))
-    rest = residual / (float(np.median(np.abs(residual))) / 0.6745)
-    off = np.abs(rest) > 2.0
-    lasting, usual = np.roll(off, -1), float(np.mean(off))
-    from scipy.special import bdtrc  # slow to import, and seldom needed
-
-    if share < STRUCK or bdtrc(np.count_nonzero(lasting[far]) - 1, np.count_nonzero(far), usual) > CHANCE:
-        return None
-    worst = float(time[np.argmax(np.abs(left))])
-    text = f"bursts, {int(far.sum())} samples far outside normal noise, the largest at {number(worst)} s"
-    return Pattern("other", "time", worst, "s", share, text)
+    struck = pairs > BURSTING * np.median(pairs)
+    share, worst = float(pairs[struck].sum() / pairs.sum()), float(time[window * int(np.argmax(pairs))])
+    text = f"bursts: {percent(share)} of what is left in {percent(float(struck.mean()))} of the time, the most at "
+    return Pattern("other", "time", worst, "s", share, f"{text}{number(worst)} s")

@@ -119,6 +119,13 @@ def in_spite_of(
     freedom = SHAPES * max(len(repeats(selection.record, ~outlier)), 1)
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
     noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
+    return in_noise(selection, candidates, noise, most)
+
+
+def in_noise(
+    selection: Selection, candidates: Sequence[Effect], noise: Noise, most: int = 3
+) -> tuple[Selection, FittedSet]:
+    """The answer in a certain noise."""
     again = Selection(selection.base, candidates, noise=noise, before=selection)
     return again, _answer(again, most)
 

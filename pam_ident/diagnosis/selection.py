@@ -300,7 +300,7 @@ class Selection:
             elif left < TOO_FLAT:
                 self.excluded[effect.name] = (
                     "absorbed_by_law",
-                    f"{self.base.model.law.name} follows it to {percent(1 - left)}",
+                    f"the {self.base.model.law.title} follows it to {percent(1 - left)}",
                 )
 
 

@@ -25,9 +25,11 @@ __all__ = [
     "TransformsPressure",
     "catalogue",
     "get_effect",
+    "in_words",
     "listed",
     "load_effect_file",
     "load_effect_files",
+    "named",
 ]
 
 
@@ -51,7 +53,7 @@ def catalogue(extra: tuple[Effect, ...] = ()) -> dict[str, Effect]:
         >>> from pam_ident.effects import catalogue
         >>> known = catalogue()
         >>> print(known["creep"].title, "needs", known["creep"].needs)
-        Creep and stress relaxation needs ('motion', 'time')
+        creep and stress relaxation needs ('motion', 'time')
     """
     return _packaged() | {effect.name: effect for effect in extra}
 
@@ -59,6 +61,28 @@ def catalogue(extra: tuple[Effect, ...] = ()) -> dict[str, Effect]:
 def listed(extra: tuple[Effect, ...] = ()) -> tuple[Effect, ...]:
     """Every effect of the catalogue in the order of its name."""
     return tuple(effect for _, effect in sorted(catalogue(extra).items()))
+
+
+def in_words(label: str, extra: Iterable[Effect] = ()) -> str:
+    """What a sentence calls an effect, `name` or `name:form`: its title, or the label where it is none of these.
+
+    Args:
+        label: what is typed after `--effect`.
+        extra: effects beside the catalogue's, such as a model's own.
+
+    Example:
+        >>> from pam_ident.effects import in_words
+        >>> print(in_words("pressure_friction:contact_area"))
+        friction that grows with pressure
+    """
+    effect = catalogue(tuple(extra)).get(label.partition(":")[0])
+    return effect.title if effect else label
+
+
+def named(label: str, extra: Iterable[Effect] = ()) -> str:
+    """The same with what is typed in brackets: `friction that grows with pressure (pressure_friction)`."""
+    words = in_words(label, extra)
+    return label if words == label else f"{words} ({label})"
 
 
 def get_effect(name: str, extra: tuple[Effect, ...] = ()) -> tuple[Effect, Form]:
@@ -121,7 +145,7 @@ def load_effect_file(path: str | Path) -> tuple[Effect, ...]:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise UsageError(f"{path}: fails on import ({type(error).__name__}: {error}); mend the file") from None
+        raise UsageError(f"{path}: fails on import ({type(error).__name__}: {error}); fix the file") from None
     found = tuple(v for k, v in vars(module).items() if k.isupper() and isinstance(v, Effect))
     if not found:
         raise UsageError(f"{path}: defines no effect; expected EFFECT = Effect(...)")

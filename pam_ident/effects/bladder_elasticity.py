@@ -82,7 +82,7 @@ def _yeoh(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="bladder_elasticity",
-    title="Elasticity of the bladder",
+    title="elasticity of the bladder",
     source="hoop energy by virtual work; Klute & Hannaford 2000, ASME J. Dyn. Syst. Meas. Control 122, 386–388 "
     "(Mooney–Rivlin); Gent 1996, Rubber Chemistry and Technology 69, 59–61; Yeoh 1993, ibid. 66, 754–771",
     forms=(

@@ -18,7 +18,7 @@ def _printed(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="bladder_elasticity_printed",
-    title="Elasticity of the bladder, as printed",
+    title="elasticity of the bladder, as printed",
     source="equation (2) of the heterogeneous-leg paper, as printed",
     forms=(AddsForce("textbook", "−(2√(3a)/3) π r0 L0 t E (1−ε)² (1 − r0/r)", (E_MOD,), _printed),),
     follows=("map",),

@@ -35,7 +35,7 @@ def _power(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="braid_extensibility",
-    title="Extensible threads",
+    title="extensible threads",
     source="Davis, Tsagarakis, Canderle & Caldwell 2003, Int. J. Robotics Research 22(3–4), 213–227",
     forms=(
         AddsForce("textbook", "−4π² r0⁴ p² cosθ/(sin⁴θ0 EA)", (SOFTNESS,), _columns),

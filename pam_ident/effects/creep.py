@@ -52,6 +52,10 @@ def _force(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-_drive(inputs, force, values["tau"]))
 
 
+def _force_prony(inputs: Inputs, values: Values, force: Array) -> Array:
+    return inputs.xp.stack([-_drive(inputs, force, values["tau"] * ratio) for ratio in (0.1, 1.0, 10.0)]).T
+
+
 def _following(inputs: Inputs, values: Values, force: Array) -> Array:
     """The muscle creeps on the way it was pulled or pressed."""
     return -_force(inputs, values, force)
@@ -63,7 +67,7 @@ def _elastic(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="creep",
-    title="Creep and stress relaxation",
+    title="creep and stress relaxation",
     source="standard linear solid, Prony series; Vo-Minh, Kamers, Ramon & Van Brussel 2012, Mechatronics 22, 923–933",
     forms=(
         AddsForce("textbook", "−G q, q̇ = ε̇ − q/τ", (G,), _single, (TAU,), remembers=True),
@@ -83,6 +87,18 @@ EFFECT = Effect(
             nonlinear=(MIDDLE,),
             unit=("N", 100.0),
             remembers=True,
+        ),
+        free_form(
+            "+q_i, q̇_i = Ḟ − q_i/τ_i, τ_i = τ/10, τ, 10 τ",
+            _force_prony,
+            3,
+            pressure=0,
+            contraction=0,
+            nonlinear=(MIDDLE,),
+            unit=("1", 0.02),
+            remembers=True,
+            name="free_tension",
+            uses_force=True,
         ),
     ),
     follows=("rest",),

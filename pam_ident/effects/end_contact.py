@@ -32,7 +32,7 @@ def _long(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="end_contact",
-    title="Contact or buckling near an end of the stroke",
+    title="contact or buckling near an end of the stroke",
     source="Johnson 1985, Contact Mechanics, Cambridge University Press (the power 3/2 of round bodies: Hertz 1882)",
     forms=(
         AddsForce("textbook", "−K L0 max(ε − ε_c, 0)", (K,), _short, (SHORT,)),

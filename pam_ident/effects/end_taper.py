@@ -21,7 +21,7 @@ def _saturating(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="end_taper",
-    title="Tapered ends",
+    title="tapered ends",
     source="Tondu & Lopez 2000, IEEE Control Systems 20(2), 15–38",
     # None that begins late or is cubic: on few lengths they take the bladder's place, and rubs and ripples elsewhere.
     forms=(

@@ -26,7 +26,7 @@ def _rested(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="first_cycle",
-    title="Loss of the first stroke",
+    title="loss of the first stroke",
     source="Diani, Fayolle & Gilormini 2009, European Polymer Journal 45, 601–612 (most of what rubber loses it loses "
     "when it is first stretched)",
     forms=(

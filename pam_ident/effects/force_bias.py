@@ -13,7 +13,7 @@ def _columns(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="force_bias",
-    title="Bias of the load cell",
+    title="bias of the load cell",
     source="tare error of a load cell, F_b constant",
     forms=(AddsForce("textbook", "+F_b", (BIAS,), _columns),),
     follows=("map",),

@@ -59,7 +59,7 @@ def _smooth(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="force_drift",
-    title="Drift of the force",
+    title="drift of the force",
     source="zero drift of strain-gauge load cells: linear, settling, logarithmic, and with "
     "a room whose temperature swings",
     forms=(

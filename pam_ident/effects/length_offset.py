@@ -13,7 +13,7 @@ def _constant(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="length_offset",
-    title="Offset of the initial length",
+    title="offset of the initial length",
     source="ε → ε − ε_off; see Martens & Boblan 2017, Actuators 6(4), 33 on the definition of the initial length",
     forms=(TransformsContraction("textbook", "ε → ε − e_off", (OFFSET,), _constant),),
     follows=("map",),

@@ -13,7 +13,7 @@ def _inertia(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="moving_mass",
-    title="Inertia of the moving mass",
+    title="inertia of the moving mass",
     source="Newton's second law; Rayleigh 1894, The Theory of Sound, vol. 1 (of a spring's own mass a third moves with "
     "its end)",
     forms=(AddsForce("textbook", "−m ẍ, x the shortening", (MASS,), _inertia, remembers=True),),

@@ -52,7 +52,7 @@ def _curved(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="nonlocal_hysteresis",
-    title="Hysteresis with nonlocal memory",
+    title="hysteresis with nonlocal memory",
     source="Al Janaideh, Rakheja & Su 2011, IEEE/ASME Trans. Mechatronics 16(4), 734–744 (generalised "
     "Prandtl–Ishlinskii); Kuhnen 2003, European Journal of Control 9, 407–418 (modified); Liu, Zang, Lin, Liu & Zhao "
     "2017, Strojniški vestnik 63(1), 56–64, and Capace, Cosentino, Amato & Merola 2019, Actuators 8(2), 49 (muscles)",

@@ -36,7 +36,7 @@ def _treloar(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="ogden_bladder",
-    title="Bladder of Ogden's rubber",
+    title="bladder of Ogden's rubber",
     source="Ogden 1972, Proceedings of the Royal Society A 326, 565–584",
     forms=(
         AddsForce("textbook", "−2π r0 t dW/dε, W = (μ/α)(λ_z^α + λ_θ^α + λ_t^α − 3)", (MU,), _term, (ALPHA,)),

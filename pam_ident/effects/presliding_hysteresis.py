@@ -65,7 +65,7 @@ def _rested(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="presliding_hysteresis",
-    title="Presliding hysteresis",
+    title="presliding hysteresis",
     source="Vo-Minh, Tjahjowidodo, Ramon & Van Brussel 2011, IEEE/ASME Trans. Mechatronics 16(1), 177–186 "
     "(Maxwell slip); Dahl 1968; Canudas de Wit et al. 1995, IEEE Trans. Automatic Control 40(3), 419–425 (LuGre)",
     forms=(

@@ -42,7 +42,7 @@ def _power(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="pressure_friction",
-    title="Friction in proportion to pressure",
+    title="friction that grows with pressure",
     source="Davis & Caldwell 2006, Int. J. Robotics Research 25(4), 359–369 (thread contact area under pressure)",
     forms=(
         AddsForce("textbook", "−μ_f p sgn(ε̇)", (MU,), _constant),

@@ -142,7 +142,7 @@ def _throttled(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="pressure_lag",
-    title="Pressure lag of the muscle behind the sensor",
+    title="pressure lag of the muscle behind the sensor",
     source="energy balance of a variable volume, ṗ = κ R T q/V − κ p V̇/V, with a resistance between sensor and muscle; "
     "V̇/V is V̇/V + ṗ/p_abs where the pressure is driven",
     forms=(

@@ -28,7 +28,7 @@ def _contact(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="series_compliance",
-    title="Compliance in series",
+    title="compliance in series",
     source="machine compliance in force–length tests, ε_muscle = ε_measured + F/(K L0)",
     forms=(
         TransformsContraction("textbook", "ε → ε + F/(K L0)", (CONSTANT,), _columns, uses_force=True),

@@ -51,7 +51,7 @@ def _linear(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="thermal_softening",
-    title="Thermal softening",
+    title="thermal softening",
     source="temperature dependence of rubber elasticity, first order in ΔT",
     forms=(
         ScalesForce("textbook", "F (1 − α ΔT)", (ALPHA,), _whole),

@@ -27,7 +27,7 @@ def _stretching(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="threshold_pressure",
-    title="Threshold pressure",
+    title="threshold pressure",
     source="Chou & Hannaford 1996, IEEE Trans. Robotics and Automation 12(1), 90–102",
     forms=(
         TransformsPressure("textbook", "p → max(p − p_th, 0)", (P_TH,), _hard),

@@ -46,7 +46,7 @@ def _pressure(inputs: Inputs, values: Values, force: Array) -> Array:
 
 EFFECT = Effect(
     name="viscous_damping",
-    title="Viscous damping",
+    title="viscous damping",
     source="Reynolds et al. 2003, Annals of Biomedical Engineering 31, 310–317",
     forms=(
         AddsForce("textbook", "−B ε̇ L0", (B,), _linear),

@@ -36,7 +36,7 @@ def _wall(inputs: Inputs, t: Array | float) -> Array:
 
 EFFECT = Effect(
     name="wall_thickness",
-    title="Thickness of the wall",
+    title="thickness of the wall",
     source="Chou & Hannaford 1996, IEEE Trans. Robotics and Automation 12(1), 90–102, thick wall",
     forms=(
         AddsForce("textbook", "π p [D90 t (2 sinθ − 1/sinθ) − t²]", (SHARE,), _thick),

@@ -80,7 +80,7 @@ class Fitted:
         if "rungs" in found.content:
             rungs = found.get("rungs", list)
             if not rungs:
-                raise DataError(f"{path}: a ladder without rungs; climb it again")
+                raise DataError(f"{path}: a ladder without rungs; run `ladder` again")
             holders, labels = {"together": rungs[-1]}, tuple(found.get("effects", list, rungs[-1]))
         else:
             holders, labels = found.get("branches", dict), found.effects

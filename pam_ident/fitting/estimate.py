@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.param import Param, Range
+from ..effects import in_words
 from .covariance import Covariance, Sums, covariance_of, student
 from .identifiability import AT_BOUND, HELD, ONE, PINNED, Identifiability, flat_directions, verdicts
 
@@ -31,6 +32,13 @@ class Estimate:
     range: Range | None = None
 
     @property
+    def words(self) -> str:
+        """The parameter with its value in a sentence: `q = 1.3 of extensible threads`."""
+        effect, _, name = self.name.rpartition(".")
+        value = f"{name} = {self.value:.3g}{'' if self.unit == '1' else f' {self.unit}'}"
+        return f"{value} of {in_words(effect)}" if effect else value
+
+    @property
     def possible(self) -> bool | None:
         """Whether nature allows the value, or another in its interval; None where no source says, or no interval is
         known of a value that stands at no bound."""
@@ -47,7 +55,7 @@ def impossible(e: Estimate) -> str:
     assert e.range is not None
     unit = f" {e.unit}" if e.unit != "1" else ""
     span = f"{e.range.low:g} to {e.range.high:g}{unit}"
-    return f"{e.name} = {e.value:.3g}{unit} is impossible: {span} by {e.range.source}"
+    return f"{e.words} is impossible: {span} by {e.range.source}"
 
 
 def estimates_of(

@@ -159,8 +159,7 @@ class Fit:
     @property
     def at_bounds(self) -> list[str]:
         """In words, which parameters stand at a bound."""
-        found = (e for e in self.estimates if e.verdict.kind == "at_bound")
-        return [f"{e.name} = {e.value:g}{'' if e.unit == '1' else f' {e.unit}'} stands {e.verdict.text}" for e in found]
+        return [f"{e.words} stands {e.verdict.text}" for e in self.estimates if e.verdict.kind == "at_bound"]
 
     @cached_property
     def shares(self) -> dict[str, float]:

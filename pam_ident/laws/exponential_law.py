@@ -12,7 +12,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
 
 LAW = Law(
     name="exponential_law",
-    title="Exponential law",
+    title="exponential law",
     formula="F = (a0 + a1 p) − (b0 + b1 p) ε + (c0 + c1 p) exp(−μ ε)",
     source="equations (3) to (5) of the heterogeneous-leg paper; μ = 45 there",
     linear=(

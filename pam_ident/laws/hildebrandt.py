@@ -13,7 +13,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
 
 LAW = Law(
     name="hildebrandt",
-    title="Area and membrane spring of Hildebrandt",
+    title="area-and-spring law of Hildebrandt",
     formula="F = p (a0 + a1 ε + a2 ε²) − (b0 + b1 ε + b2 ε² + b3 ε^(2/3)),  ε^(2/3) with the sign of ε",
     source=(
         "of the type of Hildebrandt, Sawodny, Neumann & Hartmann 2005, Proc. American Control Conference, 680–685: "

@@ -21,7 +21,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
 
 LAW = Law(
     name="martens_boblan",
-    title="Braid in rubber of Martens and Boblan",
+    title="rubber law of Martens and Boblan",
     formula="F = A p [a(1−ε)² − b] − H a (1−ε)(1 − r0/r) − (X0 + X1 ε + X2 ε²),  a = 3/tan²θ,  b = 1/sin²θ",
     source=(
         "of the type of Martens & Boblan 2017, Actuators 6(4), 33: pressure on the braid less the rubber's forces "

@@ -12,7 +12,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
 
 LAW = Law(
     name="modified_chou_hannaford",
-    title="Modified Chou–Hannaford law",
+    title="modified Chou–Hannaford law",
     formula="F = k0 π r0² p [a(1 − k1 ε)² − b] + k2",
     source="equation (1) of the heterogeneous-leg paper without F_t, which is the effect bladder_elasticity",
     linear=(

@@ -12,7 +12,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
 
 LAW = Law(
     name="polynomial",
-    title="Polynomial slope and intercept over pressure",
+    title="polynomial law over pressure",
     formula="F = p (a0 + a1 ε + a2 ε²) + b0 + b1 ε + b2 ε² + b3 ε³",
     source=(
         "of the type used by Aschemann & Schindele 2008, IEEE Trans. Industrial Electronics 55(11), 3855–3864 (slope "

@@ -12,7 +12,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
 
 LAW = Law(
     name="sarosi",
-    title="Six-parameter law of Sárosi",
+    title="six-parameter law of Sárosi",
     formula="F = (s1 p + s2) exp(s3 ε) + s4 ε p + s5 p + s6",
     source=(
         "Sárosi et al., force model of Fluidic Muscles (parameters there for p in bar and ε in %: "

@@ -24,7 +24,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
 
 LAW = Law(
     name="tsagarakis_caldwell",
-    title="Braid with conical ends of Tsagarakis and Caldwell",
+    title="conical-ends law of Tsagarakis and Caldwell",
     formula=(
         "F = π r0² p [a(1−ε)² − b] − m (4π a r0²/(3 L0)) p (1−ε)(r − r0) − H (2π a/3)(1−ε) r0 (1 − r0/r),  "
         "r the radius of the ideal braid at ε"

@@ -13,7 +13,7 @@ def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
 
 LAW = Law(
     name="wickramatunge_leephakpreeda",
-    title="Spring of Wickramatunge and Leephakpreeda",
+    title="spring law of Wickramatunge and Leephakpreeda",
     formula="F = K L_s,  K = c3 p² + c2 p L_s + c1 L_s² + c0,  L_s = L0 (e_free − ε)",
     source=(
         "Wickramatunge & Leephakpreeda 2010, Int. J. Engineering Science 48(2), 188–198; the length from which the "

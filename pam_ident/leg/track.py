@@ -127,7 +127,7 @@ def track(
     ideal = bench.rung(plant.pair, chosen.gains, seed).tracking
     rungs = tuple(
         bench.rung(replace(known.pair, muscle=muscle), chosen.gains, seed)
-        for muscle in steps(controllers, "running the rungs")
+        for muscle in steps(controllers, "running each step")
     )
     tell("sharing the error out")
     found = budget(known, task, judged, by_hand, chosen)

@@ -6,7 +6,9 @@ const window = { matchMedia: () => ({ addEventListener: () => {} }) } // neither
 __THEME__
 }
 const bokeh = __BOKEH__
-if (bokeh && !window.pamIdentBokeh) window.pamIdentBokeh = window.Bokeh ? Promise.resolve(window.Bokeh) : loaded(bokeh)
+// Panel, which a later cell may bring, would take this Bokeh for its own, which has no Panel in it.
+const alone = (Bokeh) => { if (!Bokeh.Panel) delete window.Bokeh; return Bokeh }
+if (bokeh && !window.pamIdentBokeh) window.pamIdentBokeh = window.Bokeh ? Promise.resolve(window.Bokeh) : loaded(bokeh).then(alone)
 let tries = 0
 const run = async () => {
   if (window.pamIdentBokeh && document.getElementById(__NAME__)) stand(await window.pamIdentBokeh, __DATA__, [__NAME__], theme)

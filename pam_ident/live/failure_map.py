@@ -5,7 +5,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from bokeh.layouts import column
-from bokeh.models import Column, ColumnDataSource, Range1d
+from bokeh.models import Column, ColumnDataSource, FixedTicker, Range1d
 from bokeh.plotting import figure
 from matplotlib.colors import Normalize, to_hex
 
@@ -42,6 +42,8 @@ class Panel:
         words: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "text_font_size": "11px"}
         made.text("x", "y", "text", source=self.source, text_color="ink", **words)
         made.grid.visible = False
+        for axis in (made.xaxis[0], made.yaxis[0]):
+            axis.update(ticker=FixedTicker(), major_tick_line_color=None)
         hover([made], [drawn], READ)
 
     def show(self, shown: FailureMap, branch: int) -> None:
@@ -52,8 +54,8 @@ class Panel:
         self.figure.title.update(text=name, visible=name != "static")
         self.figure.x_range.update(start=0, end=len(edges) - 1)
         self.figure.y_range.update(start=0, end=rows)
-        _ticks(self.figure.xaxis, np.arange(len(edges))[::every], edges[::every])
-        _ticks(self.figure.yaxis, np.arange(rows) + 0.5, [f"{p:.3g}" for p in shown.pressures])
+        _ticks(self.figure.xaxis[0], np.arange(len(edges))[::every], edges[::every])
+        _ticks(self.figure.yaxis[0], np.arange(rows) + 0.5, [f"{p:.3g}" for p in shown.pressures])
 
 
 def mapped(comparison: Comparison) -> Column:
@@ -90,5 +92,5 @@ def _columns(cells: list[failure_map.Cell], shown: FailureMap) -> dict[str, Any]
 
 
 def _ticks(axis: Any, at: np.ndarray, words: list[str]) -> None:
-    axis.ticker, axis.major_tick_line_color = at.tolist(), None
+    axis.ticker.ticks = at.tolist()  # a new ticker would have the page look through all its models
     axis.major_label_overrides = dict(zip(at.tolist(), words, strict=True))

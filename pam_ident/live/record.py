@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from bokeh.layouts import column
-from bokeh.models import CDSView, Column, ColumnDataSource, GlyphRenderer, IndexFilter, Range1d, Span
+from bokeh.models import CDSView, Column, ColumnDataSource, GlyphRenderer, IndexFilter, Label, Range1d, Span
 
 from ..core.digits import newtons
 from ..diagnosis.nouns import Comparison
@@ -20,6 +20,8 @@ FILL: dict[str, Any] = {"sizing_mode": "stretch_both", "min_border_left": 62}
 BRANCHES = {"contraction": (BLUE, "solid"), "extension": (ORANGE, "dashed"), "static": (BLUE, "solid")}
 PALE: dict[str, Any] = {"fill_color": "gray", "fill_alpha": 0.5}
 """Samples behind lines, on a light page and on a dark one."""
+LEAST_ROOM = 0.12
+"""Of the panel's width, for a stripe to be named in."""
 
 
 class Figures:
@@ -29,7 +31,7 @@ class Figures:
     """
 
     def __init__(self, before: Fit, after: Fit | None, limit: int) -> None:
-        self.before, self.after = before, after
+        self.before, self.after, self.limit = before, after, limit
         self.fits = {"before": before} | ({"after": after} if after else {})
         shown = self.shown = signature.data(before, after or before, limit)
         self.size = 3 if len(shown.rows) > 300 else 6
@@ -52,6 +54,7 @@ class Figures:
                 x1=[end for _, end, _ in self.shown.isobars[::2]],
                 fill_color=SKY, fill_alpha=0.1, line_color=None, level="underlay",
             )  # fmt: skip
+            self._name_isobars(one)
             words = _words(name, fit, len(self.fits))
             seen = dots(one, self.points, name, legend_label=words, size=self.size, **PALE)
             hover([one], [seen], tips(f"model_{name}", name)).mode = "vline"  # the sample above or below the pointer
@@ -97,10 +100,22 @@ class Figures:
         link(panels)
         return column(panels, sizing_mode="stretch_both")
 
+    def step(self, before: Fit, after: Fit, share: int) -> Column:
+        """The `trace` of a step of a ladder, of one in `share` samples."""
+        return Figures(before, after, self.limit // share).trace
+
     @staticmethod
     def mapped(comparison: Comparison) -> Column:
         """Where a model fails."""
         return mapped(comparison)
+
+    def _name_isobars(self, on: Any) -> None:
+        """The pressure of each stripe that has room for it."""
+        whole = self.shown.isobars[-1][1] - self.shown.isobars[0][0] or 1.0
+        for begin, end, level in self.shown.isobars:
+            if (end - begin) / whole > LEAST_ROOM:
+                look: dict[str, Any] = {"text_align": "center", "text_font_size": "11px", "text_color": "gray"}
+                on.add_layout(Label(x=(begin + end) / 2, y=3, y_units="screen", text=f"{level:.3g} MPa", **look))
 
     def _errors(self, name: str, x: Range1d, reach: Range1d) -> Any:
         """An empty panel for an error; all have one scale."""

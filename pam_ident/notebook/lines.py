@@ -4,6 +4,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from ..core.digits import millimetres
+from ..core.prose import capital
+from ..effects import named
 from ..report.words import newtons
 
 if TYPE_CHECKING:
@@ -38,22 +40,21 @@ def _record(one: "Record") -> str:
 
 def fit(one: "Fit") -> str:
     """What was fitted to what, and how well."""
-    model = " + ".join([one.model.law.name, *one.model.labels])
     length = one.length_errors
     off = f"{newtons(one.rmse)} rms, {newtons(one.max_error)} at most"
     if length:
         off = f"length {millimetres(length.rmse)} rms, {millimetres(length.largest)} at most"
     quality = f"{off}, R² {one.r2:.6g}, {int(one.rows.sum())} samples"
-    return "; ".join([f"{model} fitted to {one.record.name}: {quality}", *one.problems])
+    return "; ".join([f"{capital(one.model.words)} fitted to {one.record.name}: {quality}", *one.problems])
 
 
 def ladder(one: "Ladder") -> str:
     """Where it began and where it ended."""
     first, last = one.rungs[0].fit, one.rungs[-1]
-    added = ", ".join(last.effects) or "nothing"
+    added = ", ".join(named(label, last.fit.model.own) for label in last.effects) or "nothing"
     return (
-        f"{first.model.law.name}: {newtons(first.rmse)} rms; with {added}: {newtons(last.fit.rmse)} rms; "
-        f"noise floor {newtons(one.noise_floor)}"
+        f"{capital(first.model.law.title)}: {newtons(first.rmse)} rms; with {added}: {newtons(last.fit.rmse)} rms; "
+        f"noise {newtons(one.noise_floor)}"
     )
 
 

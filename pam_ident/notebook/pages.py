@@ -1,7 +1,7 @@
 """Results as HTML: a sentence, tables, figures. Every text is escaped; figures are inline and load nothing."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
@@ -13,7 +13,7 @@ from .. import plot
 from ..report import tables
 from ..report.easel import live
 from ..report.render import environment
-from ..report.svg import embed
+from ..report.svg import image
 from ..report.tables import PageTable
 from ..report.words import interval, stderr, unit, value_of
 from . import lines
@@ -55,14 +55,12 @@ def table(one: PageTable) -> Markup:
     return Markup(environment().from_string(TABLE).render(table=one))
 
 
-def picture(figure: Figure, label: str, tips: Mapping[str, str] | None = None, live: "Column | None" = None) -> Markup:
-    """A figure, its ids unlike those of any other cell; `tips` are texts by the ids of its parts, `live` the same to
-    zoom and to point at."""
-    name = f"pam-{uuid4().hex[:10]}"
-    inline = embed(figure, name, label, MOST_BYTES, tips)
+def picture(figure: Figure, label: str, live: "Column | None" = None) -> Markup:
+    """A figure; `live` is the same to zoom and to point at."""
+    drawn = image(figure, label, MOST_BYTES)
     if live is not None:
-        return standing(inline, f"{name}-live", live)
-    return Markup('<div style="max-width:60em;background:white">{}</div>').format(inline)
+        return standing(drawn, f"pam-{uuid4().hex[:10]}-live", live)
+    return Markup('<div style="max-width:60em;background:white">{}</div>').format(drawn)
 
 
 def _said(sentence: str) -> Markup:
@@ -95,7 +93,7 @@ def _comparison(one: "Comparison") -> Markup:
     label = "Mean error over pressure and contraction, by branch"
     shown = live(one.fit, None, samples())
     drawn = plot.failure_map.draw(one)
-    return _said(one.sentence) + picture(drawn, label, plot.failure_map.tips(one), shown and shown.mapped(one))
+    return _said(one.sentence) + picture(drawn, label, shown and shown.mapped(one))
 
 
 def _diagnosis(one: "Diagnosis") -> Markup:
@@ -108,7 +106,7 @@ def _diagnosis(one: "Diagnosis") -> Markup:
 
 
 def _ladder(one: "Ladder") -> Markup:
-    figure = picture(plot.ladder.draw(one), "Error over the rungs, down to the noise floor")
+    figure = picture(plot.ladder.draw(one), "Error as effects are added, down to the noise floor")
     return _said(lines.ladder(one)) + table(tables.ladder(one)) + figure
 
 

@@ -9,14 +9,13 @@ from matplotlib.patches import Patch
 
 from ..core.digits import newtons, probability
 from ..diagnosis.nouns import Diagnosis
+from ..schema.diagnosis import STATUS
 from ..schema.diagnosis import candidates as likeliest
 from .style import BEHIND, BLUE, GREY, INK, SKY, VERMILION, canvas, styled
 
-WORDS = {
-    "candidate": "not computed",
-    "absorbed_by_law": "absorbed by the law",
-    "not_excited": "not excited by this record",
-}
+BEYOND = 2.0
+"""The scale ends at so many times the largest error on the fitted data, or before; of a held-out error beyond, which an
+extrapolation may make as large as it likes, only the number stands there."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ def data(diagnosis: Diagnosis, limit: int = 16) -> CandidatesData:
                 _number(candidate.rmse_after) if known else math.nan,
                 _number(candidate.heldout_rmse_after) if known else math.nan,
                 candidate.effect in diagnosis.selected,
-                "" if known else WORDS.get(candidate.status, candidate.status),
+                "" if known else "not computed" if candidate.status == "candidate" else STATUS[candidate.status],
             )
         )
     return CandidatesData(tuple(bars), diagnosis.base.rmse, diagnosis.noise_floor)
@@ -71,14 +70,19 @@ def draw(diagnosis: Diagnosis, limit: int = 16) -> Figure:
     n = max(len(shown.bars), 1)
     figure = canvas(1.1 + 0.27 * n)
     axes = figure.subplots()
-    values = [v for b in shown.bars for v in (b.rmse_after, b.heldout) if math.isfinite(v)]
-    right = max([*values, shown.before, shown.noise_floor]) * 1.04
+    after = [b.rmse_after for b in shown.bars if math.isfinite(b.rmse_after)]
+    fitted = max([*after, shown.before, shown.noise_floor])
+    heldout = [b.heldout for b in shown.bars if math.isfinite(b.heldout)]
+    right = 1.04 * min(max([fitted, *heldout]), BEYOND * fitted)
     for i, bar in enumerate(shown.bars):
         if bar.note:
             axes.text(0.008 * right, i, bar.note, va="center", fontsize=8.0, color=GREY, style="italic", bbox=BEHIND)
             continue
         axes.barh(i, bar.rmse_after, height=0.62, color=BLUE if bar.selected else SKY)
-        if math.isfinite(bar.heldout):
+        if bar.heldout > right:
+            told = f"{newtons(bar.heldout)} →"
+            axes.text(0.992 * right, i, told, ha="right", va="center", fontsize=8.0, color=VERMILION, bbox=BEHIND)
+        elif math.isfinite(bar.heldout):
             axes.plot([bar.heldout], [i], marker="D", markersize=4.5, color=VERMILION, linestyle="")
         axes.text(
             1.02,

@@ -9,6 +9,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..core.digits import newtons
 from ..diagnosis.nouns import Ladder
+from ..model import steps
 from .style import BEHIND, BLUE, GREY, INK, VERMILION, WIDTH, canvas, styled
 
 Array = np.ndarray
@@ -24,22 +25,10 @@ class LadderData:
     noise_floor: float
 
 
-def added(rungs: Sequence[tuple[str, Sequence[str]]]) -> tuple[str, ...]:
-    """What each rung, a law with its effects, has that the one before had not: the law first, then `+ effect`."""
-    names: list[str] = []
-    before: Sequence[str] = ()
-    for k, (law, effects) in enumerate(rungs):
-        new = [f"+ {label}" for label in effects if label not in before]
-        gone = [f"− {label}" for label in sorted(set(before) - set(effects))]
-        names.append("\n".join([law] * (k == 0) + new + gone) or "=")
-        before = effects
-    return tuple(names)
-
-
 def data(ladder: Ladder) -> LadderData:
     """The numbers of a ladder, rung by rung."""
     return LadderData(
-        added([(rung.fit.model.law.name, rung.effects) for rung in ladder.rungs]),
+        steps(rung.fit.model for rung in ladder.rungs),
         np.array([rung.fit.rmse for rung in ladder.rungs]),
         np.array([rung.heldout_rmse for rung in ladder.rungs]),
         ladder.noise_floor,

@@ -131,8 +131,8 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
 
 
 def _added(before: Fit, after: Fit) -> str:
-    labels = [label for label in after.model.labels if label not in before.model.labels]
-    return f" adding {', '.join(labels or ['nothing']) if sum(map(len, labels)) < 36 else f'{len(labels)} effects'}"
+    new = [effect.title for effect in after.model.own if effect.name not in before.model.effect_names]
+    return f" adding {', '.join(new or ['nothing']) if sum(map(len, new)) < 40 else f'{len(new)} effects'}"
 
 
 def _mark_isobars(axes: Axes, shown: Signature, width: float) -> None:

@@ -1,13 +1,14 @@
 """Knee tracking (Figure 16 of the paper): flexion wanted, reached, and the error, for PID and a ladder's rungs."""
 
 from dataclasses import dataclass
+from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..leg.track import Track, Tracking
-from .ladder import added
+from ..model import steps
 from .style import BEHIND, BLUE, GREEN, GREY, INK, ORANGE, VERMILION, canvas, styled, zero_line
 
 Array = np.ndarray
@@ -49,7 +50,7 @@ def data(track: Track) -> TrackingData:
         track.pid.time - track.pid.time[0],
         track.pid.target,
         tuple(_curve(name, run) for name, run in shown.items()),
-        added([(rung.muscle.model.law.name, rung.muscle.model.labels) for rung in track.rungs]),
+        steps(rung.muscle.model for rung in track.rungs),
         np.array([rung.tracking.rms_deg for rung in track.rungs]),
         np.array(bands).reshape(-1, 2),
         track.pid.rms_deg,
@@ -63,7 +64,7 @@ def _curve(name: str, run: Tracking) -> RunCurve:
 def _name(track: Track, k: int) -> str:
     model = track.rungs[k].muscle.model
     count = len(model.labels)
-    return model.law.name if count == 0 else f"{model.law.name} with {count} effect{'s' if count > 1 else ''}"
+    return model.law.title if count == 0 else f"{model.law.title} with {count} effect{'s' if count > 1 else ''}"
 
 
 @styled
@@ -99,9 +100,9 @@ def _ladder(axes: Axes, shown: TrackingData) -> None:
         axes.annotate(
             f"{value:.2f}°", (value, place_y), (6, -5), textcoords="offset points", va="top", color=INK, bbox=BEHIND
         )
-    axes.set_yticks(y, [name.replace(":", "\n:") for name in shown.rungs], fontsize=7.5)
+    axes.set_yticks(y, ["\n".join(wrap(name, 28)) for name in shown.rungs], fontsize=7.5)
     axes.set_ylim(len(shown.rungs) - 0.4, -0.9)
     axes.set_xlim(0.0, 1.15 * max(shown.pid_rms, float(np.max(shown.rms, initial=0.0))))
     axes.set_xlabel("rms tracking error (°)")
-    axes.set_title("PID + feed-forward by each rung", color=GREY)
+    axes.set_title("PID + feed-forward by each step", color=GREY)
     axes.grid(axis="y", visible=False)

@@ -190,7 +190,7 @@ def _column(
         mark = " with a decimal comma, as elsewhere" if table.decimal == "," else ""
         other = ", hh:mm:ss or an ISO time, the same in all rows" if key == "time" else ""
         raise DataError(
-            f"{place_of(table, block, bad[0], source)}: {what}{more}; expected a number{mark}{other}. Mend or "
+            f"{place_of(table, block, bad[0], source)}: {what}{more}; expected a number{mark}{other}. Fix or "
             "delete the row"
         )
     if source.unit_missing and not (found.done | empty).all():
@@ -230,7 +230,7 @@ def _cuts(
             then, now = before["time"][wrong[0]], values["time"][wrong[0]]
             raise DataError(
                 f"{place_of(table, block, wrong[0], sources['time'])}: time runs backwards "
-                f"({then:g} s, then {now:g} s); sort the rows or mend the clock"
+                f"({then:g} s, then {now:g} s); sort the rows or fix the clock"
             )
     return sorted(cuts)
 

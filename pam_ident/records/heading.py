@@ -36,7 +36,7 @@ def with_unit(name: str, unit: str, place: str) -> str:
     """A header with the unit that stands beside it. Raises DataError where the header says another."""
     written = split_header(name)[1]
     if written is not None and unit and same_unit(written) != same_unit(unit):
-        raise DataError(f"{place}: the unit beside it is {unit!r}; mend one of them")
+        raise DataError(f"{place}: the unit beside it is {unit!r}; fix one of them")
     return name if written is not None or not unit else f"{name} [{unit}]"
 
 

@@ -94,7 +94,7 @@ class LeverColumns:
             at, unit = position(key, entry["column"]), key.partition("_")[2]
             given = split_header(headers[at])[1]
             if given in UNITS[what] and given != unit and "factor" not in entry:
-                raise DataError(f"{self.path}: {key}, but the column's header is {headers[at]!r}; mend the unit")
+                raise DataError(f"{self.path}: {key}, but the column's header is {headers[at]!r}; fix the unit")
             factor = UNITS[what][unit]
             scale = factor * entry.get("factor", 1.0), factor * entry.get("offset", 0.0)
             found[what] = Source(headers[at] or f"column {at + 1}", at, *scale)

@@ -102,7 +102,7 @@ class Mapping:
         other = known[0] != scale[0] and "factor" not in entry
         if other or (known[1] != scale[1] and not {"factor", "offset"} & set(entry)):
             raise DataError(
-                f"{self.path}: {key}, but the column's header is {header!r}, in {unit}; mend the unit, or give a factor"
+                f"{self.path}: {key}, but the column's header is {header!r}, in {unit}; fix the unit, or give a factor"
             )
 
     def _position(self, table: Table, key: str, column: str | int) -> int:
@@ -110,7 +110,7 @@ class Mapping:
             if 1 <= column <= len(table.headers):
                 return column - 1
             raise DataError(
-                f"{self.path}: {key} is column {column}, but {table.place} has {len(table.headers)} columns; mend one"
+                f"{self.path}: {key} is column {column}, but {table.place} has {len(table.headers)} columns; fix one"
             )
         places = [k for k, pair in enumerate(zip(table.names, table.headers, strict=True)) if column in pair]
         if len(places) == 1:

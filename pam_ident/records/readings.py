@@ -43,7 +43,7 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
         yield Doubt(
             "impossible_value",
             f"sample {rows[0] + 1}{more} reads a force of {newtons(float(force[rows[0]]))}, which this muscle cannot "
-            "pull. Mend or delete the row.",
+            "pull. Fix or delete the row.",
             "force",
             True,
         )

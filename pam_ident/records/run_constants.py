@@ -28,7 +28,7 @@ class Runs:
         `elsewhere` for all runs may be left out."""
         for name in self.constants:
             if not (folder / name).is_file():
-                raise DataError(f"{self.path}: [runs.{name!r}], but {folder} has no such file; mend the name")
+                raise DataError(f"{self.path}: [runs.{name!r}], but {folder} has no such file; fix the name")
         given = {name: {_what(key): key for key in self.constants.get(name, ())} for name in names}
         needed = {what: key for keys in given.values() for what, key in keys.items() if what not in elsewhere}
         for name, keys in given.items():

@@ -75,7 +75,7 @@ def find_layout(place: str, head: bytes, mapping: Told | None = None) -> Layout:
         if above and "header_row" not in told:
             raise DataError(
                 f"{place}, row {above[0]}: numbers above the header, which is row {heading.header + 1}; expected them "
-                "below it. Mend the header, or say header_row under [file] in a columns.toml beside the file"
+                "below it. Fix the header, or say header_row under [file] in a columns.toml beside the file"
             )
     units = [*heading.units, *[""] * width][:width]
     heading = Heading(heading.header, heading.first, heading.score, names, tuple(units))
@@ -156,7 +156,7 @@ def _fit_width(place: str, names: tuple[str, ...], row: Sequence[str], line: int
         return names[:-1]
     if len(row) != len(names):
         raise DataError(
-            f"{place}, row {line}: {len(row)} cells, but the header has {len(names)}; expected as many. Mend the row, "
+            f"{place}, row {line}: {len(row)} cells, but the header has {len(names)}; expected as many. Fix the row, "
             "or the header"
         )
     return names

@@ -205,14 +205,14 @@ def _checked(place: str, text: bytes, first: int, layout: Layout) -> tuple[bytes
             starts += [len(rows)] * (stripped == again[0])
             continue
         if line.count(b'"') % 2:
-            raise DataError(f"{place}, row {row}: a quotation mark that is not closed; expected a pair. Mend the row")
+            raise DataError(f"{place}, row {row}: a quotation mark that is not closed; expected a pair. Fix the row")
         if b'"' in line or delimiter == b" ":
             width = len(cells_of(line.decode("utf-8", "replace"), layout.delimiter))
         else:
             width = line.count(delimiter) + 1
         if width != layout.width:
             raise DataError(
-                f"{place}, row {row}: {width} cells, but the rows before have {layout.width}; expected as many. Mend "
+                f"{place}, row {row}: {width} cells, but the rows before have {layout.width}; expected as many. Fix "
                 "or delete the row"
             )
         lines.append(line)

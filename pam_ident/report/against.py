@@ -8,13 +8,14 @@ from .. import plot
 from ..diagnosis.against import Against, ParameterDifference
 from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
+from ..effects import in_words
 from ..live import available
 from .easel import Easel, Part, Picture, live
 from .opening import BESIDE, HERO
 from .render import MOST_POINTS, environment, inlined
 from .tables import PageTable
 from .tables import provenance as provenance_table
-from .words import VERDICTS, known_to, likely, newtons, titles, unit, with_error
+from .words import VERDICTS, known_to, likely, newtons, unit, with_error
 
 SAMPLES = 2 * MOST_POINTS
 """Of each record, in figures to zoom into."""
@@ -109,9 +110,9 @@ def records_table(found: Against) -> PageTable:
 
 def effects_table(found: Against) -> PageTable:
     """Every effect that was named in either, with its probability in each."""
-    known = titles(found.a.best.model) | titles(found.b.best.model)
+    known = (*found.a.best.model.own, *found.b.best.model.own)
     words = {"both": "both", "a": "A alone", "b": "B alone"}
-    rows = tuple((known.get(e.effect, e.effect), words[e.where], _chance(e.a), _chance(e.b)) for e in found.effects)
+    rows = tuple((in_words(e.effect, known), words[e.where], _chance(e.a), _chance(e.b)) for e in found.effects)
     return PageTable("Effects that are missing", ("effect", "named in", "probability in A", "in B"), rows, (2, 3))
 
 

@@ -4,9 +4,11 @@ from textwrap import fill
 
 from .. import plot
 from ..diagnosis.follows import told
+from ..diagnosis.sentence import start
+from ..effects import in_words
 from .easel import Easel, Part, Picture
 from .story import Section
-from .words import VERDICTS, groups, likely, newtons, titles
+from .words import VERDICTS, groups, likely, newtons
 
 HERO, BESIDE = 6.4, 5.0
 """Widths of the figures in inches; they are shown narrower than a page, and their words must stay readable."""
@@ -39,9 +41,8 @@ def _added(section: Section) -> tuple[str, ...]:
     """Titles of the effects that the law lacked."""
     if section.after is None:
         return ()
-    known, held = titles(section.after.model), section.before.model.effect_names
-    names = [name for name in section.after.model.effect_names if name not in held]
-    return tuple(known.get(name, name) for name in names)
+    held = section.before.model.effect_names
+    return tuple(effect.title for effect in section.after.model.own if effect.name not in held)
 
 
 def _verdict(section: Section) -> str:
@@ -70,13 +71,10 @@ def _headline(section: Section) -> str:
 
 
 def _fall(section: Section) -> str:
-    law, after, floor = section.before, section.after, newtons(section.noise_floor)
+    after, said = section.after, start(section.before, section.noise_floor)
     if after is None:
-        return f"{law.model.law.title} leaves {newtons(law.rmse)} rms; the noise is about {floor}."
-    return (
-        f"{law.model.law.title} leaves {newtons(law.rmse)} rms. With that added, {newtons(after.rmse)} are left; "
-        f"the noise is about {floor}."
-    )
+        return said
+    return f"{said} With that added, {newtons(after.rmse)} are left."
 
 
 def _trace(section: Section, easel: Easel) -> Picture:
@@ -97,14 +95,11 @@ def _falling(section: Section, easel: Easel) -> tuple[Picture, ...]:
     ladder = section.ladder
     if ladder is None or len(ladder.rungs) < 2:
         return ()
-    known = titles(ladder.rungs[-1].fit.model)
-    before = set(ladder.rungs[0].fit.model.effect_names)
-    names = ["model as given" if before else "law alone"]
-    for rung in ladder.rungs[1:]:
-        new = [f"+\u00a0{known.get(name, name)}" for name in rung.fit.model.effect_names if name not in before]
-        before |= set(rung.fit.model.effect_names)
-        width = max(44 // len(ladder.rungs), 9)
-        names.append("\n".join(fill(one, width, break_long_words=False) for one in new))
+    width = max(44 // len(ladder.rungs), 9)
+    names = ["model as given" if ladder.rungs[0].fit.model.terms else "law alone"]
+    for name in plot.ladder.data(ladder).names[1:]:
+        lines = name.replace("+ ", "+\u00a0").split("\n")
+        names.append("\n".join(fill(line, width, break_long_words=False) for line in lines))
     label = "Falling rms error as effects are added, down to the noise"
     caption = "The error as effects are added, down to the noise."
     return (easel.hang(plot.ladder.draw(ladder, names, BESIDE), label, caption),)
@@ -117,9 +112,9 @@ def _bar(section: Section, easel: Easel) -> Picture:
 
 
 def _sure(section: Section) -> str:
-    diagnosis, known = section.diagnosis, titles(section.diagnosis.best.model)
+    diagnosis, known = section.diagnosis, section.diagnosis.best.model.own
     chances = {one.effect: one.probability for one in diagnosis.ranking}
-    said = [f"{known.get(name, name)} {likely(chances[name])}" for name in diagnosis.selected if name in chances]
+    said = [f"{in_words(name, known)} {likely(chances[name])}" for name in diagnosis.selected if name in chances]
     return f"How sure: {'; '.join([*said, f'held-out error: {held_out(section)}'])}."
 
 
@@ -135,7 +130,7 @@ def held_out(section: Section) -> str:
 def _next(section: Section) -> tuple[str, ...]:
     """What the record cannot tell, and what to do."""
     diagnosis = section.diagnosis
-    found = groups(diagnosis, titles(diagnosis.best.model))
+    found = groups(diagnosis)
     last = section.ladder.last if section.ladder is not None else diagnosis
     experiment = diagnosis.next_experiment if found else last.next_experiment or diagnosis.next_experiment
     if experiment is not None:

@@ -4,13 +4,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from .. import plot
+from ..core.prose import capital
 from ..diagnosis.nouns import Diagnosis
+from ..effects import named
 from . import tables
 from .easel import Easel, Part, live
 from .opening import held_out, opening
 from .rungs import steps
 from .story import Section
-from .words import equation, groups, named, newtons, percent, titles
+from .words import equation, groups, newtons, percent
 
 
 def parts(section: Section, prefix: str, points: int, samples: int = 0) -> tuple[Part, ...]:
@@ -37,7 +39,7 @@ def parts(section: Section, prefix: str, points: int, samples: int = 0) -> tuple
 def _numbers(section: Section, easel: Easel) -> Part:
     fits = [section.before, *([section.after] if section.after else [])]
     facts = (
-        ("model", " + ".join([fits[-1].model.law.name, *fits[-1].model.labels])),
+        ("model", fits[-1].model.words),
         ("error", " → ".join(newtons(one.rmse) for one in fits) + " rms"),
         ("held-out error", held_out(section)),
         ("noise", newtons(section.noise_floor)),
@@ -50,7 +52,7 @@ def _numbers(section: Section, easel: Easel) -> Part:
 def _measured(section: Section, easel: Easel) -> Part:
     before, after = section.before, section.after
     figure = plot.measured_against_model.draw(before, after, easel.points)
-    label = f"Force over contraction, measured and modelled by {before.model.law.name}, and the error below"
+    label = f"Force over contraction, measured and modelled by the {before.model.words}, and the error below"
     caption = (
         "Force over contraction ratio at each pressure. Points are measured, lines are the model; in a record in time "
         "a line is the model's mean over all cycles and speeds. Below, the error measured − model of every point shown"
@@ -108,7 +110,7 @@ def _candidates(section: Section, easel: Easel) -> Part | None:
     )
     drawn = plot.candidates.draw(replace(diagnosis, noise_floor=section.noise_floor))
     picture = easel.hang(drawn, "Bars of the error that each candidate would leave", caption)
-    notes = groups(diagnosis, titles(diagnosis.best.model))
+    notes = groups(diagnosis)
     if diagnosis.next_experiment:
         experiment = diagnosis.next_experiment
         vary = f" (vary: {', '.join(experiment.vary)})" if experiment.vary else ""
@@ -124,10 +126,10 @@ def _candidates(section: Section, easel: Easel) -> Part | None:
 
 
 def _selected(diagnosis: Diagnosis) -> str:
-    known = titles(diagnosis.best.model)
     if not diagnosis.selected:
         return "No effect is selected."
-    return f"Selected, largest first: {'; '.join(named(label, known) for label in diagnosis.labels)}."
+    names = (named(label, diagnosis.best.model.own) for label in diagnosis.labels)
+    return f"Selected, largest first: {'; '.join(names)}."
 
 
 def _ladder(section: Section, easel: Easel) -> Part | None:
@@ -165,8 +167,7 @@ def _pattern(section: Section, easel: Easel) -> Part | None:
         "The mean of what the best model leaves, with a band of ± 2 standard errors. Dotted: the place, the moment or "
         "the periods that the pattern names.",
     )
-    said = f"{pattern.text[:1].upper()}{pattern.text[1:]}."
-    text = f"{said} It holds {percent(pattern.share)} of the squared error that was to be explained."
+    text = f"{capital(pattern.text)}. It holds {percent(pattern.share)} of the squared error that was to be explained."
     return Part(f"{easel.prefix}-pattern", "What no known effect explains", (text,), (picture,))
 
 

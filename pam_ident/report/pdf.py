@@ -39,7 +39,7 @@ def find_browser() -> str:
     if named:
         if found := shutil.which(named):
             return found
-        raise UsageError(f"PAM_IDENT_BROWSER={named}: expected a program that can be run; mend it, {INSTEAD}")
+        raise UsageError(f"PAM_IDENT_BROWSER={named}: expected a program that can be run; fix it, {INSTEAD}")
     for name in BROWSERS:
         if found := shutil.which(name):
             return found

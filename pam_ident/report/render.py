@@ -1,5 +1,6 @@
 """A story becomes a page."""
 
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -74,13 +75,19 @@ def _embed(picture: Picture) -> Markup:
 
 def inlined(records: Chapters) -> "Inline | None":
     """What brings the figures of a page to life."""
-    pictures = [one for _, _, parts in records for part in parts for one in part.pictures]
+    pictures = (one for _, _, parts in records for one in _pictures(parts))
     figures = {f"{one.name}-live": one.live for one in pictures if one.live is not None}
     if not figures:
         return None
     from ..live.page import inline
 
     return inline(figures)
+
+
+def _pictures(parts: Iterable[Part]) -> Iterator[Picture]:
+    for part in parts:
+        yield from part.pictures
+        yield from _pictures(step for _, step in part.steps)
 
 
 def _most_switches(records: Chapters) -> int:

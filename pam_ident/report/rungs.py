@@ -2,9 +2,10 @@
 
 from .. import plot
 from ..diagnosis.nouns import Ladder, Rung
+from ..effects import in_words, named
 from . import tables
 from .easel import Easel, Part
-from .words import equation, heldout, likely, named, newtons, percent, titles
+from .words import equation, heldout, likely, newtons, percent
 
 SHARE = 4
 """A rung's figure shows this part of the points of the others: there are many rungs."""
@@ -24,9 +25,9 @@ def _first(rung: Rung, easel: Easel) -> Part:
     model = rung.fit.model
     return Part(
         f"{easel.prefix}-rung0",
-        f"Rung 0: {model.law.title}",
+        f"Step 0: {model.words}",
         tuple(equation(model)),
-        tables=tables.fitted(rung.fit, "rung 0"),
+        tables=tables.fitted(rung.fit, "step 0"),
         facts=(
             ("error", newtons(rung.fit.rmse) + " rms"),
             (heldout(rung), newtons(rung.heldout_rmse) + " rms"),
@@ -40,9 +41,9 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
     """Rung k over the one below it. The share of the squared error is the number that convinced, with the
     probability, where the diagnosis is known."""
     before, after, why = below.fit, rung.fit, rung.found
-    known = titles(after.model)
+    known = after.model.own
     new = [label for label in after.model.labels if label not in before.model.labels]
-    what = ", ".join(named(label, known) for label in new) or "nothing"
+    what, words = (", ".join(say(label, known) for label in new) or "nothing" for say in (named, in_words))
     facts = [
         ("error", f"{newtons(before.rmse)} → {newtons(after.rmse)} rms"),
         (heldout(rung), f"{newtons(below.heldout_rmse)} → {newtons(rung.heldout_rmse)} rms"),
@@ -52,22 +53,23 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
     if why is not None:
         chances = {candidate.effect: candidate.probability for candidate in why.ranking}
         facts += [
-            (f"probability of {name}", likely(chances[name]))
+            (f"probability of {in_words(name, known)}", likely(chances[name]))
             for name in dict.fromkeys(label.partition(":")[0] for label in new)
             if name in chances
         ]
     picture = easel.hang(
         plot.signature.draw(before, after, max(easel.points // SHARE, 100)),
-        f"Error over the record before and after adding {what}",
-        f"Above: the error of rung {k - 1}, and through it what {what} changes in the modelled force. "
-        f"Below: what rung {k} leaves.",
+        f"Error over the record before and after adding {words}",
+        f"Above: the error of step {k - 1}, and through it what {words} changes in the modelled force. "
+        f"Below: what step {k} leaves.",
+        live=easel.live and easel.live.step(before, after, SHARE),
     )
     return Part(
         f"{easel.prefix}-rung{k}",
-        f"Rung {k}: + {what}",
+        f"Step {k}: + {what}",
         (f"Why it was added: {why.sentence if why is not None else rung.why}",),
         (picture,),
-        tables.fitted(after, f"rung {k}"),
+        tables.fitted(after, f"step {k}"),
         tuple(equation(after.model)),
         facts=tuple(facts),
     )

@@ -15,6 +15,7 @@ MAX_BYTES = 400_000
 SVG, XLINK = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xlink}"
 REFERENCE = re.compile(r"url\(#([^)]+)\)")
 LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
+ROOT = re.compile(rb'<svg viewBox="0 0 ([\d.]+) ([\d.]+)"')
 FAMILY = re.compile(r"font-family: ([^;]+);? ?")
 
 
@@ -35,8 +36,22 @@ def embed(
     svg = inline(to_svg(figure), prefix, label, tips or {}, classes)
     if len(svg.encode()) <= max_bytes:
         return Markup(svg)
-    data = base64.b64encode(to_png(figure)).decode()
-    return Markup(f'<img role="img" alt="{escape(label)}" src="data:image/png;base64,{data}">')
+    return _image("png", to_png(figure), label)
+
+
+def image(figure: Figure, label: str, max_bytes: int = MAX_BYTES) -> Markup:
+    """The same for hosts that take the marks of an SVG out of a page and leave its words: as an image by itself."""
+    svg = inline(to_svg(figure), "i", label).encode()
+    if len(svg) > max_bytes:
+        return _image("png", to_png(figure), label)
+    alone = rb'<svg xmlns="http://www.w3.org/2000/svg" width="\1" height="\2" viewBox="0 0 \1 \2"'
+    paper = ROOT.sub(alone, svg, 1).replace(b' style="', b' style="background:white;', 1)
+    return _image("svg+xml", paper, label)
+
+
+def _image(kind: str, content: bytes, label: str) -> Markup:
+    data = base64.b64encode(content).decode()
+    return Markup(f'<img role="img" alt="{escape(plain(label))}" src="data:image/{kind};base64,{data}"/>')
 
 
 def inline(

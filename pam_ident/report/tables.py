@@ -1,18 +1,21 @@
 """The report's tables as plain text cells; the template gives them their HTML."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ..diagnosis.nouns import Diagnosis, Ladder
+from ..effects import named
 from ..fitting import Fit, IsobarTable
 from ..fitting.fit import Estimate
+from ..model import steps
 from ..plot.failure_map import Cell
-from ..plot.ladder import added
 from ..records import Record
 from ..records.package import told
+from ..schema.diagnosis import STATUS
 from ..schema.diagnosis import candidates as likeliest
 from .story import Section
-from .words import STATUS, heldout, likely, named, newtons, number, percent, standing, stderr, titles, unit, value_of
+from .words import heldout, known_to, likely, newtons, number, percent, standing, stderr, unit, value_of
 
 
 @dataclass(frozen=True)
@@ -34,11 +37,11 @@ class PageTable:
 
 def candidates(diagnosis: Diagnosis) -> PageTable:
     """The candidates, the most probable first, then what the record cannot show."""
-    known = titles(diagnosis.best.model)
+    known = diagnosis.best.model.own
     rows = tuple(
         (
             named(s.label or s.effect, known),
-            "selected" if s.effect in diagnosis.selected else STATUS.get(s.status, s.status),
+            "selected" if s.effect in diagnosis.selected else STATUS[s.status],
             likely(s.probability) if s.status == "candidate" else "–",
             number(s.rmse_after, 3),
             number(s.heldout_rmse_after, 3),
@@ -52,15 +55,15 @@ def candidates(diagnosis: Diagnosis) -> PageTable:
 
 def not_judged(diagnosis: Diagnosis) -> PageTable:
     """The effects that the record cannot show, and why."""
-    known = titles(diagnosis.best.model)
+    known = diagnosis.best.model.own
     left = [s for s in diagnosis.ranking if s.status != "candidate"]
-    rows = tuple((named(s.label or s.effect, known), STATUS.get(s.status, s.status), s.why) for s in left)
+    rows = tuple((named(s.label or s.effect, known), STATUS[s.status], s.why) for s in left)
     return PageTable("Effects that this record and this law cannot show", ("effect", "standing", "why"), rows)
 
 
-def ladder(steps: Ladder) -> PageTable:
-    """The falling errors, rung by rung."""
-    names = added([(step.fit.model.law.name, step.effects) for step in steps.rungs])
+def ladder(climbed: Ladder) -> PageTable:
+    """The falling errors, step by step."""
+    names = steps((rung.fit.model for rung in climbed.rungs), named)
     rows = tuple(
         (
             str(i),
@@ -71,11 +74,11 @@ def ladder(steps: Ladder) -> PageTable:
             number(rung.fit.max_error, 3),
             rung.why,
         )
-        for i, (name, rung) in enumerate(zip(names, steps.rungs, strict=True))
+        for i, (name, rung) in enumerate(zip(names, climbed.rungs, strict=True))
     )
-    held = f"{heldout(steps.rungs[-1])} (N rms)"
-    head = ("rung", "model", "free parameters", "error (N rms)", held, "largest error (N)", "why")
-    return PageTable(f"The ladder down to the noise floor of {newtons(steps.noise_floor)}", head, rows, (2, 3, 4, 5))
+    held = f"{heldout(climbed.rungs[-1])} (N rms)"
+    head = ("step", "model", "free parameters", "error (N rms)", held, "largest error (N)", "why")
+    return PageTable(f"The ladder down to the noise floor of {newtons(climbed.noise_floor)}", head, rows, (2, 3, 4, 5))
 
 
 def cells(found: Sequence[Cell]) -> PageTable:
@@ -86,7 +89,7 @@ def cells(found: Sequence[Cell]) -> PageTable:
             " to ".join(f"{round(end, 4) + 0.0:.4f}".replace("-", "−") for end in cell.contraction),
             "–" if cell.branch == "static" else cell.branch,
             str(cell.n),
-            number(cell.mean, 3),
+            known_to(cell.mean, cell.rms / math.sqrt(cell.n)),
             number(cell.rms, 3),
             percent(cell.share),
         )
@@ -113,16 +116,12 @@ def parameters(fit: Fit, which: str) -> PageTable:
     """Every fitted parameter with unit, standard error and, in words, whether the record determines it."""
     rows = tuple((e.name, value_of(e), stderr(e), unit(e.unit), standing(e), e.doc) for e in _in_order(fit.estimates))
     head = ("parameter", "value", "standard error", "unit", "standing", "meaning")
-    return PageTable(f"Parameters of {which}: {fit.model.law.name}{_plus(fit)}", head, rows, (1, 2))
+    return PageTable(f"Parameters of {which}: {fit.model.words}", head, rows, (1, 2))
 
 
 def _in_order(estimates: tuple[Estimate, ...]) -> list[Estimate]:
     """The law's parameters by name, as its formula is read, then the effects' as they come."""
     return sorted(estimates, key=lambda e: (1, "") if "." in e.name else (0, e.name))
-
-
-def _plus(fit: Fit) -> str:
-    return "".join(f" + {label}" for label in fit.model.labels)
 
 
 def isobars(table: IsobarTable) -> list[PageTable]:

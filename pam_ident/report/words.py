@@ -4,8 +4,9 @@ import math
 import re
 
 from ..core import digits
+from ..core.prose import capital
 from ..diagnosis.nouns import Diagnosis, Rung
-from ..effects import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure, catalogue
+from ..effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure, named
 from ..fitting.fit import Estimate
 from ..model import Model
 
@@ -16,11 +17,6 @@ VERDICTS = {
         "Unknown effect",
         "The model leaves an error that no effect of the catalogue explains well enough.",
     ),
-}
-STATUS = {
-    "candidate": "candidate",
-    "absorbed_by_law": "absorbed by the law",
-    "not_excited": "not excited by this record",
 }
 ROLES: dict[type[Form], str] = {
     AddsForce: "added to the force",
@@ -97,18 +93,6 @@ def heldout(rung: Rung) -> str:
     return ("" if rung.refit_rmse is None else "nested ") + "held-out error"
 
 
-def titles(model: Model) -> dict[str, str]:
-    """Plain names of the effects by name: the catalogue's, and those of the model's own terms."""
-    known: dict[str, Effect] = catalogue() | {term.effect.name: term.effect for term in model.terms}
-    return {name: effect.title for name, effect in known.items()}
-
-
-def named(label: str, known: dict[str, str]) -> str:
-    """`Title (label)`, or the label alone where the effect has no title."""
-    title = known.get(label.partition(":")[0])
-    return f"{title} ({label})" if title else label
-
-
 def stderr(estimate: Estimate) -> str:
     """A standard error, or in words why there is none."""
     if not estimate.identified:
@@ -131,17 +115,19 @@ def unit(text: str) -> str:
 
 def equation(model: Model) -> list[str]:
     """The law's formula, and a line an effect with its formula and what it does."""
-    lines = [f"{model.law.title}: {model.law.formula} (source: {model.law.source})"]
+    lines = [f"{capital(model.law.title)}: {model.law.formula} (source: {model.law.source})"]
     for term in model.terms:
         role = next((word for kind, word in ROLES.items() if isinstance(term.form, kind)), "")
-        lines.append(f"{term.effect.title} ({term.label}), {role}: {term.form.formula} (source: {term.effect.source})")
+        lines.append(
+            f"{capital(term.effect.title)} ({term.label}), {role}: {term.form.formula} (source: {term.effect.source})"
+        )
     return lines
 
 
-def groups(diagnosis: Diagnosis, known: dict[str, str]) -> list[str]:
+def groups(diagnosis: Diagnosis) -> list[str]:
     """Effects that a record cannot tell apart, a line a group of two or more."""
     return [
-        f"This record cannot tell apart: {'; '.join(named(name, known) for name in group)}."
+        f"This record cannot tell apart: {'; '.join(named(name, diagnosis.best.model.own) for name in group)}."
         for group in diagnosis.groups
         if len(group) > 1
     ]

@@ -104,4 +104,6 @@ def _fit_size(
             break
         last = (size, left)
         size = min(size * float(np.clip((target / left) ** (1 / power), 0.02, 500.0)), ceiling)
-    raise TooSmall(f"the effect does not leave {target:.2f} N: taken up by the law, not excited, or too weak")
+    raise TooSmall(
+        f"the effect does not leave {target:.2f} N: taken up by the law, not shown by this motion, or too weak"
+    )

@@ -27,6 +27,14 @@ if TYPE_CHECKING:
     from ..tasks.add import Addition
 
 
+STATUS = {
+    "candidate": "candidate",
+    "absorbed_by_law": "absorbed by the law",
+    "not_excited": "not shown by this record",
+}
+"""What the status of an effect means, in words."""
+
+
 def comparison_json(record: str, comparison: "Comparison", doubts: "Sequence[Doubt]" = ()) -> Json:
     """Schema pam-ident/comparison/1. Where the length answered, the map and its parts are of its errors, and those in N
     are null."""

@@ -55,10 +55,9 @@ def _by_weight(one: Fit) -> Iterator[Bin]:
 
 def _sentence(one: Fit, found: Comparison) -> str:
     assert one.length_errors is not None
-    model = " + ".join([one.model.law.name, *one.model.labels])
     worst, place = (max(found.by[key], key=lambda part: part.share) for key in ("load_N", "pressure_MPa"))
     text = (
-        f"{model} misses the length by {millimetres(one.length_errors.rmse)} rms (at most "
+        f"The {one.model.words} misses the length by {millimetres(one.length_errors.rmse)} rms (at most "
         f"{millimetres(one.length_errors.largest)}). {percent(worst.share)} of the squared error lies under "
         f"{worst.label}, {percent(place.share)} about {place.label}."
     )

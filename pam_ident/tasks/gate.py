@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core import DataError, FitError, PamError, UsageError
 from ..core.digits import millimetres, newtons, percent
+from ..core.prose import capital
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..fitting.estimate import impossible
@@ -77,7 +78,7 @@ class GraveDoubt(NothingNamed, DataError):
         more = f" (and {', '.join(others)})" if others else ""
         codes = " ".join(f"--assume {code}" for code in (first, *others))
         super().__init__(
-            f"{where}: nothing is named: {stops[0].text.rstrip('.')}{more}. Mend it in the file or by a "
+            f"{where}: nothing is named: {stops[0].text.rstrip('.')}{more}. Fix it in the file or by a "
             f"columns.toml; if it is meant so, {codes}",
             n,
             doubts,
@@ -105,7 +106,7 @@ def doubts_about(one: Fit) -> tuple[Doubt, ...]:
         return _grave_first(found)
     law = Doubt(
         "explains_nothing",
-        f"{_formula(one)} leaves {newtons(one.rmse)} rms of a force of {newtons(size)} rms: it "
+        f"The {one.model.words} leaves {newtons(one.rmse)} rms of a force of {newtons(size)} rms: it "
         "explains nothing. Check units, signs and the specimen, or take another law.",
         "force",
         True,
@@ -121,8 +122,8 @@ def _doubt_length(one: Fit) -> Iterator[Doubt]:
     moves = math.sqrt(errors.spread / errors.n) if errors else 0.0
     if errors and errors.rmse**2 >= (1.0 - LITTLE) * moves**2:
         text = (
-            f"{_formula(one)} leaves {millimetres(errors.rmse)} rms of a length that moves by {millimetres(moves)} "
-            "rms: it explains nothing. Check units, signs and the specimen, or take another law."
+            f"The {one.model.words} leaves {millimetres(errors.rmse)} rms of a length that moves by "
+            f"{millimetres(moves)} rms: it explains nothing. Check units, signs and the specimen, or take another law."
         )
         yield Doubt("explains_nothing", text, "displacement", True)
     if len(np.unique(weight)) == 1:
@@ -155,7 +156,7 @@ def _doubt_outliers(one: Fit) -> Iterator[Doubt]:
         yield Doubt(
             "outlier",
             f"sample {row + 1} reads {newtons(one.record.force[row])}, {newtons(size[row])} off the fit, and decides "
-            f"it{rest} by {percent(share)} of the squared error. Mend or delete the row.",
+            f"it{rest} by {percent(share)} of the squared error. Fix or delete the row.",
             "force",
             True,
         )
@@ -170,7 +171,7 @@ def doubt_values(one: Fit) -> Iterator[Doubt]:
 def warnings_of(one: Fit) -> tuple[Doubt, ...]:
     """The same, and what the effects of its model warn of."""
     effects = [term.effect for term in one.model.terms]
-    return (*doubts_about(one), *(Doubt("effect", f"{e.name}: {e.warning}") for e in effects if e.warning))
+    return (*doubts_about(one), *(Doubt("effect", f"{capital(e.title)}: {e.warning}") for e in effects if e.warning))
 
 
 def admit(record: Record, length: bool = False) -> None:
@@ -178,11 +179,11 @@ def admit(record: Record, length: bool = False) -> None:
     beyond arithmetic. With `length` the length may have answered."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
-        text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Mend or delete the row"
+        text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Fix or delete the row"
         raise _refused(Refused, record, "impossible_value", text)
     time = record.inputs.time
     if time is not None and len(record) > 1 and np.ptp(time) < LEAST_STEP_S * len(record):
-        text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Mend its unit, or leave the time out"
+        text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Fix its unit, or leave the time out"
         raise _refused(Refused, record, "clock_scale", text)
     kind = kind_of(record)
     if kind in FITTING or (length and kind == "isotonic"):
@@ -206,7 +207,7 @@ def require_information(record: Record, model: Model) -> None:
     """Raises TooLittle, with what to measure, where too little is in the record for names."""
     lacking = _lacking(record, len(model.params))
     if lacking is not None:
-        text = f"{lacking}; too little to name an effect by. Measure more, or mend the record"
+        text = f"{lacking}; too little to name an effect by. Measure more, or fix the record"
         raise _refused(TooLittle, record, "too_little", text)
 
 
@@ -261,15 +262,11 @@ def check_completed(one: Fit, assume: tuple[str, ...] = ()) -> None:
     if not one.model.terms or force.std() < CONSTANT * abs(force.mean()) or one.r2 > 1.0 - MOST_LEFT:
         return
     text = (
-        f"{_formula(one)} would leave {newtons(one.rmse)} rms of a force that varies by {newtons(force.std())} "
+        f"The {one.model.words} would leave {newtons(one.rmse)} rms of a force that varies by {newtons(force.std())} "
         "rms: names explain little here. Check units, signs and the specimen, or take another law."
     )
     law = Doubt("explains_nothing", text, "force", True)
     _stop(one.record, (law, *doubts_of(one.record)), assume)
-
-
-def _formula(one: Fit) -> str:
-    return " + ".join([one.model.law.name, *one.model.labels])
 
 
 def _stop(record: Record, doubts: tuple[Doubt, ...], assume: tuple[str, ...]) -> None:

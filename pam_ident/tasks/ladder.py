@@ -6,16 +6,19 @@ from functools import partial
 
 from ..core import FitError, UsageError
 from ..core.digits import newtons
+from ..core.prose import capital
 from ..diagnosis import climb, diagnose, heldout_rmse
 from ..diagnosis.nested import HERE, nested
 from ..diagnosis.nouns import Diagnosis, Ladder, Rung
 from ..fitting import Fit, fit
-from ..model import Model
+from ..model import Model, steps
 from ..parallel.executor import Executor
 from ..records import Record
 from .gate import admit, check_completed, computing, may_name
 from .law_choice import settle
 from .setup import AUTO, REFIT, Setup
+
+__all__ = ["climb_ladder", "ladder_by_hand", "steps"]
 
 
 def climb_ladder(record: Record, setup: Setup, executor: Executor = HERE) -> Ladder:
@@ -94,5 +97,5 @@ def ladder_by_hand(
 def _why(rungs: list[Rung], one: Fit) -> str:
     if not rungs:
         return "the law alone"
-    title = one.model.terms[-1].effect.title
+    title = capital(one.model.terms[-1].effect.title)
     return f"{title}: error {newtons(rungs[-1].fit.rmse)} → {newtons(one.rmse)}, added by hand"

@@ -10,10 +10,11 @@ import numpy as np
 from ..core import DataError, FitError
 from ..core.digits import newtons
 from ..core.progress import steps
+from ..core.prose import capital
 from ..fitting import fit
 from ..fitting.length import by_length
 from ..fitting.solve import solve
-from ..laws import listed
+from ..laws import get_law, listed
 from ..model import Model
 from ..records import Record, thinned
 from ..records.doubt import Doubt
@@ -134,11 +135,18 @@ def choose_for_all(records: Sequence[Record], setup: Setup) -> LawChoice:
     alike = [t for t in able if t.heldout_rmse <= ALIKE * able[0].heldout_rmse]
     best = min(alike, key=lambda t: (t.parameters, t.heldout_rmse))
     second = next((t for t in able if t is not best), None)
-    told = f"{best.law} ({best.parameters} parameters) errs by {newtons(best.heldout_rmse)}"
-    why = f"{told} on held-out data of {len(records)} records"
-    return LawChoice(
-        best.law, why + (f"; {second.law} by {newtons(second.heldout_rmse)}" if second else ""), tuple(trials)
-    )
+    why = f"{_errs(best)} on held-out data of {len(records)} records"
+    return LawChoice(best.law, why + _next(second), tuple(trials))
+
+
+def _errs(trial: LawTrial) -> str:
+    """What a law leaves of held-out data, with what is typed to take it."""
+    title = capital(get_law(trial.law).title)
+    return f"{title} ({trial.law}, {trial.parameters} parameters) errs by {newtons(trial.heldout_rmse)}"
+
+
+def _next(trial: LawTrial | None) -> str:
+    return f"; the next, the {get_law(trial.law).title}, by {newtons(trial.heldout_rmse)}" if trial else ""
 
 
 def _errors(trial: LawTrial) -> tuple[float, float]:
@@ -156,9 +164,9 @@ def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list
     able = [t for t in fitted if not t.problem] or fitted
     best = able[0]
     if not masks:
-        return LawChoice(
-            best.law, f"{best.law} leaves the least; the record has too few cycles to hold any out", trials
-        )
+        title = capital(get_law(best.law).title)
+        why = f"{title} ({best.law}) leaves the least; the record has too few cycles to hold any out"
+        return LawChoice(best.law, why, trials)
     counts = np.array([mask.sum() for mask in masks])
     nothing = (EXACT * largest) ** 2
 
@@ -167,14 +175,13 @@ def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list
         return float(gap.mean()) <= float(gap.std(ddof=1)) / math.sqrt(len(masks)) + nothing
 
     simplest = min((t for t in able if alike(t)), key=lambda t: (t.parameters, t.heldout_rmse))
-    said = (
-        f"{simplest.law} ({simplest.parameters} parameters) errs by {newtons(simplest.heldout_rmse)} on held-out data"
-    )
+    said = f"{_errs(simplest)} on held-out data"
     if simplest is best:
         second = next((t for t in able if t is not best), None)
-        why = said + (f"; the next, {second.law}, by {newtons(second.heldout_rmse)}" if second else "")
+        why = said + _next(second)
     else:
-        why = f"{said}, as little as {best.law} ({best.parameters}, {newtons(best.heldout_rmse)}) to its standard error"
+        other = f"the {get_law(best.law).title} ({best.parameters}, {newtons(best.heldout_rmse)})"
+        why = f"{said}, as little as {other} to its standard error"
     return LawChoice(simplest.law, why, trials)
 
 

@@ -73,7 +73,7 @@ def new_effect(file: str | Path, name: str | None = None, role: str = "adds_forc
     text = template.get_template("effect.py.j2").render(
         file=path.name,
         name=given,
-        title=given.replace("_", " ").capitalize(),
+        title=given.replace("_", " "),
         role=role,
         classes=sorted([example.type, "Effect"]),
         size=example.size,

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from ..core import FitError
+from ..core.prose import capital
 from ..diagnosis import compare
 from ..diagnosis.nested import HERE
 from ..diagnosis.nouns import Diagnosis, Ladder
@@ -71,6 +72,8 @@ def _isobars(model: Model, record: Record) -> tuple[IsobarTable, ...]:
 def _warnings(base: Fit, best: Fit, loops: dict[float, float]) -> tuple[str, ...]:
     found = [doubt.text for doubt in doubts_about(base)]
     found += [doubt.text for doubt in doubt_values(best) if best is not base]
-    found += [f"{term.effect.title}: {term.effect.warning}" for term in best.model.terms if term.effect.warning]
+    found += [
+        f"{capital(term.effect.title)}: {term.effect.warning}" for term in best.model.terms if term.effect.warning
+    ]
     energy = energy_warning(loops)
     return tuple([*found, energy] if energy else found)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import panel as pn
 
 from ..core import PamError
+from ..core.prose import capital
 from ..effects import Effect, catalogue
 from ..laws import listed as listed_laws
 from ..records.datasets import dataset_names, dataset_record
@@ -26,7 +27,9 @@ class Side:
         self.drop = pn.widgets.FileInput(multiple=True, label="Record: choose or drop its files", **WIDE)
         self.example = pn.widgets.Select(label="or an example", options={"choose …": "", **_examples()}, **WIDE)
         self.columns = pn.widgets.Button(label="Columns and units …", visible=False, **WIDE)
-        self.law = pn.widgets.Select(label="Force law", options={law.title: law.name for law in listed_laws()}, **WIDE)
+        self.law = pn.widgets.Select(
+            label="Force law", options={capital(law.title): law.name for law in listed_laws()}, **WIDE
+        )
         self.law.value = setup.law
         known = {"as the specimen says": False, "radius and braid angle fitted": True}
         self.geometry = pn.widgets.Select(label="Geometry", options=known, value=setup.free_geometry, **WIDE)
@@ -68,7 +71,7 @@ class Side:
         self.command.object = str(words.command(bench))
         self.law.value, self.geometry.value = setup.law, setup.free_geometry
         self._effects = _to_add(bench) if bench else {}
-        titles = {effect.title: name for name, effect in self._effects.items()}
+        titles = {capital(effect.title): name for name, effect in self._effects.items()}
         self.effect.param.update(options=titles or [""], value=next(iter(titles.values()), ""))
         self._show_forms()
         self.add_other.disabled = bench is None

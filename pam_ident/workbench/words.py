@@ -7,17 +7,19 @@ from markupsafe import Markup
 
 from ..core import UsageError
 from ..core.progress import Stage
+from ..core.prose import capital
 from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis, Follows
+from ..diagnosis.sentence import start
+from ..effects import in_words
 from ..fitting.estimate import impossible
-from ..model import Model
 from ..notebook.pages import table
 from ..plot.follows import COLOUR
 from ..plot.style import INK
 from ..records.doubt import Doubt
 from ..report import tables
-from ..report.words import STATUS, equation, groups, likely, newtons, number, stderr, titles, value_of
-from ..schema.diagnosis import candidates
+from ..report.words import equation, groups, likely, newtons, number, stderr, value_of
+from ..schema.diagnosis import STATUS, candidates
 from .bench import Bench
 from .draft import Draft, DraftColumn
 
@@ -63,7 +65,7 @@ def draft(shown: Draft, wrong: str = "") -> Markup:
     lines = [Markup("<h2>What was dropped</h2>")]
     lacking = [*shown.missing, *([] if shown.has_specimen else ["the muscle's size"])] if shown.ours else []
     if not shown.ours and shown.problem:
-        lines.append(Markup("<p>Mend the file, or its columns.toml, and drop it again.</p>"))
+        lines.append(Markup("<p>Fix the file, or its columns.toml, and drop it again.</p>"))
     elif shown.missing:
         lines.append(Markup("<p>Say which column is {}.</p>").format(", and ".join(lacking)))
     else:
@@ -87,20 +89,18 @@ def column(one: DraftColumn) -> Markup:
 
 def headline(found: Diagnosis) -> tuple[str, str]:
     """The verdict in a few words, effects by their plain names, and what is left."""
-    known = titles(found.best.model)
-    law = " + ".join([found.base.model.law.title, *(known.get(n, n) for n in found.base.model.effect_names)])
-    start = f"{law} leaves {newtons(found.base.rmse)} rms; the noise is about {newtons(found.noise_floor)}."
+    first = start(found.base, found.noise_floor)
     if found.verdict == "adequate":
-        return "Nothing is missing that this record could show.", start
+        return "Nothing is missing that this record could show.", first
     left = ""
     if found.verdict == "unknown_effect" or found.pattern is not None:
         what = f": {found.pattern.text}" if found.pattern else ""
         left = f"Something is left that no known effect explains{what}."
     if not found.selected:
-        return left or "Something is missing.", start
-    names = ", ".join(known.get(name, name) for name in found.selected)
-    start += f" With {'it' if len(found.selected) == 1 else 'them'} {newtons(found.best.rmse)} are left."
-    return f"Missing: {names}.", f"{start} {left}".strip()
+        return left or "Something is missing.", first
+    names = ", ".join(in_words(name, found.best.model.own) for name in found.selected)
+    first += f" With {'it' if len(found.selected) == 1 else 'them'} {newtons(found.best.rmse)} are left."
+    return f"Missing: {names}.", f"{first} {left}".strip()
 
 
 def verdict(bench: Bench | None) -> Markup:
@@ -122,7 +122,7 @@ def verdict(bench: Bench | None) -> Markup:
     if bench.held:
         parts.append(Markup("<p>Parameters are held by hand. Release them to have named what is missing.</p>"))
     if found is not None:
-        notes = groups(found, titles(found.best.model))
+        notes = groups(found)
         if found.next_experiment is not None:
             notes.append(f"Next experiment: {found.next_experiment.text}")
         parts = [
@@ -160,12 +160,12 @@ def candidate_cards(bench: Bench | None) -> list[dict[str, Any]]:
     found = bench.diagnosis if bench else None
     if bench is None or found is None:
         return []
-    known = titles(found.best.model)
+    known = found.best.model.own
     now, noise = max(bench.fit.rmse, 1e-12), (bench.noise_floor or 0.0) / max(bench.fit.rmse, 1e-12)
     tried = [
         {
             "key": one.label,
-            "title": known.get(one.label.partition(":")[0], one.label),
+            "title": capital(in_words(one.label, known)),
             "text": f"probability {likely(one.probability)} · leaves {newtons(one.rmse)}",
             "bar": min(one.rmse / now, 1.0), "noise": min(noise, 1.0), "traced": True,
             "kind": "named" if one.label in found.labels else "",
@@ -173,7 +173,11 @@ def candidate_cards(bench: Bench | None) -> list[dict[str, Any]]:
         for one in bench.previews
     ]  # fmt: skip
     return tried or [
-        {"key": one.label, "title": known.get(one.effect, one.effect), "text": f"probability {likely(one.probability)}"}
+        {
+            "key": one.label,
+            "title": capital(in_words(one.effect, known)),
+            "text": f"probability {likely(one.probability)}",
+        }
         for one in candidates(found)[:3]
     ]
 
@@ -192,10 +196,10 @@ def no_candidates(bench: Bench | None) -> Markup:
 def not_judged(bench: Bench | None) -> Markup:
     """Effects that this record cannot show."""
     found = bench.diagnosis if bench else None
-    known = titles(found.best.model) if found else {}
+    known = found.best.model.own if found else ()
     lines = [
         Markup("<li>{}: {}{}</li>").format(
-            known.get(one.effect, one.label), STATUS[one.status], f" ({one.why})" if one.why else ""
+            in_words(one.label, known), STATUS[one.status], f" ({one.why})" if one.why else ""
         )
         for one in (found.ranking if found else ())
         if one.status != "candidate"
@@ -227,21 +231,20 @@ def _step(before: Bench | None, now: Bench) -> str:
     if before is not None and before.record is not now.record:
         return now.record.name
     if before is None or before.setup.law != now.setup.law:
-        return now.fit.model.law.title
+        return capital(now.fit.model.law.title)
     if before.held != now.held:
         return f"{', '.join(now.held)} held" if now.held else "released"
     was, held = set(before.fit.model.effect_names), set(now.fit.model.effect_names)
-    known = titles(now.fit.model) | titles(before.fit.model)
-    changes = [f"+ {known[n]}" for n in held - was] + [f"− {known[n]}" for n in was - held]
-    return ", ".join(changes) or now.fit.model.law.title
+    known = (*now.fit.model.own, *before.fit.model.own)
+    changes = [f"+ {in_words(n, known)}" for n in held - was] + [f"− {in_words(n, known)}" for n in was - held]
+    return ", ".join(changes) or capital(now.fit.model.law.title)
 
 
 def against(first: Bench | None, now: Bench | None) -> Markup:
     """The pinned model A beside the present one, B."""
     if first is None or now is None:
         return Markup("<p>Pin a model as A, change it, and compare.</p>")
-    rows = [("model", _model(first.fit.model), _model(now.fit.model))]
-    rows += [("law", first.setup.law, now.setup.law)] if first.setup.law != now.setup.law else []
+    rows = [("model", first.fit.model.words, now.fit.model.words)]
     rows += [("error", newtons(first.fit.rmse) + " rms", newtons(now.fit.rmse) + " rms")]
     rows.append(("on held-out data", newtons(first.rungs[-1].heldout_rmse), newtons(now.rungs[-1].heldout_rmse)))
     follow = [told(b.diagnosis.follows) if b.diagnosis else "–" for b in (first, now)]
@@ -253,11 +256,6 @@ def against(first: Bench | None, now: Bench | None) -> Markup:
     rows += [(name, *(one.get(name, "–") for one in values)) for name in dict.fromkeys([*values[0], *values[1]])]
     shown = tables.PageTable(f"A ({first.record.name}) and B ({now.record.name})", ("", "A", "B"), tuple(rows))
     return table(shown)
-
-
-def _model(model: Model) -> str:
-    known = titles(model)
-    return " + ".join([model.law.title, *(known.get(name, name) for name in model.effect_names)])
 
 
 def model(bench: Bench | None) -> Markup:

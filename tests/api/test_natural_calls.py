@@ -286,7 +286,7 @@ def test_39_tab_shows_these_and_nothing_else():
 
 def test_40_what_there_is():
     assert "exponential_law" in list(pam.laws) and "creep" in pam.effects and "creep" in dir(pam.effects)
-    assert "Creep and stress relaxation" in repr(pam.effects) and pam.laws.to_frame().loc["sarosi", "title"]
+    assert "creep and stress relaxation" in repr(pam.effects) and pam.laws.to_frame().loc["sarosi", "title"]
     with pytest.raises(KeyError, match="did you mean sarosi"):
         pam.laws["sarosy"]
     assert issubclass(UsageError, PamError)

@@ -293,7 +293,11 @@ def test_a_diagnosis_says_what_each_record_lacks(root, tmp_path):
     }
     assert [list(names) for names in table["selected"]] == [["pressure_friction"], []]
     page = found.page.read_text(encoding="utf-8")
-    assert "lacks pressure_friction" in page and ">missing effect</td>" in page and ">error</td>" not in page
+    assert (
+        "lacks friction that grows with pressure" in page
+        and ">missing effect</td>" in page
+        and ">error</td>" not in page
+    )
 
 
 def test_effects_of_ones_own_are_loaded_by_the_workers(root, tmp_path):

@@ -56,7 +56,7 @@ def test_diagnose_names_the_friction_that_is_there(answer, rubbing):
     for one in found["ranking"]:
         assert set(one) == {"effect", "status", "probability", "rmse_after_N", "heldout_rmse_after_N"}
         assert one["status"] in ("candidate", "absorbed_by_law", "not_excited")
-    assert "verdict missing_effect" in result.stdout and "coulomb_friction" in result.stdout
+    assert "verdict: missing effect" in result.stdout and "Coulomb friction (coulomb_friction" in result.stdout
 
 
 def test_diagnose_finds_nothing_where_nothing_is(answer, clean):
@@ -151,7 +151,7 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
         }
     assert found["rungs"][-1]["effects"][0].startswith("coulomb_friction")
     assert found["rungs"][-1]["rmse_N"] < 1.1 * found["noise_floor_N"] < 0.3 * found["rungs"][0]["rmse_N"]
-    assert "rung" in result.stdout and "noise floor" in result.stdout
+    assert "step" in result.stdout and "verdict: adequate" in result.stdout
 
 
 def test_the_ladder_of_a_good_law_has_one_rung(one_process, answer, clean):

@@ -153,7 +153,7 @@ def test_free_geometry_is_fitted_and_counted(answer, root):
 def test_the_printed_bladder_force_brings_its_warning(ask, root):
     record = root / "datasets" / "dmsp20_300" / "record.csv"
     result = ask("fit", record, "--law", "chou_hannaford", "--effect", "bladder_elasticity_printed")
-    assert "Warning: bladder_elasticity_printed: " in result.stdout
+    assert "Warning: Elasticity of the bladder, as printed: " in result.stdout
 
 
 def test_another_specimen_file_is_used(answer, clean, tmp_path):

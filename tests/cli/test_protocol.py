@@ -18,7 +18,7 @@ def test_a_poor_record_its_protocol_and_the_run_that_decides(ask, answer, tmp_pa
     experiment = found["next_experiment"]
     assert set(experiment) == {"vary", "text", "predicted", "minutes", "protocol"} and "speed" in experiment["vary"]
     told = {one["rival"]: one["standard_errors"] for one in experiment["predicted"]}
-    assert told["coulomb_friction"] > 5 and file.read_text().startswith("# To tell viscous_damping from")
+    assert told["coulomb_friction"] > 5 and file.read_text().startswith("# To tell viscous damping from")
     assert ask("rig", better, "--protocol", file, *DAMPED).exit_code == 0
     _, again = answer("diagnose", better / "record.csv", *LAW)
     assert again["selected"] == ["viscous_damping"] and again["groups"] == []

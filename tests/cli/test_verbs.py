@@ -135,7 +135,7 @@ def test_help_names_an_argument_once_and_what_may_be_left_out_in_one_pair_of_bra
 
 def test_effects_are_listed_as_laws_are(ask):
     lines = ask("effects").output.splitlines()
-    at = lines.index("creep: Creep and stress relaxation")
+    at = lines.index("creep: creep and stress relaxation")
     assert lines[at + 1 : at + 3] == ["  −G q, q̇ = ε̇ − q/τ", "  needs in the record: motion, time"]
 
 

@@ -40,13 +40,13 @@ def test_the_force_differs_by_the_friction_and_not_on_average(found):
 
 
 def test_the_sentence_says_more_and_less_in_words_and_ends_each_thought(found):
-    assert _between(-0.192, -0.0165) == "95 %: 0.0165 N to 0.192 N less"
-    assert _between(0.0165, 0.192) == "95 %: 0.0165 N to 0.192 N more"
+    assert _between(-0.192, -0.0165) == "95 %: 0.017 to 0.192 N less"
+    assert _between(0.0165, 0.192) == "95 %: 0.017 to 0.192 N more"
     assert _between(-0.2, 0.1) == "95 %: from 0.200 N less to 0.100 N more"
     assert _between(math.nan, math.nan) == "its interval is not determined"
     thoughts = found.sentence.split(". ")
     assert len(thoughts) == 4 and all(not one[0].islower() for one in thoughts) and " -" not in found.sentence
-    assert thoughts[2] == "Missing in hidden_effect alone: pressure_friction"
+    assert thoughts[2] == "Missing in hidden_effect alone: friction that grows with pressure (pressure_friction)"
 
 
 def test_a_record_against_its_like_differs_in_nothing(found):
@@ -75,6 +75,6 @@ def test_the_answer_in_python(found, tmp_path):
     answer = json.loads(json.dumps(result.to_json(), default=float))
     assert answer["schema"] == "pam-ident/against/1" and answer["b"]["selected"] == ["pressure_friction"]
     page = result.report(tmp_path / "ab.html").read_text(encoding="utf-8")
-    assert "Friction in proportion to pressure" in page and "B − A" in page
+    assert "friction that grows with pressure" in page and "B − A" in page
     with pytest.raises(UsageError, match="different models"):
         a.against(pam.diagnose(found.b.base.record, "sarosi"))

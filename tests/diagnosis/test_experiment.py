@@ -12,7 +12,7 @@ from pam_ident.diagnosis.possible_runs import possible_runs
 from pam_ident.diagnosis.select import investigate
 from pam_ident.diagnosis.strokes import Strokes, listed
 from pam_ident.diagnosis.track import SharedNoise
-from pam_ident.effects import catalogue, get_effect
+from pam_ident.effects import catalogue, get_effect, in_words
 from pam_ident.fitting import fit
 from pam_ident.model import Model, Term
 from pam_ident.records import Record, read_record
@@ -66,7 +66,7 @@ def test_the_run_it_asks_for_names_the_right_one_alone(tmp_path, law, poor, effe
     assert lever in experiment.vary and experiment.minutes < 20.0
     told = {s.rival: s.standard_errors for s in experiment.predicted if s.effect == first.selected[0]}
     (other,) = rivals - {first.selected[0]}
-    assert told[other] > 5.0 and other in experiment.text
+    assert told[other] > 5.0 and in_words(other) in experiment.text
     run = replace(plan, protocol=as_run(tmp_path, experiment.protocol))
     again = diagnose(Model.build(law), rig_record(tmp_path, run))
     assert again.selected == (effect,) and again.groups == ()

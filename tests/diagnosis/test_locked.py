@@ -43,7 +43,7 @@ def test_few_lengths_show_patterns_over_time_alone_and_a_table_of_few_none(tmp_p
     write_case(tmp_path, make_record(Plan(31, LAW, protocol="locked_stairs")))
     inputs = Setup(LAW).read(tmp_path / "record.csv").steady
     held = replace(inputs, contraction=np.round(inputs.contraction, 2))
-    assert {one.name for one in patterns(held)} == {"beat", "burst", "step", "trend"}
+    assert {one.name for one in patterns(held)} == {"beat", "burst", "sensor", "step", "trend"}
     assert patterns(replace(held, time=None)) == ()
 
 

@@ -72,7 +72,7 @@ def test_the_ladder_ends_where_nothing_predicts_better_and_says_so(table):
     found = nested(Ladder(rungs, SIGMA, "top"), best_ripple, lambda model: model)
     assert [rung.effects for rung in found.rungs] == [()] and found.last == LAW
     assert found.nested.by == "length" and found.nested.parts == 5
-    assert f"{fits[1].model.labels[0]} would make it" in found.nested.text and "is left out" in found.nested.text
+    assert f"({fits[1].model.labels[0]}) would make it" in found.nested.text and "is left out" in found.nested.text
     assert found.rungs[0].refit_rmse == rungs[0].heldout_rmse
 
 
@@ -91,7 +91,7 @@ def test_what_predicts_better_stays_and_a_better_law_is_recommended(table):
     best, (count, error) = next(iter(found.nested.beside.items()))
     assert list(found.nested.beside.values()) == sorted(found.nested.beside.values(), key=lambda one: one[1])
     assert error < found.rungs[1].heldout_rmse / 1.05
-    assert f"{best} ({count} parameters) alone predicts better" in found.nested.text
+    assert f"({best}) alone, with {count} parameters, predicts better" in found.nested.text
     assert "mean over pressure" in found.nested.beside and "chou_hannaford" not in found.nested.beside
 
 

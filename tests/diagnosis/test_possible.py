@@ -52,7 +52,7 @@ def test_a_possible_bias_is_named():
 def test_an_impossible_bias_is_not_named_and_the_answer_says_why():
     found = diagnose(LAW, record_with(-160.0), only=("force_bias",))
     assert found.verdict == "unknown_effect" and found.selected == ()
-    assert "force_bias.F_b = -160 N is impossible: -100 to 100 N" in found.sentence
+    assert "F_b = -160 N of bias of the load cell is impossible: -100 to 100 N" in found.sentence
     assert found.pattern.share > 0.9 and found.best.model == LAW
     assert diagnosis_json("r", found)["ranking"][0]["probability"] == 0.0
 

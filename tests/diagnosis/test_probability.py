@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.probability import LAPSE, LOCKED, TEMPER, probabilities
+from pam_ident.diagnosis.probability import BESIDE_UNKNOWN, LAPSE, LOCKED, PAIR, TEMPER, THREE, probabilities
 from pam_ident.diagnosis.selection import Selection
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
@@ -48,12 +48,20 @@ def test_a_name_that_the_answer_has_not_is_not_stated_beside_it():
     assert min(probabilities(sets, ())[name] for name in "ab") > 0.6
     found = probabilities(sets, (), {"a"})
     assert found["a"] > 1.0 - LAPSE and max(found[name] for name in "bcd") < 0.01
-    assert probabilities(sets, [("b", "c")], {"a", "b"})["c"] > 1.0 - LAPSE
+    assert probabilities(sets, [("b", "c")], {"a", "b"})["c"] > 1.0 - PAIR
 
 
 def test_nothing_is_ever_certain_nor_ruled_out():
     found = probabilities(selection({(): 5000.0, ("a",): 0.0}), ())
     assert 0.98 < found["a"] < 1.0 and 0.0 < found["b"] < 0.01
+
+
+def test_the_more_names_and_what_is_unknown_beside_them_the_less_sure_they_are():
+    sets = selection({("a", "b", "c"): 0.0})
+    for answer, unknown, misled in (("a", False, LAPSE), ("ab", False, PAIR), ("abc", False, THREE), ("ab", True, 0.2)):
+        found = probabilities(sets, [("a", "b", "c")], set(answer), unknown)
+        assert found["a"] == pytest.approx(1.0 - misled + misled / 4)
+    assert LAPSE < PAIR < BESIDE_UNKNOWN == 0.2 < THREE
 
 
 def test_no_name_is_near_certain_in_a_locked_muscle():

@@ -14,12 +14,13 @@ RUN, HOLD, STROKE_MM = 30, 6, 40.0
 NOISE_N, NOISE_MM, NOISE_MPA = 1.0, 0.01, 1e-4
 
 
-def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0):
+def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0, cell=None, warm=None):
     """At four pressures, `times` there and back at each of the speeds in mm/s, the drive speeding up and braking over
     `soft` of a stroke. The last sample of a hold lies at the corner: there the friction is that of the stroke before or
     of the next, by chance, and in the hold before the first stroke of a pressure that of either side. `hidden` takes
     pressure in MPa, contraction over the largest, the side (±1, kept in holds) and velocity in mm/s (0 in holds) to
-    the force in N."""
+    the force in N. `cell` takes the time in s, the muscle's force and the temperature to what is read, `warm` the time
+    to the temperature in °C."""
     rng, columns = np.random.default_rng(seed), []
     u = np.linspace(0.0, 1.0, RUN + 1)[1:]
     way = np.interp(u, *ramped(soft))
@@ -37,13 +38,17 @@ def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0):
     step, x, side, velocity, pressure = (np.concatenate(parts) for parts in zip(*columns, strict=True))
     time, contraction = np.cumsum(step), STROKE_MM * x / SPECIMEN.initial_length_mm
     pull = LAW.force(build_record("made", SPECIMEN, pressure, contraction, 0.0 * x, time=time).inputs, TRUE)
+    force = pull + hidden(pressure, x, side, velocity)
+    temperature = None if warm is None else warm(time)
+    force = force if cell is None else cell(time, force, temperature)
     return build_record(
         "made",
         SPECIMEN,
         pressure + NOISE_MPA * rng.standard_normal(len(x)),
         contraction + NOISE_MM * rng.standard_normal(len(x)) / SPECIMEN.initial_length_mm,
-        pull + hidden(pressure, x, side, velocity) + NOISE_N * rng.standard_normal(len(x)),
+        force + NOISE_N * rng.standard_normal(len(x)),
         time=time,
+        temperature=temperature,
         level=pressure,
     )
 
@@ -82,3 +87,65 @@ def test_where_a_drive_speeds_up_the_muscle_slides(soft):
     x, moving = record.inputs.displacement_mm, record.inputs.moving
     off = np.minimum(np.abs(x), np.abs(x - STROKE_MM))
     assert moving[off > 6.0 * NOISE_MM].all()
+
+
+NOTHING = lambda p, e, side, v: 0.0 * p  # noqa: E731
+
+
+def oven(time):
+    """A room that warms and cools, out of step with pressures and strokes."""
+    return 22.0 + 4.0 * np.sin(2.0 * np.pi * time / (0.37 * time[-1]))
+
+
+def creeping(time, force, temperature):
+    """Of each change of tension a tenth is gone by (1 + t/0.5 s)^-0.3, a power law of the time."""
+    change = np.diff(force, prepend=force[0])
+    since = np.maximum(time[:, None] - time[None, :], 0.0)
+    return force - 0.1 * np.tril(1.0 - (1.0 + since / 0.5) ** -0.3) @ change
+
+
+def saturating(time, force, temperature):
+    """A load cell that is soft above two thirds of its range."""
+    return force - 0.03 * np.maximum(force - 0.65 * force.max(), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("cell", "along"),
+    [(lambda t, f, T: f - 1.0 * (T - T[0]), "temperature"), (saturating, "force")],
+    ids=["zero that follows the temperature", "saturating"],
+)
+def test_an_error_of_the_load_cell_is_no_effect_of_the_muscle(cell, along):
+    found = diagnose(LAW, strokes(NOTHING, cell=cell, warm=oven))
+    assert found.verdict == "unknown_effect" and not found.selected, found.sentence
+    assert found.pattern is not None and found.pattern.coordinate == along
+    assert found.base.rmse > 1.3 * NOISE_N
+
+
+def test_rubber_that_softens_as_it_warms_is_no_error_of_the_load_cell():
+    found = diagnose(LAW, strokes(NOTHING, cell=lambda t, f, T: f * (1.0 - 0.003 * (T - T[0])), warm=oven))
+    assert found.selected == ("thermal_softening",), found.sentence
+
+
+def test_creep_may_follow_the_tension_by_any_kernel():
+    found = diagnose(LAW, strokes(NOTHING, cell=creeping))
+    assert found.selected == ("creep",), found.sentence
+    assert found.base.rmse > 1.5 * NOISE_N and found.noise_floor < 1.1 * NOISE_N
+
+
+def throttled(p, x, side, v):
+    """A short hose takes pressure in proportion to the flow of mass, 2.2 times as much where the muscle is vented."""
+    e = STROKE_MM * x / SPECIMEN.initial_length_mm
+    sine, cosine = np.sin(np.radians(SPECIMEN.braid_angle_deg)), np.cos(np.radians(SPECIMEN.braid_angle_deg))
+    per_MPa = TRUE["k0"] * np.pi * SPECIMEN.initial_radius_mm**2
+    per_MPa = per_MPa * (3.0 * (cosine / sine) ** 2 * (1.0 - TRUE["k1"] * e) ** 2 - 1.0 / sine**2)
+    volume = (1.0 - (cosine * (1.0 - e)) ** 2) * (1.0 - e) / sine**2
+    growth = (2.0 * (cosine * (1.0 - e)) ** 2 - sine**2 * volume / (1.0 - e)) / sine**2  # dV/dε over V0
+    lost = 0.004 * (p + 0.101) * growth * v / SPECIMEN.initial_length_mm * np.where(v * growth > 0.0, 1.0, 2.2)
+    return -lost * per_MPa
+
+
+def test_a_value_beyond_natures_end_is_none_where_one_within_does_as_well():
+    found = diagnose(LAW, strokes(throttled, speeds=(4.0, 12.0, 40.0, 80.0), times=3))
+    assert found.selected == ("pressure_lag",), found.sentence
+    assert not found.best.impossible and "impossible" not in found.sentence
+    assert found.base.rmse > 1.5 * NOISE_N

@@ -9,6 +9,7 @@ from typer.main import get_command
 
 import pam_ident
 from pam_ident.cli import app
+from pam_ident.core.prose import capital
 from pam_ident.effects import catalogue as effects
 from pam_ident.effects import get_effect, load_effect_file
 from pam_ident.laws import catalogue as laws
@@ -54,7 +55,7 @@ def read(path):
 def test_every_effect_and_law_has_a_page_that_tells_all_of_it(generated):
     for name, effect in effects().items():
         page = read(generated / "effects" / f"{name}.md")
-        told = [effect.title, effect.source, effect.warning, *(f.name for f in effect.forms)]
+        told = [capital(effect.title), effect.source, effect.warning, *(f.name for f in effect.forms)]
         told += [f.formula for f in effect.forms] + [f"`{p.name}`" for f in effect.forms for p in f.params]
         assert not [text for text in told if text not in page], name
         assert effect.test.lower() in page.lower()
@@ -62,7 +63,9 @@ def test_every_effect_and_law_has_a_page_that_tells_all_of_it(generated):
         assert f"({name}.md)" in read(generated / "effects" / "index.md")
     for name, law in laws().items():
         page = read(generated / "laws" / f"{name}.md")
-        assert not [text for text in (law.title, law.formula, *(f"`{p.name}`" for p in law.params)) if text not in page]
+        assert not [
+            text for text in (capital(law.title), law.formula, *(f"`{p.name}`" for p in law.params)) if text not in page
+        ]
         assert law.source[1:] in page
 
 

@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 import pam_ident
+from pam_ident.live import OLDEST
 
 CONDA = {"matplotlib": "matplotlib-base", "mujoco": "mujoco-python"}  # where conda-forge has another name
 USERS = ("formats", "prototype", "workbench", "cluster")
@@ -56,6 +57,7 @@ def test_a_package_has_one_floor(project):
     lines = [*project["dependencies"], *(line for extra in extras.values() for line in extra if "[" not in line)]
     names = [name for name, _ in floors(lines)]
     assert len(names) == len(set(names))
+    assert ("bokeh", ".".join(map(str, OLDEST))) in floors(extras["workbench"]), "what runs asks for the same"
 
 
 def test_types_come_along(root):

@@ -58,9 +58,9 @@ def test_the_tutorial_ends_with_the_hidden_effect(pages):
     _, now, block = pages
     outputs = {found["command"]: found["output"] for found in block.finditer(now)}
     diagnosis = next(o for c, o in outputs.items() if c.startswith("pam-ident diagnose datasets/hidden_effect"))
-    assert "verdict missing_effect" in diagnosis
-    assert "Missing: pressure_friction" in " ".join(diagnosis.split())
-    assert any("verdict adequate" in o for c, o in outputs.items() if "nothing_hidden" in c)
+    assert "verdict: missing effect" in diagnosis
+    assert "Missing: friction that grows with pressure (pressure_friction" in " ".join(diagnosis.split())
+    assert any("verdict: adequate" in o for c, o in outputs.items() if "nothing_hidden" in c)
 
 
 def test_a_changed_digit_is_noticed(agree):

@@ -24,7 +24,17 @@ EACH_FORM_SLOWLY = pytest.mark.parametrize(
 REMEMBER = {
     *(
         f"creep:{form}"
-        for form in ("textbook", "pressed", "logarithmic", "prony_3", "elastic", "force_driven", "following", "free")
+        for form in (
+            "textbook",
+            "pressed",
+            "logarithmic",
+            "prony_3",
+            "elastic",
+            "force_driven",
+            "following",
+            "free",
+            "free_tension",
+        )
     ),
     *(
         f"presliding_hysteresis:{form}"

@@ -105,7 +105,7 @@ def test_profiles_have_one_entry_a_coordinate_that_varies(diagnosis, table):
 
 def test_ladder_names_what_each_rung_adds(ladder, diagnosis):
     shown = ladder_figure.data(ladder)
-    assert shown.names == ("modified_chou_hannaford", "+ coulomb_friction")
+    assert shown.names == ("modified Chou–Hannaford law", "+ Coulomb friction")
     assert shown.rmse == pytest.approx([diagnosis.base.rmse, diagnosis.best.rmse])
     assert list(shown.heldout) == [8.3, 0.55]
     assert shown.noise_floor == 0.5
@@ -123,7 +123,7 @@ def test_candidates_put_the_likely_first_and_the_unseen_last(diagnosis):
     assert [b.selected for b in shown.bars] == [True, False, False, False, False]
     assert shown.bars[0].rmse_after == diagnosis.best.rmse
     assert math.isnan(shown.bars[2].heldout)
-    assert [b.note for b in shown.bars[3:]] == ["absorbed by the law", "not excited by this record"]
+    assert [b.note for b in shown.bars[3:]] == ["absorbed by the law", "not shown by this record"]
     assert all(math.isnan(b.rmse_after) for b in shown.bars[3:])
     assert shown.before == diagnosis.base.rmse
     assert [b.label for b in candidates.data(diagnosis, limit=1).bars][1:] == ["force_bias", "thermal_softening"]

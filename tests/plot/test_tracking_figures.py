@@ -33,8 +33,8 @@ def test_it_shows_both_pids_and_the_first_and_last_rung(track):
     assert [curve.name for curve in shown.curves] == [
         "PID, tuned by hand",
         "PID, tuned automatically",
-        "PID + chou_hannaford",
-        "PID + chou_hannaford with 2 effects",
+        "PID + ideal law of Chou and Hannaford",
+        "PID + ideal law of Chou and Hannaford with 2 effects",
     ]
     for curve, size in zip(shown.curves, (4.0, 2.0, 1.0, 0.25), strict=True):
         assert curve.flexion + curve.error == pytest.approx(shown.target)
@@ -47,7 +47,7 @@ def test_rungs_have_the_error_of_a_sine_and_their_bands(track):
     assert shown.rms == pytest.approx(np.array([1.0, 0.5, 0.25]) / np.sqrt(2.0))
     assert shown.pid_rms == pytest.approx(2.0 / np.sqrt(2.0))
     assert np.isnan(shown.band[0]).all() and shown.band[1:] == pytest.approx(np.array([[0.3, 0.5], [0.1, 0.2]]))
-    assert len(shown.rungs) == 3 and "viscous_damping" in shown.rungs[2]
+    assert len(shown.rungs) == 3 and "viscous damping" in shown.rungs[2]
 
 
 def test_a_single_rung_is_drawn_once(track):

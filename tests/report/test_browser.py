@@ -40,7 +40,7 @@ def opened(watched, file):
     """The page, opened."""
     watched.emulate_media(reduced_motion="reduce")
     watched.goto(file.as_uri())
-    watched.locator("figure.live").nth(5).wait_for(state="attached")
+    watched.locator("figure.live").nth(9).wait_for(state="attached")
     assert not watched.locator("details[open]").count()
     return watched
 
@@ -76,6 +76,8 @@ def test_it_opens_with_the_answer_and_nothing_else(opened, width):
         assert min(sizes) > 8.0
     sure = opened.get_by_text("How sure: ").first.bounding_box()
     assert width < 1400 or sure["y"] + sure["height"] <= 900
+    told = opened.locator(".opening").first.locator("h3, .lead, figcaption").all_inner_texts()
+    assert len(told) > 3 and not any("_" in one for one in told), "no names of the code"
     assert opened.evaluate("document.documentElement.scrollHeight") < 6000, "the details are folded"
     assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
 
@@ -118,7 +120,7 @@ def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(unfolded):
     opened = unfolded
     choice = opened.locator(".steps fieldset").first.get_by_role("radio")
     assert choice.count() == 3
-    names = ["Rung 0", "Rung 1: + Coulomb friction", "Rung 2: + Viscous damping"]
+    names = ["Step 0", "Step 1: + Coulomb friction", "Step 2: + viscous damping"]
     for k in (1, 2, 0):
         choice.nth(k).click()
         (head,) = shown(opened)
@@ -131,7 +133,24 @@ def test_the_rungs_are_stepped_through_by_mouse_and_by_keyboard(unfolded):
     opened.keyboard.press("ArrowDown")
     assert shown(opened)[0].startswith(names[0])
     other = opened.locator(".steps").nth(1).locator("h4:visible")
-    assert other.count() == 1 and "Rung 0" in other.text_content()
+    assert other.count() == 1 and "Step 0" in other.text_content()
+
+
+def test_a_rung_is_zoomed_into_and_pointed_at_and_is_one_of_its_own(unfolded):
+    unfolded.get_by_role("radio").nth(2).click()
+    figure = unfolded.locator(".steps").first.locator("figure.live:visible")
+    assert figure.count() == 1 and figure.locator(".bk-Figure").count() == 2
+    words = figure.locator(".bk-label").all_text_contents()
+    assert [one for one in words if one.startswith("error before: 0.")], "before is the step below, not the law"
+    ends = "Bokeh.documents[0].roots().map((one) => one.children[0].x_range.end)"
+    before = unfolded.evaluate(ends)
+    figure.get_by_role("button", name="Zoom in").press("Enter")
+    changed = [now != then for now, then in zip(unfolded.evaluate(ends), before, strict=True)]
+    assert changed.count(True) == 1
+    figure.scroll_into_view_if_needed()
+    frame = figure.locator(".bk-CartesianFrame").first.bounding_box()
+    unfolded.mouse.move(frame["x"] + frame["width"] / 2, frame["y"] + frame["height"] / 2, steps=3)
+    unfolded.locator(".bk-Tooltip:visible").get_by_text("measured:", exact=True).wait_for()
 
 
 def test_the_map_tells_its_numbers_under_the_pointer_and_in_a_table(unfolded, diagnosis):
@@ -203,7 +222,7 @@ def test_a_dark_screen_darkens_page_and_figures_alike_and_paper_neither(unfolded
 
 @pytest.mark.parametrize(
     ("width", "rungs", "scheme"),
-    [(1200, (0, 2), "light"), (380, (1,), "light"), (1400, (2,), "dark"), (500, (0,), "dark")],
+    [(1400, (0, 2), "light"), (500, (1,), "light"), (1400, (2,), "dark"), (500, (0,), "dark")],
 )
 def test_axe_finds_no_fault_of_weight(opened, width, rungs, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()

@@ -60,7 +60,7 @@ def test_the_name_or_the_wish_gives_the_format(quick, tmp_path, name, kind, star
     text = (tmp_path / name).read_text(encoding="utf-8")
     assert text.lstrip().startswith(start)
     assert (f"--format {kind}" in text) == (kind is not None)
-    assert story.title == "made up: Modified Chou–Hannaford law"
+    assert story.title == "made up: modified Chou–Hannaford law"
     figures = tmp_path / "a_figures"
     assert figures.is_dir() == start.startswith("#")
     assert {path.name for path in tmp_path.iterdir()} <= {name, "a_figures"}

@@ -187,8 +187,10 @@ def test_the_interactive_figures_of_a_stranger_do_no_harm(told, page, tmp_path):
     page.goto(path.as_uri())
     page.locator("figure.live").nth(1).wait_for(state="attached")
     page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
-    for figure in page.locator("figure.live .panels").all():
-        figure.hover()
+    for rung in page.get_by_role("radio").all():
+        rung.check(force=True)
+        for figure in page.locator("figure.live .panels:visible").all():
+            figure.hover()
     assert said == [path.as_uri()]
     assert page.locator("script").count() == 4, "those of the page, and Bokeh's"
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from pam_ident.diagnosis.compare import compare
 from pam_ident.diagnosis.nouns import Pattern
 from pam_ident.fitting import fit, fit_isobars, loop_energies
+from pam_ident.fitting.identifiability import AT_BOUND
 from pam_ident.model import Model
 from pam_ident.report import Section, Story, render, tables
 from pam_ident.report.easel import Easel
@@ -179,6 +180,14 @@ def test_what_the_answer_says_is_what_was_found(section, diagnosis):
     assert part.heading == "Something is left that no known effect explains."
 
 
+def test_a_parameter_at_its_bound_is_said_beside_the_answer(section):
+    after = section.after
+    stuck = replace(after.estimates[0], at_bound=True, verdict=AT_BOUND)
+    told = replace(section.comparison_after, fit=replace(after, given=(stuck, *after.estimates[1:])))
+    notes = opening(replace(section, comparison_after=told), Easel("x", 50)).notes
+    assert [one for one in notes if one.startswith(f"{stuck.name} = ") and "bound" in one]
+
+
 def test_noise_and_held_out_error_are_the_same_all_over_the_page(section):
     """The ladder's last model tells the noise, and what is held out is held out the same way."""
     found = replace(section, ladder=replace(section.ladder, noise_floor=0.789))
@@ -233,7 +242,7 @@ def test_numbers():
 
 def test_ladder_and_candidate_tables(diagnosis, ladder):
     table = tables.ladder(ladder)
-    assert table.rows[1][:3] == ("1", "+ coulomb_friction", str(len(diagnosis.best.model.params)))
+    assert table.rows[1][:3] == ("1", "+ Coulomb friction (coulomb_friction)", str(len(diagnosis.best.model.params)))
     assert table.rows[1][3] == number(diagnosis.best.rmse, 3)
     assert table.rows[1][6] == "halves the error"
     rows = tables.candidates(diagnosis).rows
@@ -322,7 +331,7 @@ def test_a_ladder_without_a_step_is_neither_drawn_nor_stepped_through(section, t
     alone = replace(diagnosis, verdict="adequate", selected=(), labels=(), groups=(), best=diagnosis.base)
     page = render(Story("low", (Section(section.record, section.comparison, alone, ladder=low),)), live=False)
     assert f"No effect was added to the law, which leaves {number(diagnosis.base.rmse, 3)} N rms." in Page(page).text
-    assert "step" not in page.partition("<body>")[2] and page.count("<figure ") == 5
+    assert 'class="steps"' not in page.partition("<body>")[2] and page.count("<figure ") == 5
     assert "<dd>8.30 N</dd>" in page and "<dd>8.30 N → 0.550 N</dd>" in text
 
 

@@ -33,7 +33,11 @@ def tall(record, diagnosis):
 
 def test_each_rung_tells_the_errors_before_and_after_and_what_convinced(tall, diagnosis):
     found = steps(tall, Easel("x", 400))
-    assert [name for name, _ in found] == [f"0: {LAW}", "1: + coulomb_friction", "2: + viscous_damping"]
+    assert [name for name, _ in found] == [
+        "0: modified Chou–Hannaford law",
+        "1: + Coulomb friction",
+        "2: + viscous damping",
+    ]
     first, second, third = (part for _, part in found)
     assert dict(first.facts)["held-out error"] == "8.30 N rms" and first.pictures == ()
     facts = dict(second.facts)
@@ -41,11 +45,11 @@ def test_each_rung_tells_the_errors_before_and_after_and_what_convinced(tall, di
     assert facts["error"] == f"{base:.2f} N → {best:.3f} N rms"
     assert facts["held-out error"] == "8.30 N → 0.550 N rms"
     assert facts["explained of the squared error"] == "> 99 %" and 0.99 < 1 - (best / base) ** 2 < 1
-    assert facts["probability of coulomb_friction"] == "97 %"
+    assert facts["probability of Coulomb friction"] == "97 %"
     assert facts["free parameters"] == "3 → 4"
     assert second.text == (f"Why it was added: {diagnosis.sentence}",)
-    assert second.heading == "Rung 1: + Coulomb friction (coulomb_friction)"
-    assert third.text == ("Why it was added: a little",) and "probability of viscous_damping" not in dict(third.facts)
+    assert second.heading == "Step 1: + Coulomb friction (coulomb_friction)"
+    assert third.text == ("Why it was added: a little",) and "probability of viscous damping" not in dict(third.facts)
 
 
 def test_a_rung_shows_what_it_adds_through_what_the_rung_below_leaves(tall, diagnosis):
@@ -56,7 +60,7 @@ def test_a_rung_shows_what_it_adds_through_what_the_rung_below_leaves(tall, diag
     trace = lines["what is added"]
     assert len(trace) == 100
     assert trace[[0, -1]] == pytest.approx((above.force - below.force)[[0, -1]])
-    assert low.get_title(loc="left").startswith("After adding viscous_damping: ")
+    assert low.get_title(loc="left").startswith("After adding viscous damping: ")
 
 
 @pytest.mark.long

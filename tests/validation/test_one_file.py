@@ -62,7 +62,7 @@ print("gained", both - likelier_colour(*asked))
 """,
 }
 SHOWS = {
-    "effects": r"^\[\]\nspindle_ripple: Ripple of the spindle",
+    "effects": r"^\[\]\nspindle_ripple: ripple of the spindle",
     "laws": r'"f2": \{\s+"value"',
     "patterns": r"^unknown_effect periodic displacement a sawtooth every 5\.(29|3) mm \(even\)",
     "noises": r"^gained [1-9]\d",

@@ -33,7 +33,7 @@ def patterns(inputs: Inputs, beats: Sequence[float] = (), error_mm: float = 0.0)
     displacement: any curve over contraction passes through its lengths.
     """
     timed, many = inputs.time is not None, len(np.unique(np.round(inputs.displacement_mm, 3))) >= LENGTHS
-    seen = {"time": timed, SINCE_REVERSAL: timed and many}
+    seen = {"time": timed, "temperature": timed, SINCE_REVERSAL: timed and many}
     span = Extent.of(inputs, tuple(beats), error_mm)
     found = []
     for one in catalogue().values():

@@ -60,7 +60,7 @@ def _segment(place: str, head: Entries, lines: list[str], row: int, separator: s
     for number, cut in enumerate(cells, row + 1):
         if not len(names) <= len(cut) <= len(names) + 1:
             raise DataError(
-                f"{place}, row {number}: {len(cut)} cells; expected {len(names)} and perhaps a comment. Mend the row"
+                f"{place}, row {number}: {len(cut)} cells; expected {len(names)} and perhaps a comment. Fix the row"
             )
     told = number_of("".join(head.get("Samples", [])[:1]))
     if np.isfinite(told) and told != len(cells):

@@ -1,0 +1,63 @@
+"""A diagnosis in words: effects by their titles, with what is typed to add them in brackets, once."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from ..core.digits import newtons, probability
+from ..core.prose import capital
+from ..effects import Effect, in_words, named
+from ..fitting import Fit
+from .nouns import Pattern
+
+TOLD = 0.05
+"""Chance of something unknown in place of a name from which it is said."""
+
+
+def start(base: Fit, floor: float) -> str:
+    """What a model leaves, beside the noise in N."""
+    return f"The {base.model.words} leaves {newtons(base.rmse)} rms; the noise is about {newtons(floor)}."
+
+
+def sentence(
+    base: Fit,
+    best: Fit,
+    labels: Sequence[str],
+    classes: Iterable[Sequence[str]],
+    pattern: Pattern | None,
+    floor: float,
+    much: bool,
+    extra: tuple[Effect, ...],
+) -> str:
+    """What is missing, and what is left; `much` of it may be more than noise. `extra` are effects beside the
+    catalogue's."""
+    parts = [start(base, floor)]
+    if labels:
+        parts.append(
+            f"Missing: {', '.join(named(label, extra) for label in labels)}. "
+            f"With {'it' if len(labels) == 1 else 'them'} the error falls to {newtons(best.rmse)}."
+        )
+        if pattern is None and much:
+            parts.append("Much is left: add and diagnose again, or take the ladder, which does so.")
+    elif pattern is None:
+        parts.append("Nothing is missing that this record could show.")
+    for first, *others in classes:
+        rivals = " or ".join(named(name, extra) for name in others)
+        parts.append(f"This record cannot tell {in_words(first, extra)} from {rivals}.")
+    if pattern:
+        parts.append(f"Something is left that no known effect explains: {pattern.text}.")
+    return " ".join(parts)
+
+
+def reservations(rivals: Mapping[str, float], again: Mapping[str, str], extra: tuple[Effect, ...]) -> str:
+    """What makes named effects less sure, each sentence with a blank before it: the chance that one is something
+    unknown, and a larger one that follows the same."""
+    said = [
+        f" With a chance of {probability(chance)} it is not {in_words(name, extra)} but something unknown."
+        for name, chance in rivals.items()
+        if chance >= TOLD
+    ]
+    for name, other in again.items():
+        larger = capital(in_words(other, extra))
+        said.append(
+            f" Less sure: {in_words(name, extra)}. {larger} follows the same, and only the form tells the two apart."
+        )
+    return "".join(said)
