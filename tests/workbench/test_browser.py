@@ -62,7 +62,7 @@ def test_candidates_stand_in_order_and_leave_what_they_say(lying):
     lying.get_by_text("Nothing is missing").wait_for()
     assert error_now(lying) == found[0][2]
     lying.get_by_role("group", name="Candidates").get_by_role("button").first.wait_for(state="detached")
-    assert "exponential_law + coulomb_friction" in lying.get_by_text("misses the measurement").text_content()
+    assert "The exponential law + Coulomb friction" in lying.get_by_text("misses the measurement").text_content()
 
 
 def test_steps_are_undone_and_redone_and_outlive_a_reload(lying):
