@@ -25,7 +25,7 @@ from playwright.sync_api import Page, sync_playwright
 from real_records import put_tables
 
 EFFECTS = (
-    "Friction in proportion to pressure",
+    "Friction that grows with pressure",
     "Coulomb friction",
     "Presliding hysteresis",
     "Viscous damping",
@@ -34,9 +34,9 @@ EFFECTS = (
 LAWS = (
     "Modified Chou–Hannaford law",
     "Six-parameter law of Sárosi",
-    "Braid in rubber of Martens and Boblan",
-    "Area and membrane spring of Hildebrandt",
-    "Polynomial slope and intercept over pressure",
+    "Rubber law of Martens and Boblan",
+    "Area-and-spring law of Hildebrandt",
+    "Polynomial law over pressure",
 )
 """Each once: what was asked before is not asked again, and would take no time."""
 LOOKED_S = 5.0
@@ -75,7 +75,7 @@ def main() -> None:
                 ("redo", "Redo"),
                 ("remove", f"Remove {effect}"),
             ):
-                act = page.get_by_role("button", name=re.compile(f"^{button}"))
+                act = page.get_by_role("button", name=re.compile(f"^{button}", re.I))
                 found.setdefault(name, []).append(timed(page, program, act.click))
         for law in LAWS:
             choose = page.get_by_label("Force law")

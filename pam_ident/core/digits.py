@@ -1,6 +1,7 @@
 """Numbers as they are read, the same wherever they are shown."""
 
 import math
+from collections.abc import Sequence
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -59,6 +60,17 @@ def percent(share: float | None) -> str:
     if 1e-9 < share < 0.005:
         return "< 1 %"
     return "> 99 %" if 0.995 <= share < 1.0 - 1e-9 else f"{round(100.0 * share)} %"
+
+
+def percents(shares: Sequence[float]) -> list[str]:
+    """Shares of one whole as `percent` has them, rounded so that together they are the whole: of the whole per cent
+    that rounding down leaves each goes to one of the largest remainders (Hamilton's method)."""
+    whole = [math.floor(100.0 * share + 1e-9) for share in shares]
+    over = round(100.0 * sum(shares)) - sum(whole)
+    for k in sorted(range(len(whole)), key=lambda k: whole[k] - 100.0 * shares[k])[: max(over, 0)]:
+        whole[k] += 1
+    plain = [percent(share) for share in shares]
+    return [text if text[0] in "<>" else f"{share} %" for text, share in zip(plain, whole, strict=True)]
 
 
 def _size(value: float, digits: int = 2) -> int:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.digits import percent
+from ..core.digits import percent, percents
 from ..effects.base import Effect
 from ..fitting import Fit
 from ..fitting.estimate import at_bound
@@ -363,9 +363,10 @@ def as_slow_noise(found: Sequence[Follows]) -> str:
 
 def told(found: Sequence[Follows]) -> str:
     """The largest shares in one sentence."""
+    whole = dict(zip(found, percents([one.share for one in found]), strict=True))
     shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]
-    parts = [f"{percent(one.share)} follows {one.text}" for one in shown]
-    noise = next((one.share for one in found if one.what == "noise"), 0.0)
+    parts = [f"{whole[one]} follows {one.text}" for one in shown]
+    noise = next((text for one, text in whole.items() if one.what == "noise"), "0 %")
     if not parts:
         return "None of the squared error follows anything beyond chance."
-    return f"Of the squared error {', '.join(parts)}; {percent(noise)} is noise."
+    return f"Of the squared error {', '.join(parts)}; {noise} is noise."

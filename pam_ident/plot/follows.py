@@ -6,7 +6,7 @@ from itertools import accumulate
 
 from matplotlib.figure import Figure
 
-from ..core.digits import percent
+from ..core.digits import percents
 from ..diagnosis.nouns import Follows
 from .style import BLACK, BLUE, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, WIDTH, YELLOW, canvas, styled
 
@@ -33,8 +33,10 @@ WRITTEN = 0.09
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of the bar from `begin` over `share` of its length, both of 1, in its colour; `text` says what it is."""
+    """A piece of the bar from `begin` over `share` of its length, both of 1, in its colour; `percent` is the share in
+    words, `text` says what it is."""
 
+    percent: str
     text: str
     begin: float
     share: float
@@ -43,10 +45,12 @@ class Piece:
 
 def data(follows: Sequence[Follows]) -> tuple[Piece, ...]:
     """The pieces from left to right in the order given, which is largest first and noise last."""
+    whole = dict(zip(follows, percents([one.share for one in follows]), strict=True))
     shown = [one for one in follows if one.share >= SEEN or one.what == "noise"]
     begins = accumulate((one.share for one in shown), initial=0.0)
     return tuple(
-        Piece(one.text, begin, one.share, COLOUR.get(one.what, INK)) for one, begin in zip(shown, begins, strict=False)
+        Piece(whole[one], one.text, begin, one.share, COLOUR.get(one.what, INK))
+        for one, begin in zip(shown, begins, strict=False)
     )
 
 
@@ -58,10 +62,10 @@ def draw(follows: Sequence[Follows], width: float = WIDTH) -> Figure:
     axes = figure.subplots()
     for piece in pieces:
         axes.barh(0, piece.share, left=piece.begin, color=piece.colour, edgecolor="white", linewidth=0.8,
-                  label=f"{percent(piece.share)} {piece.text}")  # fmt: skip
+                  label=f"{piece.percent} {piece.text}")  # fmt: skip
         if piece.share >= WRITTEN:
             ink = "white" if piece.colour in DARK else INK
-            axes.text(piece.begin + 0.5 * piece.share, 0, percent(piece.share), ha="center", va="center", color=ink)
+            axes.text(piece.begin + 0.5 * piece.share, 0, piece.percent, ha="center", va="center", color=ink)
     axes.set_xlim(0.0, 1.0)
     axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "25", "50", "75", "100"])
     axes.set_xlabel("share of the squared error (%)")

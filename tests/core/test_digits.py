@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from pam_ident.core.digits import interval, known_to, number, percent
+from pam_ident.core.digits import interval, known_to, number, percent, percents
 
 
 @pytest.mark.parametrize(
@@ -35,6 +35,12 @@ def test_a_value_ends_where_its_error_ends():
     for error in (0.0996, 0.0994, 0.996, 0.0104, 0.00999):
         ends = [text.partition(".")[2] for text in (known_to(0.3377, error), number(error, 2))]
         assert len(ends[0]) == len(ends[1]), ends
+
+
+def test_shares_of_a_whole_add_to_it():
+    assert percents([0.345, 0.335, 0.32]) == ["35 %", "33 %", "32 %"]
+    assert percents([0.447, 0.287, 0.146, 0.12]) == ["45 %", "29 %", "14 %", "12 %"]  # each rounded: 45, 29, 15, 12
+    assert percents([0.997, 0.003]) == ["> 99 %", "< 1 %"]
 
 
 def test_what_is_not_nothing_is_not_0_percent():
