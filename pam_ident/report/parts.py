@@ -153,7 +153,7 @@ def _ladder(section: Section, easel: Easel) -> Part | None:
         (text,),
         tables=(tables.ladder(ladder),),
         notes=notes,
-        steps=steps(ladder, easel),
+        steps=steps(ladder, easel, [one for one in (section.before, section.after) if one]),
     )
 
 

@@ -1,8 +1,12 @@
 """The ladder's story, a rung at a time: what was added and why, the error before and after, the trace of the effect."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from .. import plot
 from ..diagnosis.nouns import Ladder, Rung
 from ..effects import in_words, named
+from ..fitting import Fit
 from . import tables
 from .easel import Easel, Part
 from .words import equation, heldout, likely, newtons, percent
@@ -11,14 +15,17 @@ SHARE = 4
 """A rung's figure shows this part of the points of the others: there are many rungs."""
 
 
-def steps(ladder: Ladder, easel: Easel) -> tuple[tuple[str, Part], ...]:
-    """A part a rung under a short name."""
+def steps(ladder: Ladder, easel: Easel, told: Sequence[Fit] = ()) -> tuple[tuple[str, Part], ...]:
+    """A part a rung under a short name; the parameters of fits that are `told` elsewhere are not told again."""
+    rows = [table.rows for one in told for table in tables.fitted(one, "")]
     names = plot.ladder.data(ladder).names
     found = [(f"0: {names[0]}", _first(ladder.rungs[0], easel))]
     for k in range(1, len(ladder.rungs)):
         step = _next(k, ladder.rungs[k - 1], ladder.rungs[k], easel)
         found.append((f"{k}: {names[k]}".replace("\n", ", "), step))
-    return tuple(found)
+    return tuple(
+        (name, replace(part, tables=tuple(t for t in part.tables if t.rows not in rows))) for name, part in found
+    )
 
 
 def _first(rung: Rung, easel: Easel) -> Part:

@@ -114,3 +114,10 @@ def test_tips_are_text():
     svg = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1"><g id="a"><path d="M 0 0"/></g></svg>'
     found = inline(svg, "x", "label", {"a": "<b>\u202e&"})
     assert '<g pointer-events="all"><title>&lt;b&gt;\ufffd&amp;</title><path' in found
+
+
+def test_parameters_that_are_told_elsewhere_are_not_told_again(tall):
+    whole = [part.tables for _, part in steps(tall, Easel("x", 400))]
+    assert all(whole)
+    told = [tall.rungs[0].fit, tall.rungs[-1].fit]
+    assert [part.tables for _, part in steps(tall, Easel("x", 400), told)] == [(), *whole[1:-1], ()]
