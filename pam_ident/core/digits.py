@@ -20,9 +20,12 @@ def three(value: float | None) -> str:
 
 
 def newtons(value: float | None) -> str:
-    """A force in N with three digits, and as zero what is below a millionth of a newton."""
+    """A force in N with three digits, as zero below a millionth of a newton and as that beyond a million: no muscle's,
+    but a law's that does not carry to lengths it has not seen."""
     if value is not None and abs(value) < 1e-6:
         return "0 N"
+    if value is not None and 1e6 < value < math.inf:
+        return "over a million N"
     return f"{three(value)} N"
 
 

@@ -6,7 +6,7 @@ import re
 from ..core import digits
 from ..core.prose import capital
 from ..diagnosis.nouns import Diagnosis, Rung
-from ..effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure, named
+from ..effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure, in_words
 from ..fitting.fit import Estimate
 from ..model import Model
 
@@ -127,7 +127,7 @@ def equation(model: Model) -> list[str]:
 def groups(diagnosis: Diagnosis) -> list[str]:
     """Effects that a record cannot tell apart, a line a group of two or more."""
     return [
-        f"This record cannot tell apart: {'; '.join(named(name, diagnosis.best.model.own) for name in group)}."
+        f"This record cannot tell apart: {'; '.join(in_words(name, diagnosis.best.model.own) for name in group)}."
         for group in diagnosis.groups
         if len(group) > 1
     ]

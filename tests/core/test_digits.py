@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from pam_ident.core.digits import interval, known_to, number, percent, percents
+from pam_ident.core.digits import interval, known_to, newtons, number, percent, percents
 
 
 @pytest.mark.parametrize(
@@ -45,3 +45,7 @@ def test_shares_of_a_whole_add_to_it():
 
 def test_what_is_not_nothing_is_not_0_percent():
     assert [percent(share) for share in (0.0, 0.003, 0.01, 0.997, 1.0)] == ["0 %", "< 1 %", "1 %", "> 99 %", "100 %"]
+
+
+def test_a_force_that_no_muscle_has_is_said_to_be_that():
+    assert [newtons(value) for value in (1e-7, 12.34, 1.63e9)] == ["0 N", "12.3 N", "over a million N"]
