@@ -4,6 +4,7 @@ import base64
 import gzip
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -47,7 +48,9 @@ def _document(figures: Sequence[LayoutDOM]) -> str:
     for one in figures:
         document.add_root(one)
     drawn = {**document.to_json(deferred=False), "defs": []}  # of what else is loaded, as the workbench's Panel
-    return _packed(json.dumps(drawn, separators=(",", ":")))
+    known: dict[str, int] = {}  # Bokeh goes on counting from figures drawn before; a page is to be the same again
+    text = json.dumps(drawn, separators=(",", ":"))
+    return _packed(re.sub(r'"id":"([^"]+)"', lambda found: f'"id":"p{known.setdefault(found[1], len(known))}"', text))
 
 
 @cache

@@ -44,7 +44,7 @@ def report_record(
         >>> from pam_ident.tasks.report import report_record
         >>> from pam_ident.tasks.setup import Setup
         >>> print(report_record(str(dataset_record("nothing_hidden")), Setup("exponential_law"), "report.html").title)
-        nothing_hidden: Exponential law
+        nothing_hidden: exponential law
     """
     target, chosen, folder = check_report(out, kind)
     setup.check()

@@ -144,7 +144,7 @@ def test_a_leg_off_the_drawing_board_says_so_in_words_and_json(ask, tmp_path):
     }
     assert found["ground"] and found["lessons"] == 2
     assert "on the ground" in result.stdout and "flexor's force -10 %" in result.stdout
-    assert "learn from 2 strides" in result.stdout
+    assert "learns from 2 strides" in result.stdout
     assert any(one["code"] == "outside_range" and one["column"] == "pressure_MPa" for one in found["warnings"])
     assert all(one["text"] in result.stdout for one in found["warnings"])
     assert found["rungs"][0]["rms_deg"] < found["pid"]["rms_deg"] / 2.0
