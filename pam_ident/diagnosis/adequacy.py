@@ -52,11 +52,8 @@ class FreeModel:
     def of(cls, selection: Selection) -> "FreeModel":
         """For the record, law and likeliest drivers of a selection."""
         following = selection.following
-        surfaces, best = following.surfaces, following.best
-        _, freedom = surfaces.of(best)
-        left = following.in_newtons(following.left - surfaces.explained(best))
-        taken = freedom + len(selection.base.values)
-        noise = selection.noise_in(left, selection.law, taken, selection.noise.outlier)
+        _, freedom = following.surfaces.of(following.best)
+        noise = _noise_beside(selection, following, following.best, len(selection.base.values))
         return cls(noise.deviance + selection.penalty.per_parameter * freedom, noise)
 
     def odds(self, selection: Selection, fitted: FittedSet) -> float:
@@ -115,10 +112,7 @@ class Adequacy:
         """
         if self.selection.noise_left_by(self.fitted).share < SLOW or self.unexplained[1] < OF_ALL:
             return None
-        surfaces, groups = self.left.surfaces, self.left.likeliest({"clock"})
-        rest = self.left.in_newtons(self.left.left - surfaces.explained(groups))
-        taken = len(self.fitted.values) + surfaces.of(groups)[1]
-        noise = self.selection.noise_in(rest, self.selection.law, taken, self.selection.noise.outlier)
+        noise = _noise_beside(self.selection, self.left, self.left.likeliest({"clock"}), len(self.fitted.values))
         return noise if noise.share < WHITE else None
 
     @property
@@ -161,6 +155,13 @@ class Adequacy:
         size = math.sqrt(max(beyond, self.comes_back)) * self.free.noise.whole
         text = f"about {newtons(size)} rms that no name explains{f'; it follows {first.text}' if first else ''}"
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)
+
+
+def _noise_beside(selection: Selection, following: Following, groups: frozenset[int], parameters: int) -> Noise:
+    """The noise in what surfaces leave of what a model of so many parameters leaves."""
+    surfaces = following.surfaces
+    left = following.in_newtons(following.left - surfaces.explained(groups))
+    return selection.noise_in(left, selection.law, parameters + surfaces.of(groups)[1], selection.noise.outlier)
 
 
 def _left_by(selection: Selection, fitted: FittedSet) -> Following:

@@ -30,6 +30,10 @@ def _drive(inputs: Inputs, drive: Array, tau: float) -> Array:
     return -relax(inputs, drive, tau)
 
 
+def _three(inputs: Inputs, drive: Array, tau: float) -> Array:
+    return inputs.xp.stack([_drive(inputs, drive, tau * ratio) for ratio in (0.1, 1.0, 10.0)]).T
+
+
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(_drive(inputs, inputs.way, values["tau"]))
 
@@ -40,8 +44,7 @@ def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _prony(inputs: Inputs, values: Values, force: Array) -> Array:
-    times = [values["tau"] * ratio for ratio in (0.1, 1.0, 10.0)]
-    return inputs.xp.stack([_drive(inputs, inputs.way, tau) for tau in times]).T
+    return _three(inputs, inputs.way, values["tau"])
 
 
 def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -53,7 +56,7 @@ def _force(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _force_prony(inputs: Inputs, values: Values, force: Array) -> Array:
-    return inputs.xp.stack([-_drive(inputs, force, values["tau"] * ratio) for ratio in (0.1, 1.0, 10.0)]).T
+    return -_three(inputs, force, values["tau"])
 
 
 def _following(inputs: Inputs, values: Values, force: Array) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form, TransformsPressure
+from ...effects._history import since_first
 from ...effects.base import Array, Values
 from .base import Extent, PatternShape, hats, knots
 
@@ -23,7 +24,7 @@ def _reading(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _warming(inputs: Inputs, values: Values, force: Array) -> Array:
     assert inputs.temperature is not None
-    return (inputs.temperature - inputs.temperature[0])[:, None]
+    return since_first(inputs, inputs.temperature)[:, None]
 
 
 def _clock(inputs: Inputs, values: Values, force: Array) -> Array:
