@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import groupby
 
 import numpy as np
@@ -313,11 +313,15 @@ class View:
     def __init__(
         self, record: Record, model: Model, values: Mapping[str, float], kept: dict[str, list[Regressor]] | None = None
     ) -> None:
-        self.record = record
+        self.record, self.model, self.values = record, model, values
         self.around: Slopes = slopes(model, record.inputs, values)
-        self.law = jacobian(model, record.inputs, values, record.force)
         self.residual = record.force - self.around.force
         self.kept = {} if kept is None else kept
+
+    @cached_property
+    def law(self) -> Array:
+        """Slopes of the force over the model's parameters, shape (n, k)."""
+        return jacobian(self.model, self.record.inputs, self.values, self.record.force)
 
     def regressors(self, effect: Effect) -> list[Regressor]:
         """Signatures of all forms of an effect."""
