@@ -159,6 +159,10 @@ class Selection:
             alone = max(alone, self.squares(law, found.values))
         return max(alone - len(self.record), 0.0)
 
+    def residual(self, fitted: FittedSet) -> Array:
+        """What a set leaves, in N (n,)."""
+        return self.record.force - self.base.model.adding(*fitted.terms).force(self.record.inputs, fitted.values)
+
     def squares(self, model: Model, values: Mapping[str, float]) -> float:
         """Whitened sum of squares of a model."""
         left = self.noise.whiten(self.record.force - model.force(self.record.inputs, values))
