@@ -34,7 +34,7 @@ RIVAL, RIVALS = 100.0, 3
 are refined."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
-FORMS = 2
+FORMS = 4
 """Forms of an effect that are fitted in place of another."""
 NEAR, BENT = 30.0, 0.005
 """Criterion within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is
@@ -114,14 +114,17 @@ def in_spite_of(
 
     It is no noise, so forms are not exactly right, those of rivals no more than its own. What they miss is the same in
     every repeat: it has SHAPES degrees of freedom in each group of repeats, and over these the variance that a
-    difference between two sets must stand out from (overdispersion: McCullagh & Nelder 1989, section 4.5).
+    difference between two sets must stand out from (overdispersion: McCullagh & Nelder 1989, section 4.5). Of sets that
+    it does not tell apart that with the fewest names is taken.
     """
     outlier = selection.noise.outlier
     white = selection.noise_in(left, selection.law, len(fitted.values), outlier, white=True)
     freedom = SHAPES * max(len(repeats(selection.record, ~outlier)), 1)
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
     noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
-    return in_noise(selection, candidates, noise, most)
+    again, found = in_noise(selection, candidates, noise, most)
+    close = [v for v in again.cache.values() if v.terms and v.criterion < found.criterion + CLOSE]
+    return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
 
 
 def in_noise(
