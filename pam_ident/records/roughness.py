@@ -19,8 +19,8 @@ def position_noise(x: Array, time: Array | None = None) -> float:
 def noise_around(x: Array, time: Array, run: Array | None = None, rows: int = 21) -> Array:
     """Standard deviation of the noise on a smooth track at each sample, from `rows` around it, shape (n,).
 
-    Of a track that turns between runs, numbered in `run` (n,), only those are taken that have four neighbours in theirs:
-    at a turn of few samples a track is rough without noise.
+    Of a track that turns between runs, numbered in `run` (n,), only those are taken that have their four neighbours in
+    one: at a turn of few samples a track is rough without noise.
     """
     rough = _distances(x, time)
     seen = np.isfinite(rough)
