@@ -174,3 +174,13 @@ def test_slow_noise_follows_nothing_that_was_driven(cell, follows):
     assert (law.noise_unfollowed is not None) == follows
     if follows:
         assert law.noise_unfollowed.whole == pytest.approx(NOISE_N, rel=0.1) and not law.complete
+
+
+def test_what_nature_does_not_allow_gives_way_to_what_the_record_does_not_tell_from_it():
+    """Here a shifted pressure does as well as the bladder, with a threshold below 0, and all was said to be unknown."""
+    record = strokes(
+        lambda p, x, side, v: throttled(p, x, side, v) - 30.0 * x**1.4, speeds=(4.0, 12.0, 40.0, 80.0), times=2
+    )
+    found = diagnose(LAW, record)
+    assert set(found.selected) == {"pressure_lag", "bladder_elasticity"}, found.sentence
+    assert not found.best.impossible and found.pattern is None
