@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
 from ..model import Model, Term
+from .adequacy import NEARLY_ALL
 from .heldout import heldout_rmse, in_best_forms
 from .nouns import Pattern
 from .search import CLOSE
@@ -87,7 +88,8 @@ def _confirmed(
     """Fit, held-out error and names once every name has gone without which held-out data are predicted better, or of
     which less than `least` (N²) of the mean square error comes: steady inputs round the corners of a drive.
 
-    In a short table held-out data choose the forms, too.
+    In a short table held-out data choose the forms, too. Elsewhere a free form that predicts worse than none gives way
+    to a written one that explains nearly all that it does: what is in question is the name.
     """
     table = base.record.inputs.time is None and len(base.record) <= EXACT and not math.isnan(heldout)
 
@@ -99,6 +101,12 @@ def _confirmed(
         return heldout_rmse(found.model, base.record, found), found, terms
 
     after, best, named = attempt(named)
+    free = [t for t in named if t.form.free]
+    if free and after >= heldout:
+        written = in_best_forms(base, named, [t for t in named if t not in free])
+        left = _onto(base, written, fitted).rmse ** 2
+        if base.rmse**2 - left >= NEARLY_ALL * (base.rmse**2 - best.rmse**2):
+            after, best, named = attempt(written)
     while named and not (math.isnan(after) or after < heldout):
         attempts = [attempt([t for t in named if t is not gone]) for gone in named]
         after, best, named = min(attempts, key=lambda item: item[0])
