@@ -9,6 +9,7 @@ COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per 
 STIFF = Range(0.0, 60.0, "fixtures, as soft as a cord that gives way by 3 mm at 50 N")
 CONSTANT = replace(COMPLIANCE, range=STIFF)
 N = Param("n", "1", "exponent of the stretch over force", 0.3, 1.0, start=0.67, grid=(0.5, 0.67))
+KNOTS = (0.0, 0.06, 0.2, 0.5, 1.2)
 F_1 = Param("F_1", "N", "force at which the compliance has halved", 20.0, 1e5, start=400.0, grid=(80.0, 400.0))
 
 
@@ -26,6 +27,19 @@ def _contact(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(share ** values["n"] / inputs.specimen.initial_length_mm)
 
 
+def _giving(inputs: Inputs, values: Values, force: Array) -> Array:
+    """Any stretch that grows with the force: the integrals over it of a compliance that is linear between KNOTS, shares
+    of the muscle's ideal blocked force at 0.5 MPa."""
+    specimen, xp = inputs.specimen, inputs.xp
+    at = specimen.ideal_force(0.5, 0.0) * xp.asarray(KNOTS)
+    low, wide = at[:-1], at[1:] - at[:-1]
+    inside = xp.clip(force[:, None] - low, 0.0, wide)
+    ramps = inside**2 / (2.0 * wide) + xp.maximum(force[:, None] - low - wide, 0.0)
+    all_of_it = xp.maximum(force, 0.0)[:, None]
+    found = xp.concat([all_of_it, ramps], axis=1) - xp.concat([ramps, xp.zeros_like(all_of_it)], axis=1)
+    return 1e-3 * found / specimen.initial_length_mm
+
+
 EFFECT = Effect(
     name="series_compliance",
     title="compliance in series",
@@ -36,7 +50,15 @@ EFFECT = Effect(
             "stiffening", "ε → ε + F/(K L0 (1 + F/F_1))", (COMPLIANCE,), _stiffening, (F_1,), uses_force=True
         ),
         free_form(
-            "ε → ε + F/L0", _columns, contraction=1, role=TransformsContraction, unit=("mm/kN", 1.0), uses_force=True
+            "ε → ε + ∫ B_k(F) dF / L0",
+            _giving,
+            count=len(KNOTS),
+            pressure=0,
+            contraction=0,
+            role=TransformsContraction,
+            unit=("mm/kN", 1.0),
+            uses_force=True,
+            resisting=len(KNOTS),
         ),
         TransformsContraction("contact", "ε → ε + (F/1000 N)^n/(K L0)", (COMPLIANCE,), _contact, (N,), uses_force=True),
     ),
