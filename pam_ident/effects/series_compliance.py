@@ -3,13 +3,14 @@
 from dataclasses import replace
 
 from ..core import Inputs, Param, Range
-from .base import Array, Effect, TransformsContraction, Values, free_form, one
+from .base import Array, Effect, TransformsContraction, Values, free_form, one, rising
 
 COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0)
 STIFF = Range(0.0, 60.0, "fixtures, as soft as a cord that gives way by 3 mm at 50 N")
 CONSTANT = replace(COMPLIANCE, range=STIFF)
 N = Param("n", "1", "exponent of the stretch over force", 0.3, 1.0, start=0.67, grid=(0.5, 0.67))
 KNOTS = (0.0, 0.06, 0.2, 0.5, 1.2)
+"""Forces, as shares of the ideal blocked force at 0.5 MPa, between which the free form's compliance is linear."""
 F_1 = Param("F_1", "N", "force at which the compliance has halved", 20.0, 1e5, start=400.0, grid=(80.0, 400.0))
 
 
@@ -28,16 +29,9 @@ def _contact(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _giving(inputs: Inputs, values: Values, force: Array) -> Array:
-    """Any stretch that grows with the force: the integrals over it of a compliance that is linear between KNOTS, shares
-    of the muscle's ideal blocked force at 0.5 MPa."""
-    specimen, xp = inputs.specimen, inputs.xp
-    at = specimen.ideal_force(0.5, 0.0) * xp.asarray(KNOTS)
-    low, wide = at[:-1], at[1:] - at[:-1]
-    inside = xp.clip(force[:, None] - low, 0.0, wide)
-    ramps = inside**2 / (2.0 * wide) + xp.maximum(force[:, None] - low - wide, 0.0)
-    all_of_it = xp.maximum(force, 0.0)[:, None]
-    found = xp.concat([all_of_it, ramps], axis=1) - xp.concat([ramps, xp.zeros_like(all_of_it)], axis=1)
-    return 1e-3 * found / specimen.initial_length_mm
+    """Any stretch that grows with the force."""
+    blocked = inputs.specimen.ideal_force(0.5, 0.0)
+    return 1e-3 * rising(force, [blocked * share for share in KNOTS]) / inputs.specimen.initial_length_mm
 
 
 EFFECT = Effect(
