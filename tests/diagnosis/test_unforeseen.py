@@ -184,3 +184,30 @@ def test_what_nature_does_not_allow_gives_way_to_what_the_record_does_not_tell_f
     found = diagnose(LAW, record)
     assert set(found.selected) == {"pressure_lag", "bladder_elasticity"}, found.sentence
     assert not found.best.impossible and found.pattern is None
+
+
+def pull(p, e):
+    """Force of the law at a pressure and a contraction."""
+    return TRUE["k0"] * SPECIMEN.ideal_force(p, TRUE["k1"] * e) + TRUE["k2"]
+
+
+def through(p, x, acts):
+    """What is hidden where the law is given another pressure and contraction, which may hang on the force."""
+    e, force = STROKE_MM * x / SPECIMEN.initial_length_mm, 0.0
+    for _ in range(60):
+        force = pull(*acts(p, e, force))
+    return force - pull(p, e)
+
+
+STATIC = {
+    "series_compliance": lambda p, e, force: (p, e + (8.0 * (1.0 - np.exp(-force / 250.0)) + force / 300.0) / 200.0),
+    "end_taper": lambda p, e, force: (p, e * (1.0 + 0.3 * np.exp(-p / 0.12))),
+    "threshold_pressure": lambda p, e, force: (0.06 * np.log1p(np.exp((p - 0.2) / 0.06)), e),
+}
+
+
+@pytest.mark.parametrize("name", STATIC)
+def test_a_static_effect_may_have_any_curve_that_nature_allows(name):
+    found = diagnose(LAW, strokes(lambda p, x, side, v: through(p, x, STATIC[name]), times=2))
+    assert found.selected == (name,), found.sentence
+    assert found.base.rmse > 2.0 * NOISE_N and found.best.rmse < 1.1 * NOISE_N
