@@ -1,9 +1,8 @@
 """What an effect is: a name with forms from simplest to richest, each with its role by type."""
 
-import itertools
 import math
 from abc import ABC
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -182,20 +181,6 @@ def free_form(
 def bernstein(t: Array, k: int, order: int) -> Array:
     """Bernstein polynomial k of an order, at t (n,), which is above 0 from 0 to 1."""
     return math.comb(order, k) * t**k * (1.0 - t) ** (order - k)
-
-
-def rising(along: Array, knots: Sequence[float]) -> Array:
-    """Integrals from 0 over `along` (n,) of hats at `knots` from 0 on, shape (n, knots).
-
-    With coefficients above 0 they make any curve that rises, at slopes that are linear between the knots and constant
-    beyond (I-splines: Ramsay 1988, Statistical Science 3, 425–441).
-    """
-    xp = along.__array_namespace__()
-    low, width = xp.asarray(knots[:-1]), xp.asarray([b - a for a, b in itertools.pairwise(knots)])
-    above = along[:, None] - low
-    ramps = xp.clip(above, 0.0, width) ** 2 / (2.0 * width) + xp.maximum(above - width, 0.0)
-    whole, nothing = xp.maximum(along, 0.0)[:, None], xp.zeros((len(along), 1))
-    return xp.concat([whole, ramps], axis=1) - xp.concat([ramps, nothing], axis=1)
 
 
 def one(values: Array) -> Array:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ..core import Inputs, Param, Range
-from .base import Array, Effect, TransformsContraction, Values, free_form, one, rising
+from .base import Array, Effect, TransformsContraction, Values, free_form, one
 
 COMPLIANCE = Param("compliance", "mm/kN", "stretch of fixture and load cell per force, 1/K", 0.0, 100.0, scale=1.0)
 STIFF = Range(0.0, 60.0, "fixtures, as soft as a cord that gives way by 3 mm at 50 N")
@@ -29,9 +29,15 @@ def _contact(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _giving(inputs: Inputs, values: Values, force: Array) -> Array:
-    """Any stretch that grows with the force."""
-    blocked = inputs.specimen.ideal_force(0.5, 0.0)
-    return 1e-3 * rising(force, [blocked * share for share in KNOTS]) / inputs.specimen.initial_length_mm
+    """Any stretch that grows with the force: integrals over it of hats at KNOTS (I-splines: Ramsay 1988, Statistical
+    Science 3, 425–441)."""
+    xp = inputs.xp
+    knots = inputs.specimen.ideal_force(0.5, 0.0) * xp.asarray(KNOTS)
+    width, above = knots[1:] - knots[:-1], force[:, None] - knots[:-1]
+    ramps = xp.clip(above, 0.0, width) ** 2 / (2.0 * width) + xp.maximum(above - width, 0.0)
+    whole, nothing = xp.maximum(force, 0.0)[:, None], xp.zeros((len(force), 1))
+    stretch = xp.concat([whole, ramps], axis=1) - xp.concat([ramps, nothing], axis=1)
+    return 1e-3 * stretch / inputs.specimen.initial_length_mm
 
 
 EFFECT = Effect(

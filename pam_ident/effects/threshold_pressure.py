@@ -1,7 +1,7 @@
 """Pressure that is spent before the bladder touches the braid."""
 
 from ..core import Inputs, Param, Range
-from .base import Array, Effect, TransformsPressure, Values, free_form, one, rising
+from .base import Array, Effect, TransformsPressure, Values, free_form, one
 
 SPENT = Range(-0.02, 0.15, "bladders in McKibben muscles, 0 to 0.1 MPa (Chou & Hannaford 1996), gauges to 2 % of 1 MPa")
 P_TH = Param("p_th", "MPa", "threshold pressure", -0.3, 0.3, scale=0.01, range=SPENT)
@@ -9,8 +9,6 @@ GROWTH = Param(
     "g", "1", "growth of the threshold with contraction, per contraction", 0.0, 5.0, start=2.0, grid=(1.0, 3.0)
 )
 """What were nothing without contraction, and then grew, is the bladder's own force."""
-KNOTS = (0.0, 0.04, 0.1, 0.2, 0.4)
-"""Pressures in MPa between which the share of it that the free form spends is linear."""
 WIDTH = Param("w", "MPa", "pressure over which the threshold is reached", 0.005, 0.15, start=0.08, grid=(0.03, 0.08))
 
 
@@ -27,11 +25,6 @@ def _stretching(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-(1.0 + values["g"] * inputs.contraction))
 
 
-def _spending(inputs: Inputs, values: Values, force: Array) -> Array:
-    """Any spending that grows with the pressure."""
-    return -rising(inputs.pressure, KNOTS)
-
-
 EFFECT = Effect(
     name="threshold_pressure",
     title="threshold pressure",
@@ -41,14 +34,14 @@ EFFECT = Effect(
         TransformsPressure("stretching", "p → max(p − p_th (1 + g ε), 0)", (P_TH,), _stretching, (GROWTH,)),
         TransformsPressure("soft", "p → p − p_th (1 − exp(−p/w))", (P_TH,), _soft, (WIDTH,)),
         free_form(
-            "p → p − ∫ B_k(p) dp",
-            _spending,
-            count=len(KNOTS),
+            "p → p − (1 − exp(−p/w))",
+            _soft,
             pressure=0,
             contraction=1,
+            nonlinear=(WIDTH,),
             role=TransformsPressure,
-            unit=("1", 0.1),
-            resisting=len(KNOTS),
+            unit=("MPa", 0.01),
+            lower=0.0,
         ),
     ),
     follows=("map",),

@@ -202,7 +202,6 @@ def through(p, x, acts):
 STATIC = {
     "series_compliance": lambda p, e, force: (p, e + (8.0 * (1.0 - np.exp(-force / 250.0)) + force / 300.0) / 200.0),
     "end_taper": lambda p, e, force: (p, e * (1.0 + 0.3 * np.exp(-p / 0.12))),
-    "threshold_pressure": lambda p, e, force: (0.06 * np.log1p(np.exp((p - 0.2) / 0.06)), e),
 }
 
 
