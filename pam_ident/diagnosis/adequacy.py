@@ -116,18 +116,27 @@ class Adequacy:
         return noise if noise.share < WHITE else None
 
     @property
+    def follows_on(self) -> bool:
+        """Whether what the set leaves follows anything, so that surfaces over it are likelier beside the set."""
+        groups = self.left.best
+        beside = _noise_beside(self.selection, self.left, groups, len(self.fitted.values))
+        more = self.selection.penalty.per_parameter * self.left.surfaces.of(groups)[1]
+        return self.selection.noise_left_by(self.fitted).deviance > beside.deviance + more + EQUAL
+
+    @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
         if self.comes_back > self.selection.noise.too_small or self.noise_unfollowed:
             return False
         odds = self.free.odds(self.selection, self.fitted)
-        if odds < EQUAL:
-            return True
         followed = [name for term in self.fitted.terms for name in term.effect.follows]
+        beyond, share = self.unexplained
+        slight = beyond < self.selection.noise.too_small
+        if odds < EQUAL:
+            return slight or share < 1.0 - NEARLY_ALL or not self.follows_on
         if len(set(followed)) < len(followed):
             return odds < EQUAL + EXACT * self.selection.excess
-        beyond, share = self.unexplained
-        return beyond < self.selection.noise.too_small or (bool(followed) and share < INEXACT)
+        return slight or (bool(followed) and share < INEXACT)
 
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.

@@ -11,22 +11,21 @@ from ..core import UsageError
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
-from ..fitting.estimate import Estimate, impossible
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
 from .answer import answer_of, standing
+from .confirmed import allowed_by_nature, impossible_alone
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
 from .follows import ROWS, Following, as_slow_noise, could_be_tried, steadied
-from .heldout import heldout_nearby, heldout_rmse, in_best_forms
-from .nouns import Candidate, Diagnosis, Pattern
+from .heldout import heldout_nearby, heldout_rmse
+from .nouns import Candidate, Diagnosis
 from .probability import probabilities
 from .remainder import pattern_of
-from .search import CLOSE
 from .select import EXACT
-from .selection import FittedSet, Selection
+from .selection import Selection
 from .sentence import reservations, sentence
 
 Array = np.ndarray
@@ -125,19 +124,15 @@ def diagnosing(
     if lacking:
         selection, lacking = standing(answer, candidates, lacking)
         fitted = lacking.fitted
-    rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
-    named = [t for t in fitted.terms if t.effect.candidate]
-    weights = {t.effect.name: selection.weight(fitted, t) for t in fitted.terms}
-    named.sort(key=lambda t: -weights[t.effect.name])
     heldout = heldout_rmse(model, record, base)
-    least = selection.noise.too_small * selection.noise.whole**2
-    best, after, named, ruled_out = _possible(base, heldout, named, fitted, least)
+    fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, not lacking)
+    rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     patterns = [t for t in fitted.terms if not t.effect.candidate]
     if lacking and not patterns:
         pattern = lacking.pattern()
     else:
         pattern = pattern_of(selection, fitted if patterns else selection.refit(named, fitted.values))
-    wrong = _impossible(base, best, fitted, ruled_out)
+    wrong = impossible_alone(base, best, fitted, ruled_out)
     pattern = wrong if wrong and (pattern is None or pattern.kind == wrong.kind) else pattern
     follows = following.shares()
     selected = tuple(t.effect.name for t in named)
@@ -231,101 +226,10 @@ def _asked_for(effect: Effect, names: set[str]) -> Effect:
     return effect if effect.candidate or not forms else replace(effect, forms=forms, candidate=True)
 
 
-def _confirmed(
-    base: Fit, heldout: float, named: list[Term], fitted: FittedSet, least: float
-) -> tuple[Fit, float, list[Term]]:
-    """Fit, held-out error and names once every name has gone without which held-out data are predicted better, or of
-    which less than `least` (N²) of the mean square error comes: steady inputs round the corners of a drive.
-
-    In a short table held-out data choose the forms, too.
-    """
-    table = base.record.inputs.time is None and len(base.record) <= EXACT and not math.isnan(heldout)
-
-    def attempt(terms: list[Term]) -> tuple[float, Fit, list[Term]]:
-        if not terms:
-            return heldout, base, terms
-        terms = in_best_forms(base, terms) if table else terms
-        found = _onto(base, terms, fitted)
-        return heldout_rmse(found.model, base.record, found), found, terms
-
-    after, best, named = attempt(named)
-    while named and not (math.isnan(after) or after < heldout):
-        attempts = [attempt([t for t in named if t is not gone]) for gone in named]
-        after, best, named = min(attempts, key=lambda item: item[0])
-    while named and not table:
-        fewer = [(_onto(base, [t for t in named if t is not gone], fitted).rmse, gone) for gone in named]
-        error, slightest = min(fewer, key=lambda item: item[0])
-        if error**2 - best.rmse**2 >= least:
-            break
-        after, best, named = attempt([t for t in named if t is not slightest])
-    return best, after, named
-
-
-def _onto(base: Fit, terms: list[Term], fitted: FittedSet) -> Fit:
-    """A base fit with some terms of a set."""
-    return fit_onto(base, base.model.adding(*terms), _start(fitted, terms)) if terms else base
-
-
-def _possible(
-    base: Fit, heldout: float, named: list[Term], fitted: FittedSet, least: float
-) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
-    """What `_confirmed` finds once every name has gone whose value nature does not allow, and the fits with those."""
-    ruled_out: dict[str, Fit] = {}
-    while True:
-        best, after, named = _confirmed(base, heldout, named, fitted, least)
-        best = _as_nature_allows(best, _wrong(best, fitted))
-        wrong = {e.name.partition(".")[0] for e in _wrong(best, fitted)} & {t.effect.name for t in named}
-        if not wrong:
-            return best, after, named, ruled_out
-        ruled_out |= dict.fromkeys(sorted(wrong), best)
-        named = [t for t in named if t.effect.name not in wrong]
-
-
-def _as_nature_allows(best: Fit, wrong: list[Estimate]) -> Fit:
-    """The fit with what is beyond nature's end held there, where that is as likely: of κ and τ of a fast lag, say, only
-    the product shows."""
-    if not wrong:
-        return best
-    ends = {e.name: e.range.low if e.value < e.range.low else e.range.high for e in wrong if e.range}
-    held = fit(best.model, best.record, start=best.values, held=ends)
-    less_likely = 2.0 * len(best.record) * math.log(held.rmse / best.rmse)
-    return held if less_likely < CLOSE else best
-
-
-def _wrong(fit: Fit, fitted: FittedSet) -> list[Estimate]:
-    """Estimates that nature does not allow, nor their value by the steady inputs: a noisy gauge bends an estimate."""
-    steady = fitted.values
-    return [e for e in fit.impossible if e.range and not e.range.low <= steady.get(e.name, math.inf) <= e.range.high]
-
-
 def _as_measured(noise: float, found: Fit) -> float:
     """Noise in N with what that of the pressure and displacement sensors adds by a fit, of its size in N without."""
     calm = found.model.force(found.record.steady, found.values)
     return min(math.hypot(noise, float(np.sqrt(np.mean((found.force - calm) ** 2)))), found.rmse)
-
-
-def _impossible(base: Fit, best: Fit, fitted: FittedSet, ruled_out: Mapping[str, Fit]) -> Pattern | None:
-    """What only values that nature does not allow would explain, and those of the model itself."""
-    said = {e.name: impossible(e) for e in _wrong(best, fitted)}
-    share = 0.0
-    for name, one in ruled_out.items():
-        said |= {e.name: impossible(e) for e in _wrong(one, fitted) if e.name.startswith(f"{name}.")}
-        share = max(share, (best.rmse**2 - one.rmse**2) / max(base.rmse**2, 1e-18))
-    return Pattern("other", "contraction", None, "", share, "; ".join(said.values())) if said else None
-
-
-def fit_onto(base: Fit, model: Model, start: Mapping[str, float]) -> Fit:
-    """Fit of a model that holds more than a `base` fit, begun at `start`; where that ends worse, at the base's values.
-
-    Raises FitError and DataError as `fit` does.
-    """
-    found = fit(model, base.record, start=start)
-    return found if found.rmse <= base.rmse else fit(model, base.record, start=base.values)
-
-
-def _start(fitted: FittedSet, named: list[Term]) -> dict[str, float]:
-    names = {f"{t.effect.name}." for t in named}
-    return {k: v for k, v in fitted.values.items() if "." not in k or any(k.startswith(n) for n in names)}
 
 
 def _ranking(

@@ -13,7 +13,8 @@ from ..effects import Effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record
-from .diagnose import diagnose, fit_onto
+from .confirmed import fit_onto
+from .diagnose import diagnose
 from .heldout import heldout_rmse
 from .nouns import Diagnosis, Ladder, Rung
 

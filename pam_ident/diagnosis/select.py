@@ -17,7 +17,7 @@ from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns import patterns
 from .scan import Remainder, Scanned, scan
-from .search import CLOSE, Choice, beam_search
+from .search import CLOSE, Choice, beam_search, evaluate
 from .selection import FittedSet, Selection, labels
 from .spectrum import beats
 from .tails import deviance_saved
@@ -34,6 +34,8 @@ RIVAL, RIVALS = 100.0, 3
 are refined."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
+FORMS = 4
+"""Forms of an effect that are fitted in place of another."""
 NEAR, BENT = 30.0, 0.005
 """Criterion within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is
 to be explained, because the law bends."""
@@ -112,14 +114,17 @@ def in_spite_of(
 
     It is no noise, so forms are not exactly right, those of rivals no more than its own. What they miss is the same in
     every repeat: it has SHAPES degrees of freedom in each group of repeats, and over these the variance that a
-    difference between two sets must stand out from (overdispersion: McCullagh & Nelder 1989, section 4.5).
+    difference between two sets must stand out from (overdispersion: McCullagh & Nelder 1989, section 4.5). Of sets that
+    it does not tell apart that with the fewest names is taken.
     """
     outlier = selection.noise.outlier
     white = selection.noise_in(left, selection.law, len(fitted.values), outlier, white=True)
     freedom = SHAPES * max(len(repeats(selection.record, ~outlier)), 1)
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
     noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
-    return in_noise(selection, candidates, noise, most)
+    again, found = in_noise(selection, candidates, noise, most)
+    close = [v for v in again.cache.values() if v.terms and v.criterion < found.criterion + CLOSE]
+    return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
 
 
 def in_noise(
@@ -173,8 +178,15 @@ def _likeliest(
     selections: Sequence[Selection], terms: Sequence[Term], start: Mapping[str, float]
 ) -> tuple[Selection, FittedSet]:
     """The fit of a set against the noise, one of some selections', by which it is likeliest; and that selection."""
-    fits = [(selection, selection.refit(terms, start)) for selection in selections]
-    return min(fits, key=lambda item: item[1].squares + item[0].noise.volume)
+    first = selections[0].refit(terms, start)
+    left = selections[0].residual(first)
+
+    def deviance(selection: Selection) -> float:
+        white = selection.noise.whiten(left)
+        return float(white @ white) + selection.noise.volume
+
+    best = min(selections, key=deviance)
+    return best, best.refit(terms, first.values)
 
 
 def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:
@@ -270,12 +282,8 @@ def _leaders(selection: Selection, choices: Sequence[Choice]) -> list[Choice]:
 def _refine(selection: Selection, fitted: FittedSet, most: int) -> FittedSet:
     """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
     for _ in range(4):
-        criterion = fitted.criterion
-        rivals = [selection.refit(fitted.without(term), fitted.values, best=criterion) for term in fitted.terms]
-        rivals += [
-            selection.refit(terms, _without(fitted.values, terms), best=criterion)
-            for terms in _other_forms(selection, fitted)
-        ]
+        fewer = [selection.refit(fitted.without(term), fitted.values, best=fitted.criterion) for term in fitted.terms]
+        rivals = [*fewer, *_in_other_forms(selection, fitted, fewer)]
         if len(fitted.terms) < most:
             rivals += _additions(selection, fitted)
         best = min(rivals, key=lambda v: v.criterion, default=fitted)
@@ -285,22 +293,27 @@ def _refine(selection: Selection, fitted: FittedSet, most: int) -> FittedSet:
     return fitted
 
 
-def _other_forms(selection: Selection, fitted: FittedSet) -> list[list[Term]]:
-    """The set with each term in each other form, and in those of its exclusion group."""
+def _in_other_forms(selection: Selection, fitted: FittedSet, fewer: Sequence[FittedSet]) -> list[FittedSet]:
+    """The set with each term in another form, or one of its exclusion group: of each effect those FORMS that explain
+    most of what the others, `fewer` by that term, leave."""
     found = []
-    for k, term in enumerate(fitted.terms):
+    for term, rest in zip(fitted.terms, fewer, strict=True):
         alike = {
             e.name: e for e in (term.effect, *selection.candidates) if e.exclusion_group == term.effect.exclusion_group
         }
-        others = [Term(e, form) for e in alike.values() for form in e.forms if form is not term.form]
-        found += [[*fitted.terms[:k], other, *fitted.terms[k + 1 :]] for other in others]
+        data = selection.beyond(rest, list(alike.values()))
+        best: dict[str, dict[str, Choice]] = {}
+        for k in range(len(data.regressors)):
+            one = data.regressors[k]
+            if one.term.form is not term.form:
+                choice = evaluate(data, selection.penalty, [(k,)])[0]
+                forms = best.setdefault(one.effect, {})
+                if choice.criterion < forms.get(one.term.label, choice).criterion or one.term.label not in forms:
+                    forms[one.term.label] = choice
+        for forms in best.values():
+            leading = sorted(forms.values(), key=lambda choice: choice.criterion)[:FORMS]
+            found += [selection.refit_choice(data, choice, rest, fitted.criterion) for choice in leading]
     return found
-
-
-def _without(values: dict[str, float], terms: Sequence[Term]) -> dict[str, float]:
-    """Start values less the nonlinear ones of effects, which are searched anew from their grids."""
-    anew = {f"{t.effect.name}.{p.name}" for t in terms for p in t.form.nonlinear}
-    return {k: v for k, v in values.items() if k not in anew}
 
 
 def _additions(selection: Selection, fitted: FittedSet) -> list[FittedSet]:

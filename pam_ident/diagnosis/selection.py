@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import groupby
 
 import numpy as np
@@ -159,6 +159,10 @@ class Selection:
             alone = max(alone, self.squares(law, found.values))
         return max(alone - len(self.record), 0.0)
 
+    def residual(self, fitted: FittedSet) -> Array:
+        """What a set leaves, in N (n,)."""
+        return self.record.force - self.base.model.adding(*fitted.terms).force(self.record.inputs, fitted.values)
+
     def squares(self, model: Model, values: Mapping[str, float]) -> float:
         """Whitened sum of squares of a model."""
         left = self.noise.whiten(self.record.force - model.force(self.record.inputs, values))
@@ -313,11 +317,15 @@ class View:
     def __init__(
         self, record: Record, model: Model, values: Mapping[str, float], kept: dict[str, list[Regressor]] | None = None
     ) -> None:
-        self.record = record
+        self.record, self.model, self.values = record, model, values
         self.around: Slopes = slopes(model, record.inputs, values)
-        self.law = jacobian(model, record.inputs, values, record.force)
         self.residual = record.force - self.around.force
         self.kept = {} if kept is None else kept
+
+    @cached_property
+    def law(self) -> Array:
+        """Slopes of the force over the model's parameters, shape (n, k)."""
+        return jacobian(self.model, self.record.inputs, self.values, self.record.force)
 
     def regressors(self, effect: Effect) -> list[Regressor]:
         """Signatures of all forms of an effect."""

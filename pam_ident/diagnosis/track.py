@@ -108,12 +108,13 @@ class TrackError:
         if raw.time is None or raw.moving is None:
             return None
         track, calm = ((one.pressure if locked else one.displacement_mm) for one in (raw, record.steady))
-        off = noise_around(track, raw.time)
+        run = record.stroke * 2 + raw.moving
+        off = noise_around(track, raw.time, run)
         smoothed = calm != track
         assert whole.inputs.moving is not None
         counts = [np.bincount(whole.stroke, weights=mask) for mask in (~whole.inputs.moving, whole.inputs.moving)]
         blocks = []
-        for group in _runs(record.stroke * 2 + raw.moving):
+        for group in _runs(run):
             group = group[smoothed[group]]
             if len(group) > 1:
                 moving = bool(raw.moving[group[0]])
@@ -128,7 +129,7 @@ class TrackError:
                 blocks.append((group, off[group, None] * basis))
         sensor_mm = 0.0 if locked else float(np.sqrt(np.mean(off**2)))
         alone = np.where(smoothed, 0.0, off)
-        by_itself = np.maximum(alone, noise_around(calm, raw.time))
+        by_itself = np.maximum(alone, noise_around(calm, raw.time, run))
         unread = _unread(record.steady, None if locked else ON_LEVEL * sensor_mm)
         return cls(tuple(blocks), alone, by_itself, locked, sensor_mm, unread)
 

@@ -21,6 +21,7 @@ E_LOST = Param("E_lost", "MPa", "modulus that the bladder loses below its greate
 M = Param("m", "1", "way below the greatest energy at which it is lost", 0.003, 3.0, start=0.1, grid=(0.02, 0.1))
 EXPONENT = Param("q", "1", "exponent of the number of the cycle", 0.2, 4.0, start=1.0, grid=(0.6, 1.5))
 WAY = Param("s_0", "mm", "way over which the softening fades", 5.0, 1e4, start=150.0, grid=(60.0, 150.0, 400.0))
+SLOWING = Param("q", "1", "how little the fading slows down", 0.3, 20.0, start=5.0, grid=(0.7, 5.0))
 N0 = Param("n_0", "1", "cycles over which the softening fades", 0.2, 20.0, start=1.5, grid=(0.7, 1.5, 4.0))
 
 
@@ -61,6 +62,24 @@ def _whole_test(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _of_test(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / values["n_0"]))
+
+
+def _slowing(after: Array, values: Values) -> Array:
+    """Fading after so many times what it takes: from a power law to an exponential (infinite q), one column."""
+    return one((1.0 + after / values["q"]) ** -values["q"])
+
+
+def _any(inputs: Inputs, values: Values, force: Array) -> Array:
+    assert inputs.cycle is not None
+    return _slowing((inputs.cycle - 1.0) / values["n_0"], values)
+
+
+def _any_of_test(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _slowing((cycles_of_test(inputs) - 1.0) / values["n_0"], values)
+
+
+def _any_by_way(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _slowing(way_travelled(inputs) / values["s_0"], values)
 
 
 def _linear(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -157,11 +176,15 @@ EFFECT = Effect(
             (M,),
             remembers=True,
         ),
-        free_form("exp(−(n−1)/n_0)", _whole, nonlinear=(N0,)),
+        free_form("(1 + (n−1)/(q n_0))^−q", _any, nonlinear=(N0, SLOWING)),
         free_form(
-            "exp(−(n−1)/n_0), n of the whole test", _of_test, nonlinear=(N0,), remembers=True, name="free_whole_test"
+            "(1 + (n−1)/(q n_0))^−q, n of the whole test",
+            _any_of_test,
+            nonlinear=(N0, SLOWING),
+            remembers=True,
+            name="free_whole_test",
         ),
-        free_form("exp(−s/s_0)", _by_way, nonlinear=(WAY,), remembers=True, name="free_travelled"),
+        free_form("(1 + s/(q s_0))^−q", _any_by_way, nonlinear=(WAY, SLOWING), remembers=True, name="free_travelled"),
     ),
     follows=("cycle",),
     test="at least three cycles, and a re-run of the first after rest",

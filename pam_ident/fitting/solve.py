@@ -47,6 +47,7 @@ def solve(
     problem = separated(model, inputs, force, start or {}, whiten).holding(**held)
     if model.separable:
         return _with(solver.solve(problem), held)
+    model = _remembering(model, inputs)
     near = replace(solver, polish=False) if isinstance(solver, VariableProjection) else solver
     found = _with(near.solve(problem), held)
     if found.message == GIVEN_UP:
@@ -84,20 +85,22 @@ def separated(
     return Problem(model.linear, tuple(nonlinear), design, force, start, whiten)
 
 
-def _remembering(model: Model, inputs: Inputs, acting: Array) -> Model:
-    """The same model, whose effects keep their columns at these inputs while only other parameters move."""
+def _remembering(model: Model, inputs: Inputs, acting: Array | None = None) -> Model:
+    """The same model, whose effects keep their columns at these inputs while only other parameters move; those that
+    are given the force only where it is `acting` (n,) in N."""
+    force = np.zeros(len(inputs)) if acting is None else acting
 
     def remembering(form: Form) -> Form:
         names = [p.name for p in form.nonlinear]
 
         @lru_cache(maxsize=4)
         def at(*shape: float) -> Array:
-            return form.columns(inputs, dict(zip(names, shape, strict=True)), acting)
+            return form.columns(inputs, dict(zip(names, shape, strict=True)), force)
 
-        def columns(given: Inputs, shape: Mapping[str, float], force: Array) -> Array:
-            if given is inputs and force is acting:
+        def columns(given: Inputs, shape: Mapping[str, float], now: Array) -> Array:
+            if given is inputs and (now is force or not form.uses_force):
                 return at(*(shape[name] for name in names))
-            return form.columns(given, shape, force)
+            return form.columns(given, shape, now)
 
         return replace(form, columns=columns)
 
@@ -106,7 +109,7 @@ def _remembering(model: Model, inputs: Inputs, acting: Array) -> Model:
 
 def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float], whiten: Whiten = all_rows) -> Problem:
     """All parameters as nonlinear ones, for models in which the force, (n,) in N, acts back on itself."""
-    near = force
+    model, near = _remembering(model, inputs), force
 
     def design(values: Mapping[str, float]) -> tuple[Array, Array]:
         nonlocal near

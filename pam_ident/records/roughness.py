@@ -16,14 +16,24 @@ def position_noise(x: Array, time: Array | None = None) -> float:
     return position_noise(x) if time is not None and len(x) > 4 else 0.0
 
 
-def noise_around(x: Array, time: Array, rows: int = 21) -> Array:
-    """Standard deviation of the noise on a smooth track at each sample, from `rows` around it, shape (n,)."""
-    if len(x) < rows + 4:
+def noise_around(x: Array, time: Array, run: Array | None = None, rows: int = 21) -> Array:
+    """Standard deviation of the noise on a smooth track at each sample, from `rows` around it, shape (n,).
+
+    Of a track that turns between runs, numbered in `run` (n,), only those are taken that have their four neighbours in
+    one: at a turn of few samples a track is rough without noise.
+    """
+    rough = _distances(x, time)
+    seen = np.isfinite(rough)
+    if run is not None:
+        part = np.cumsum(np.diff(run, prepend=run[0]) != 0)
+        seen &= part[4:] == part[:-4]
+    known = np.flatnonzero(seen)
+    if len(known) < rows:
         return np.full(len(x), position_noise(x, time))
-    rough = np.pad(_distances(x, time), 2, constant_values=np.nan)
-    rough[~np.isfinite(rough)] = np.median(rough[np.isfinite(rough)]) if np.isfinite(rough).any() else 0.0
-    around = np.pad(rough, rows // 2, mode="reflect")
-    return np.median(np.lib.stride_tricks.sliding_window_view(around, rows), axis=1) / NORMAL_MEDIAN
+    around = np.pad(rough[known], rows // 2, mode="reflect")
+    median = np.median(np.lib.stride_tricks.sliding_window_view(around, rows), axis=1)
+    nearest = np.searchsorted(0.5 * (known[1:] + known[:-1]) + 2.0, np.arange(len(x)))
+    return median[nearest] / NORMAL_MEDIAN
 
 
 def roughness(x: Array, time: Array | None = None) -> Array:

@@ -5,6 +5,11 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
+from pam_ident.diagnosis.adequacy import Adequacy, FreeModel
+from pam_ident.diagnosis.follows import Following
+from pam_ident.diagnosis.selection import Selection
+from pam_ident.effects import catalogue
+from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records.record import build_record
 
@@ -149,3 +154,59 @@ def test_a_value_beyond_natures_end_is_none_where_one_within_does_as_well():
     assert found.selected == ("pressure_lag",), found.sentence
     assert not found.best.impossible and "impossible" not in found.sentence
     assert found.base.rmse > 1.5 * NOISE_N
+
+
+def slow(time, force, temperature):
+    """A load cell whose amplifier wanders: noise that forgets in 60 s."""
+    rng, wander, kept = np.random.default_rng(8), np.zeros(len(time)), np.exp(-np.diff(time) / 60.0)
+    for k in range(len(time) - 1):
+        wander[k + 1] = kept[k] * wander[k] + np.sqrt(1.0 - kept[k] ** 2) * rng.standard_normal()
+    return force + 4.0 * wander
+
+
+@pytest.mark.parametrize(("cell", "follows"), [(creeping, True), (slow, False)], ids=["creep", "noise"])
+def test_slow_noise_follows_nothing_that_was_driven(cell, follows):
+    record = strokes(NOTHING, cell=cell)
+    alone = fit(LAW, record)
+    selection = Selection(alone, list(catalogue().values()), Following.of(alone))
+    law = Adequacy(selection, selection.empty, FreeModel.of(selection))
+    assert selection.noise_left_by(selection.empty).share > 0.5, "what the law leaves looks like slow noise in both"
+    assert (law.noise_unfollowed is not None) == follows
+    if follows:
+        assert law.noise_unfollowed.whole == pytest.approx(NOISE_N, rel=0.1) and not law.complete
+
+
+def test_what_nature_does_not_allow_gives_way_to_what_the_record_does_not_tell_from_it():
+    """Here a shifted pressure does as well as the bladder, with a threshold below 0, and all was said to be unknown."""
+    record = strokes(
+        lambda p, x, side, v: throttled(p, x, side, v) - 30.0 * x**1.4, speeds=(4.0, 12.0, 40.0, 80.0), times=2
+    )
+    found = diagnose(LAW, record)
+    assert set(found.selected) == {"pressure_lag", "bladder_elasticity"}, found.sentence
+    assert not found.best.impossible and found.pattern is None
+
+
+def pull(p, e):
+    """Force of the law at a pressure and a contraction."""
+    return TRUE["k0"] * SPECIMEN.ideal_force(p, TRUE["k1"] * e) + TRUE["k2"]
+
+
+def through(p, x, acts):
+    """What is hidden where the law is given another pressure and contraction, which may hang on the force."""
+    e, force = STROKE_MM * x / SPECIMEN.initial_length_mm, 0.0
+    for _ in range(60):
+        force = pull(*acts(p, e, force))
+    return force - pull(p, e)
+
+
+STATIC = {
+    "series_compliance": lambda p, e, force: (p, e + (8.0 * (1.0 - np.exp(-force / 250.0)) + force / 300.0) / 200.0),
+    "end_taper": lambda p, e, force: (p, e * (1.0 + 0.3 * np.exp(-p / 0.12))),
+}
+
+
+@pytest.mark.parametrize("name", STATIC)
+def test_a_static_effect_may_have_any_curve_that_nature_allows(name):
+    found = diagnose(LAW, strokes(lambda p, x, side, v: through(p, x, STATIC[name]), times=2))
+    assert found.selected == (name,), found.sentence
+    assert found.base.rmse > 2.0 * NOISE_N and found.best.rmse < 1.1 * NOISE_N

@@ -11,6 +11,7 @@ from pam_ident.core.recursion import decaying_sum
 from pam_ident.effects import get_effect
 from pam_ident.effects._history import dahl_operator, relax, runs, stop_operator
 from pam_ident.laws import get_law
+from pam_ident.model import Model
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 
@@ -217,3 +218,15 @@ def test_the_maxwell_slip_form_has_elements_of_three_widths():
     got = form.columns(inputs, {"x_s": 2.0}, np.zeros(len(inputs)))
     for column, width in zip(got.T, (0.6, 2.0, 6.0), strict=True):
         np.testing.assert_allclose(column, -stop_by_steps(inputs.displacement_mm, width), atol=1e-12)
+
+
+@pytest.mark.parametrize(("label", "share"), [("creep:force_driven", -0.9), ("creep:following", 0.9)])
+def test_a_force_that_acts_back_through_its_history_is_the_one_that_it_leads_to(label, share):
+    """Once each sample was solved for by itself, which does not settle, on a cylinder some newtons off."""
+    inputs, model = path(n=1000, seed=7), Model.build("chou_hannaford", [label])
+    values = model.neutral(inputs) | {f"creep.{model.terms[0].form.linear[0].name}": share}
+    force = model.force(inputs, values)
+    columns, fixed = model.design(inputs, values, force)
+    again = fixed + columns @ [values[p.name] for p in model.linear]
+    assert np.ptp(force - model.law.force(inputs.pressure, inputs.contraction, MUSCLE, values)) > 10.0
+    np.testing.assert_allclose(again, force, rtol=0.0, atol=1e-7)

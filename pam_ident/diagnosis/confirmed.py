@@ -1,0 +1,138 @@
+"""Which names of an answer stand by held-out data and by nature, and the fit with these."""
+
+import math
+from collections.abc import Mapping
+
+from ..fitting import Fit, fit
+from ..fitting.estimate import Estimate, impossible
+from ..model import Model, Term
+from .adequacy import NEARLY_ALL
+from .heldout import heldout_rmse, in_best_forms
+from .nouns import Pattern
+from .search import CLOSE
+from .select import EXACT, RIVALS
+from .selection import FittedSet, Selection
+
+
+def allowed_by_nature(
+    base: Fit, heldout: float, selection: Selection, fitted: FittedSet, whole: bool
+) -> tuple[FittedSet, tuple[Fit, float, list[Term], dict[str, Fit]]]:
+    """A set, and what `_possible` finds of it. In place of one with a value that nature does not allow it is the best
+    without, where that is the `whole` answer and the record does not tell the two apart."""
+    least = selection.noise.too_small * selection.noise.whole**2
+
+    def found(one: FittedSet) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
+        named = [t for t in one.terms if t.effect.candidate]
+        named.sort(key=lambda t: -selection.weight(one, t))
+        return _possible(base, heldout, named, one, least)
+
+    first = found(fitted)
+    if first[-1] and whole:
+        close = [
+            v
+            for v in selection.cache.values()
+            if v.terms and v.criterion < fitted.criterion + CLOSE and v is not fitted
+        ]
+        for one in sorted(close, key=lambda v: v.criterion)[:RIVALS]:
+            other = found(one)
+            if not other[-1]:
+                return one, other
+    return fitted, first
+
+
+def _possible(
+    base: Fit, heldout: float, named: list[Term], fitted: FittedSet, least: float
+) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
+    """What `_confirmed` finds once every name has gone whose value nature does not allow, and the fits with those."""
+    ruled_out: dict[str, Fit] = {}
+    while True:
+        best, after, named = _confirmed(base, heldout, named, fitted, least)
+        best = _as_nature_allows(best, _beyond_nature(best, fitted))
+        wrong = {e.name.partition(".")[0] for e in _beyond_nature(best, fitted)} & {t.effect.name for t in named}
+        if not wrong:
+            return best, after, named, ruled_out
+        ruled_out |= dict.fromkeys(sorted(wrong), best)
+        named = [t for t in named if t.effect.name not in wrong]
+
+
+def _as_nature_allows(best: Fit, wrong: list[Estimate]) -> Fit:
+    """The fit with what is beyond nature's end held there, where that is as likely: of κ and τ of a fast lag, say, only
+    the product shows."""
+    if not wrong:
+        return best
+    ends = {e.name: e.range.low if e.value < e.range.low else e.range.high for e in wrong if e.range}
+    held = fit(best.model, best.record, start=best.values, held=ends)
+    less_likely = 2.0 * len(best.record) * math.log(held.rmse / best.rmse)
+    return held if less_likely < CLOSE else best
+
+
+def _beyond_nature(fit: Fit, fitted: FittedSet) -> list[Estimate]:
+    """Estimates that nature does not allow, nor their value by the steady inputs: a noisy gauge bends an estimate."""
+    steady = fitted.values
+    return [e for e in fit.impossible if e.range and not e.range.low <= steady.get(e.name, math.inf) <= e.range.high]
+
+
+def impossible_alone(base: Fit, best: Fit, fitted: FittedSet, ruled_out: Mapping[str, Fit]) -> Pattern | None:
+    """What only values that nature does not allow would explain, and those of the model itself."""
+    said = {e.name: impossible(e) for e in _beyond_nature(best, fitted)}
+    share = 0.0
+    for name, one in ruled_out.items():
+        said |= {e.name: impossible(e) for e in _beyond_nature(one, fitted) if e.name.startswith(f"{name}.")}
+        share = max(share, (best.rmse**2 - one.rmse**2) / max(base.rmse**2, 1e-18))
+    return Pattern("other", "contraction", None, "", share, "; ".join(said.values())) if said else None
+
+
+def _confirmed(
+    base: Fit, heldout: float, named: list[Term], fitted: FittedSet, least: float
+) -> tuple[Fit, float, list[Term]]:
+    """Fit, held-out error and names once every name has gone without which held-out data are predicted better, or of
+    which less than `least` (N²) of the mean square error comes: steady inputs round the corners of a drive.
+
+    In a short table held-out data choose the forms, too. Elsewhere a free form that predicts worse than none gives way
+    to a written one that explains nearly all that it does: what is in question is the name.
+    """
+    table = base.record.inputs.time is None and len(base.record) <= EXACT and not math.isnan(heldout)
+
+    def attempt(terms: list[Term]) -> tuple[float, Fit, list[Term]]:
+        if not terms:
+            return heldout, base, terms
+        terms = in_best_forms(base, terms) if table else terms
+        found = _onto(base, terms, fitted)
+        return heldout_rmse(found.model, base.record, found), found, terms
+
+    after, best, named = attempt(named)
+    free = [t for t in named if t.form.free]
+    if free and after >= heldout:
+        written = in_best_forms(base, named, [t for t in named if t not in free])
+        left = _onto(base, written, fitted).rmse ** 2
+        if base.rmse**2 - left >= NEARLY_ALL * (base.rmse**2 - best.rmse**2):
+            after, best, named = attempt(written)
+    while named and not (math.isnan(after) or after < heldout):
+        attempts = [attempt([t for t in named if t is not gone]) for gone in named]
+        after, best, named = min(attempts, key=lambda item: item[0])
+    while named and not table:
+        fewer = [(_onto(base, [t for t in named if t is not gone], fitted).rmse, gone) for gone in named]
+        error, slightest = min(fewer, key=lambda item: item[0])
+        if error**2 - best.rmse**2 >= least:
+            break
+        after, best, named = attempt([t for t in named if t is not slightest])
+    return best, after, named
+
+
+def _onto(base: Fit, terms: list[Term], fitted: FittedSet) -> Fit:
+    """A base fit with some terms of a set."""
+    return fit_onto(base, base.model.adding(*terms), _start(fitted, terms)) if terms else base
+
+
+def fit_onto(base: Fit, model: Model, start: Mapping[str, float]) -> Fit:
+    """Fit of a model that holds more than a `base` fit, begun at `start`; where that ends worse, at the base's values.
+
+    Raises FitError and DataError as `fit` does.
+    """
+    found = fit(model, base.record, start=start)
+    return found if found.rmse <= base.rmse else fit(model, base.record, start=base.values)
+
+
+def _start(fitted: FittedSet, named: list[Term]) -> dict[str, float]:
+    names = {f"{t.effect.name}." for t in named}
+    return {k: v for k, v in fitted.values.items() if "." not in k or any(k.startswith(n) for n in names)}
