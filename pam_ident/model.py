@@ -362,12 +362,12 @@ def _solve_together(step: Callable[[Array], Array], force: Array) -> Array:
     found: list[Array] = []
     changes: list[Array] = []
     for _ in range(2 * ROUNDS):
-        found, changes = [*found[-DEPTH:], step(force)], [*changes[-DEPTH:], np.empty(0)]
-        changes[-1] = found[-1] - force
+        here = step(force)
+        found, changes = [*found[-DEPTH:], here], [*changes[-DEPTH:], here - force]
         miss = float(np.max(np.abs(changes[-1])))
-        if not (math.isfinite(miss) and miss > 1e-11 * (1.0 + float(np.max(np.abs(found[-1]))))):
+        if not (math.isfinite(miss) and miss > 1e-11 * (1.0 + float(np.max(np.abs(here))))):
             break
-        force = found[-1]
+        force = here
         if len(found) > 1:
             apart = np.diff(changes, axis=0)
             share = np.linalg.lstsq(apart @ apart.T, apart @ changes[-1], rcond=1e-14)[0]

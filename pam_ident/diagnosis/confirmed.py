@@ -1,7 +1,7 @@
 """Which names of an answer stand by held-out data and by nature, and the fit with these."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
@@ -15,10 +15,10 @@ from .selection import FittedSet, Selection
 
 
 def allowed_by_nature(
-    base: Fit, heldout: float, selection: Selection, fitted: FittedSet, whole: bool
+    base: Fit, heldout: float, selection: Selection, fitted: FittedSet, instead: Callable[[FittedSet], bool]
 ) -> tuple[FittedSet, tuple[Fit, float, list[Term], dict[str, Fit]]]:
     """A set, and what `_possible` finds of it. In place of one with a value that nature does not allow it is the best
-    without, where that is the `whole` answer and the record does not tell the two apart."""
+    without, of those that may stand `instead` and that the record does not tell from it."""
     least = selection.noise.too_small * selection.noise.whole**2
 
     def found(one: FittedSet) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
@@ -27,11 +27,9 @@ def allowed_by_nature(
         return _possible(base, heldout, named, one, least)
 
     first = found(fitted)
-    if first[-1] and whole:
+    if first[-1]:
         close = [
-            v
-            for v in selection.cache.values()
-            if v.terms and v.criterion < fitted.criterion + CLOSE and v is not fitted
+            v for v in selection.cache.values() if v.terms and v.criterion < fitted.criterion + CLOSE and instead(v)
         ]
         for one in sorted(close, key=lambda v: v.criterion)[:RIVALS]:
             other = found(one)
@@ -101,7 +99,7 @@ def _confirmed(
         return heldout_rmse(found.model, base.record, found), found, terms
 
     after, best, named = attempt(named)
-    free = [t for t in named if t.form.free]
+    free = [t for t in named if t.form.free and t.effect.written]
     if free and after >= heldout:
         written = in_best_forms(base, named, [t for t in named if t not in free])
         left = _onto(base, written, fitted).rmse ** 2

@@ -25,7 +25,7 @@ from .nouns import Candidate, Diagnosis
 from .probability import probabilities
 from .remainder import pattern_of
 from .select import EXACT
-from .selection import Selection
+from .selection import FittedSet, Selection
 from .sentence import reservations, sentence
 
 Array = np.ndarray
@@ -125,7 +125,11 @@ def diagnosing(
         selection, lacking = standing(answer, candidates, lacking)
         fitted = lacking.fitted
     heldout = heldout_rmse(model, record, base)
-    fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, not lacking)
+
+    def instead(one: FittedSet) -> bool:
+        return not lacking and all(following.unknown_instead(t.effect, known) < 0.5 for t in one.terms)
+
+    fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, instead)
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     patterns = [t for t in fitted.terms if not t.effect.candidate]
     if lacking and not patterns:

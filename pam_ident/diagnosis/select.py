@@ -123,7 +123,8 @@ def in_spite_of(
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
     noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
     again, found = in_noise(selection, candidates, noise, most)
-    close = [v for v in again.cache.values() if v.terms and v.criterion < found.criterion + CLOSE]
+    close = [v for v in again.cache.values() if v.terms and v.names == v.candidates]
+    close = [v for v in close if v.criterion < found.criterion + CLOSE]
     return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
 
 

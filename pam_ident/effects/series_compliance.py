@@ -32,7 +32,7 @@ def _giving(inputs: Inputs, values: Values, force: Array) -> Array:
     """Any stretch that grows with the force: integrals over it of hats at KNOTS (I-splines: Ramsay 1988, Statistical
     Science 3, 425–441)."""
     xp = inputs.xp
-    knots = inputs.specimen.ideal_force(0.5, 0.0) * xp.asarray(KNOTS)
+    knots = inputs.specimen.ideal_force(xp.asarray(0.5), xp.asarray(0.0)) * xp.asarray(KNOTS)
     width, above = knots[1:] - knots[:-1], force[:, None] - knots[:-1]
     ramps = xp.clip(above, 0.0, width) ** 2 / (2.0 * width) + xp.maximum(above - width, 0.0)
     whole, nothing = xp.maximum(force, 0.0)[:, None], xp.zeros((len(force), 1))
