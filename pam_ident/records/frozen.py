@@ -12,9 +12,9 @@ RARE = 0.01
 """Share of repeats among the other readings up to which a repeat is none of a coarse sensor or of a simulation."""
 MOST = 0.2
 """Share of a column up to which its long repeats are faults; more are the protocol's rests."""
-JUMP, FAR = 4.0, 8.0
-"""How many of its usual steps, and of those just behind it, a sensor jumps by when it wakes; and by how many of its own
-the way goes on beyond doubt."""
+JUMP, FAR, FAST = 4.0, 8.0, 0.25
+"""How many of its usual steps, and of those just behind it, a sensor jumps by when it wakes; by how many of its own the
+way goes on beyond doubt; and the share of a fast step from which a step is none of a rest."""
 
 
 def frozen_rows(values: Mapping[str, Array]) -> dict[str, Array]:
@@ -40,11 +40,13 @@ def _frozen(x: Array, way: Array | None) -> Array:
         return hung
     steps = np.abs(np.diff(x))
     usual = float(np.median(steps[steps > 0.0])) if inside < len(steps) else 0.0
-    pace = float(np.median(np.abs(np.diff(way)))) if way is not None else 0.0
+    ways = np.abs(np.diff(way)) if way is not None and len(way) > 1 else np.zeros(len(x) - 1)
+    pace, fast = float(np.median(ways)), ways > FAST * float(np.quantile(ways, 0.95))
     for begin, end in runs:
         behind = steps[end + 1 : end + 4]
         wakes = len(behind) == 3 and steps[end] > JUMP * max(float(behind.max()), usual)
-        moves = way is not None and np.ptp(way[begin : end + 1]) > FAR * pace > 0.0
+        far = way is not None and np.ptp(way[begin : end + 1]) > FAR * pace > 0.0
+        moves = far or np.count_nonzero(fast[begin:end]) >= LEAST
         hung[begin + 1 : end + 1] = (wakes or moves) and x.min() < x[begin] < x.max()
     return hung
 

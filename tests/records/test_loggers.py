@@ -218,6 +218,16 @@ def test_holds_clips_and_coarse_sensors_do_not_hang(digits):
     assert frozen_rows({key: np.round(x, digits) for key, x in columns.items()}) == {}
 
 
+def test_a_sensor_hangs_through_a_hold_and_wakes_where_it_fell_asleep():
+    """The muscle moves a little, rests, and comes by again: no jump, and no long way."""
+    columns = strokes()
+    x = columns["displacement"] = np.interp(np.arange(2000) % 40, [0, 12, 28, 40], [0.0, 24.0, 24.0, 0.0])
+    columns["force"] = 900.0 - 10.0 * x + np.random.default_rng(3).standard_normal(2000)
+    columns["force"][409:432] = columns["force"][409]  # the last 3 rows out, the hold, and the first 3 back
+    ((name, rows),) = frozen_rows(columns).items()
+    assert name == "force" and list(np.flatnonzero(rows)) == list(range(410, 432))
+
+
 def test_hung_rows_are_left_out_and_counted(put):
     columns = strokes()
     columns["force"][450:490] = columns["force"][450]
