@@ -51,9 +51,13 @@ class FreeModel:
     @classmethod
     def of(cls, selection: Selection) -> "FreeModel":
         """For the record, law and likeliest drivers of a selection."""
-        following = selection.following
+        return cls.beside(selection, selection.following, len(selection.base.values))
+
+    @classmethod
+    def beside(cls, selection: Selection, following: Following, parameters: int) -> "FreeModel":
+        """With another model of so many parameters in the law's place, and the likeliest drivers of what it leaves."""
         _, freedom = following.surfaces.of(following.best)
-        noise = _noise_beside(selection, following, following.best, len(selection.base.values))
+        noise = _noise_beside(selection, following, following.best, parameters)
         return cls(noise.deviance + selection.penalty.per_parameter * freedom, noise)
 
     def odds(self, selection: Selection, fitted: FittedSet) -> float:
@@ -118,10 +122,8 @@ class Adequacy:
     @property
     def follows_on(self) -> bool:
         """Whether what the set leaves follows anything, so that surfaces over it are likelier beside the set."""
-        groups = self.left.best
-        beside = _noise_beside(self.selection, self.left, groups, len(self.fitted.values))
-        more = self.selection.penalty.per_parameter * self.left.surfaces.of(groups)[1]
-        return self.selection.noise_left_by(self.fitted).deviance > beside.deviance + more + EQUAL
+        beside = FreeModel.beside(self.selection, self.left, len(self.fitted.values))
+        return self.selection.noise_left_by(self.fitted).deviance > beside.criterion + EQUAL
 
     @property
     def complete(self) -> bool:

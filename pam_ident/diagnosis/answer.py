@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 from ..effects import Effect
 from ..fitting import Fit
-from ..model import Term
 from .adequacy import NEARLY_ALL, Adequacy, needless
 from .confounding import groups
 from .follows import Following
@@ -35,11 +34,8 @@ def answer_of(
     """The answer of the effects `tried`, complete or not."""
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
-
-    def likely(term: Term) -> bool:
-        return not term.effect.candidate or following.unknown_instead(term.effect, known) < 0.5
-
-    fitted = selection.refit([t for t in fitted.terms if likely(t)], fitted.values)
+    likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
+    fitted = selection.refit(likely, fitted.values)
     if any(not t.effect.candidate for t in fitted.terms) and any(t.form.free for t in fitted.terms):
         either = ([t for t in fitted.terms if not t.form.free], [t for t in fitted.terms if t.effect.candidate])
         fitted = min((selection.refit(some, fitted.values) for some in either), key=lambda v: v.criterion)
@@ -48,8 +44,8 @@ def answer_of(
     lacking = Adequacy.lacking(selection, fitted, remains)
     if lacking and lacking.noise_unfollowed:
         whiter, other = in_noise(selection, candidates, lacking.noise_unfollowed)
-        names = all(t.effect.candidate and likely(t) for t in other.terms) and len(other.terms) <= len(fitted.terms) + 1
-        if names and Adequacy.lacking(whiter, other, False) is None:
+        names = all(t.effect.candidate and not following.outweighs(t.effect, known) for t in other.terms)
+        if names and len(other.terms) <= len(fitted.terms) + 1 and Adequacy.lacking(whiter, other, False) is None:
             return Selected(whiter, other, None)
     return Selected(selection, fitted, lacking)
 

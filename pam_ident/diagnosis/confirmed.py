@@ -102,9 +102,9 @@ def _confirmed(
     free = [t for t in named if t.form.free and t.effect.written]
     if free and after >= heldout:
         written = in_best_forms(base, named, [t for t in named if t not in free])
-        left = _onto(base, written, fitted).rmse ** 2
-        if base.rmse**2 - left >= NEARLY_ALL * (base.rmse**2 - best.rmse**2):
-            after, best, named = attempt(written)
+        other = attempt(written)
+        if base.rmse**2 - other[1].rmse ** 2 >= NEARLY_ALL * (base.rmse**2 - best.rmse**2):
+            after, best, named = other
     while named and not (math.isnan(after) or after < heldout):
         attempts = [attempt([t for t in named if t is not gone]) for gone in named]
         after, best, named = min(attempts, key=lambda item: item[0])

@@ -127,7 +127,7 @@ def diagnosing(
     heldout = heldout_rmse(model, record, base)
 
     def instead(one: FittedSet) -> bool:
-        return not lacking and all(following.unknown_instead(t.effect, known) < 0.5 for t in one.terms)
+        return not lacking and not any(following.outweighs(t.effect, known) for t in one.terms)
 
     fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, instead)
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}

@@ -123,8 +123,8 @@ def in_spite_of(
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
     noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
     again, found = in_noise(selection, candidates, noise, most)
-    close = [v for v in again.cache.values() if v.terms and v.names == v.candidates]
-    close = [v for v in close if v.criterion < found.criterion + CLOSE]
+    named = [v for v in again.cache.values() if v.terms and v.names == v.candidates]
+    close = [v for v in named if v.criterion < found.criterion + CLOSE]
     return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
 
 
@@ -179,8 +179,9 @@ def _likeliest(
     selections: Sequence[Selection], terms: Sequence[Term], start: Mapping[str, float]
 ) -> tuple[Selection, FittedSet]:
     """The fit of a set against the noise, one of some selections', by which it is likeliest; and that selection."""
-    first = selections[0].refit(terms, start)
-    left = selections[0].residual(first)
+    first_of = selections[0]
+    first = first_of.refit(terms, start)
+    left = first_of.residual(first_of.base.model.adding(*terms), first.values)
 
     def deviance(selection: Selection) -> float:
         white = selection.noise.whiten(left)
@@ -303,17 +304,14 @@ def _in_other_forms(selection: Selection, fitted: FittedSet, fewer: Sequence[Fit
             e.name: e for e in (term.effect, *selection.candidates) if e.exclusion_group == term.effect.exclusion_group
         }
         data = selection.beyond(rest, list(alike.values()))
-        best: dict[str, dict[str, Choice]] = {}
-        for k in range(len(data.regressors)):
-            one = data.regressors[k]
-            if one.term.form is not term.form:
-                choice = evaluate(data, selection.penalty, [(k,)])[0]
-                forms = best.setdefault(one.effect, {})
-                if choice.criterion < forms.get(one.term.label, choice).criterion or one.term.label not in forms:
-                    forms[one.term.label] = choice
-        for forms in best.values():
-            leading = sorted(forms.values(), key=lambda choice: choice.criterion)[:FORMS]
-            found += [selection.refit_choice(data, choice, rest, fitted.criterion) for choice in leading]
+        others = [(k,) for k, one in enumerate(data.regressors) if one.term.form is not term.form]
+        taken: dict[str, set[str]] = {effect: set() for effect in alike}
+        for choice in sorted(evaluate(data, selection.penalty, others), key=lambda choice: choice.criterion):
+            one = data.regressors[choice.regressors[0]]
+            forms = taken[one.effect]
+            if one.term.label not in forms and len(forms) < FORMS:
+                forms.add(one.term.label)
+                found.append(selection.refit_choice(data, choice, rest, fitted.criterion))
     return found
 
 

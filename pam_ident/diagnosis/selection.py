@@ -159,13 +159,13 @@ class Selection:
             alone = max(alone, self.squares(law, found.values))
         return max(alone - len(self.record), 0.0)
 
-    def residual(self, fitted: FittedSet) -> Array:
-        """What a set leaves, in N (n,)."""
-        return self.record.force - self.base.model.adding(*fitted.terms).force(self.record.inputs, fitted.values)
+    def residual(self, model: Model, values: Mapping[str, float]) -> Array:
+        """What a model leaves, in N (n,)."""
+        return self.record.force - model.force(self.record.inputs, values)
 
     def squares(self, model: Model, values: Mapping[str, float]) -> float:
         """Whitened sum of squares of a model."""
-        left = self.noise.whiten(self.record.force - model.force(self.record.inputs, values))
+        left = self.noise.whiten(self.residual(model, values))
         return float(left @ left)
 
     def refit(
@@ -238,7 +238,7 @@ class Selection:
             clean = ~self.noise.outlier
             model = self.base.model.adding(*terms)
             found = solve(model, self.record.inputs, self.record.force, lambda m: m[clean], start, quick=True)
-            self.plain[key] = self.record.force - model.force(self.record.inputs, found.values)
+            self.plain[key] = self.residual(model, found.values)
         return self.plain[key]
 
     def refit_choice(self, data: Compressed, choice: Choice, onto: FittedSet, best: float = math.inf) -> FittedSet:

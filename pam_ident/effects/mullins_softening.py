@@ -57,11 +57,7 @@ def _elastic(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _whole_test(inputs: Inputs, values: Values, force: Array) -> Array:
     """Cycles counted from the start of the test, not of the isobar."""
-    return _straight(inputs, _of_test(inputs, values, force)[:, 0])
-
-
-def _of_test(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / values["n_0"]))
+    return _straight(inputs, inputs.xp.exp(-(cycles_of_test(inputs) - 1.0) / values["n_0"]))
 
 
 def _slowing(after: Array, values: Values) -> Array:
@@ -109,11 +105,7 @@ def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _travelled(inputs: Inputs, values: Values, force: Array) -> Array:
     """What is gone, not what is counted, softens; between isobars the rubber rests."""
-    return _straight(inputs, _by_way(inputs, values, force)[:, 0])
-
-
-def _by_way(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(inputs.xp.exp(-way_travelled(inputs) / values["s_0"]))
+    return _straight(inputs, inputs.xp.exp(-way_travelled(inputs) / values["s_0"]))
 
 
 def _pseudo_elastic(inputs: Inputs, values: Values, force: Array) -> Array:

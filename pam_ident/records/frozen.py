@@ -40,12 +40,13 @@ def _frozen(x: Array, way: Array | None) -> Array:
         return hung
     steps = np.abs(np.diff(x))
     usual = float(np.median(steps[steps > 0.0])) if inside < len(steps) else 0.0
-    ways = np.abs(np.diff(way)) if way is not None and len(way) > 1 else np.zeros(len(x) - 1)
+    way = np.zeros(len(x)) if way is None else way
+    ways = np.abs(np.diff(way))
     pace, fast = float(np.median(ways)), ways > FAST * float(np.quantile(ways, 0.95))
     for begin, end in runs:
         behind = steps[end + 1 : end + 4]
         wakes = len(behind) == 3 and steps[end] > JUMP * max(float(behind.max()), usual)
-        far = way is not None and np.ptp(way[begin : end + 1]) > FAR * pace > 0.0
+        far = np.ptp(way[begin : end + 1]) > FAR * pace > 0.0
         moves = far or np.count_nonzero(fast[begin:end]) >= LEAST
         hung[begin + 1 : end + 1] = (wakes or moves) and x.min() < x[begin] < x.max()
     return hung
