@@ -44,7 +44,7 @@ def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Eff
 
     Not its own special cases: with more parameters they can always do the same.
     """
-    others = [e for e in (*selection.candidates, *selection.absorbed) if e.special_case_of != effect.name]
+    others = [e for e in (*selection.candidates, *selection.rivals) if e.special_case_of != effect.name]
     return [e for e in others if e.name == effect.name or e.name not in fitted.names]
 
 
@@ -53,22 +53,33 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
     data = selection.beyond(rest, _others(selection, fitted, effect))
     best = data.best_of_each(selection.penalty)
     mine = min(best.get(effect.name, (np.inf, 0))[0], fitted.criterion - rest.criterion)
-    found = []
+    near, found = _near(selection, effect), []
     for name, (criterion, regressor) in best.items():
-        if name != effect.name and criterion < mine + 3.0 * CLOSE:
+        if name != effect.name and criterion < mine + 2.0 * CLOSE + near[name]:
             gain, coefficients = data.solve(data.columns([regressor]))
             rival = selection.refit_choice(data, Choice((regressor,), gain, criterion, (coefficients,)), rest)
-            if rival.criterion < fitted.criterion + CLOSE:
+            if rival.criterion < fitted.criterion + near[name]:
                 found.append((rival.criterion, name))
     return [name for _, name in sorted(found)]
+
+
+def _near(selection: Selection, effect: Effect) -> dict[str, float]:
+    """Criterion within which each other effect could be meant, by name: where it follows the same, and the form alone
+    tells the two apart, what a form may leave that is not exactly right is in it."""
+    tolerance = selection.penalty.tolerance
+    return {
+        e.name: CLOSE + (tolerance if e.follows[:1] == effect.follows[:1] != () else 0.0)
+        for e in (*selection.candidates, *selection.rivals)
+    }
 
 
 def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:
     """Effects that cost nearly as little in the place of `effect` in a set that was fitted, in whatever form."""
     rest = fitted.names - {effect.name}
     rivals = [v for v in selection.weighed() if rest < v.names and len(v.names) == len(fitted.names)]
-    close = sorted((v for v in rivals if v.criterion < fitted.criterion + CLOSE), key=lambda v: v.criterion)
-    names = dict.fromkeys(name for v in close for name in v.names - rest)
+    near, least = _near(selection, effect), fitted.criterion
+    pairs = [(v.criterion, name) for v in rivals for name in v.names - rest]
+    names = dict.fromkeys(name for criterion, name in sorted(pairs) if criterion < least + near.get(name, 0.0))
     others = [e.name for e in _others(selection, fitted, effect)]
     return [name for name in names if name in others and name != effect.name]
 
