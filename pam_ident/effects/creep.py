@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core import Inputs, Param
-from ._history import relax
+from ._history import relax, since_first
 from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
 from .bladder_elasticity import hoop_force
 
@@ -56,7 +56,10 @@ def _force(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _force_prony(inputs: Inputs, values: Values, force: Array) -> Array:
-    return -_three(inputs, force, values["tau"])
+    """And what is still to come of the force that the first sample finds, for nobody knows how long it was there."""
+    since, first = since_first(inputs, inputs.time), force - since_first(inputs, force)
+    late = [first * inputs.xp.exp(-since / (values["tau"] * ratio)) for ratio in (0.1, 1.0, 10.0)]
+    return inputs.xp.concat([-_three(inputs, force, values["tau"]), inputs.xp.stack(late).T], axis=1)
 
 
 def _following(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -92,9 +95,9 @@ EFFECT = Effect(
             remembers=True,
         ),
         free_form(
-            "+q_i, q̇_i = Ḟ − q_i/τ_i, τ_i = τ/10, τ, 10 τ",
+            "+q_i, q̇_i = Ḟ − q_i/τ_i, τ_i = τ/10, τ, 10 τ; F(0) exp(−t/τ_i)",
             _force_prony,
-            3,
+            6,
             pressure=0,
             contraction=0,
             nonlinear=(MIDDLE,),
