@@ -64,13 +64,17 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
 
 
 def _near(selection: Selection, effect: Effect) -> dict[str, float]:
-    """Criterion within which each other effect could be meant, by name: where it follows the same, and the form alone
-    tells the two apart, what a form may leave that is not exactly right is in it."""
-    tolerance = selection.penalty.tolerance
-    return {
-        e.name: CLOSE + (tolerance if e.follows[:1] == effect.follows[:1] != () else 0.0)
-        for e in (*selection.candidates, *selection.rivals)
-    }
+    """Criterion within which each other effect could be meant, by name. What a form may leave that is not exactly right
+    is in it where the form alone tells the two apart: the other follows the same first, or what the likeliest drivers
+    hold, and this one does not."""
+    chosen, first, tolerance = selection.following.chosen, effect.follows[:1], selection.penalty.tolerance
+
+    def by_form(other: Effect) -> bool:
+        likelier = chosen.isdisjoint(first) and not chosen.isdisjoint(other.follows[:1])
+        return bool(first) and (other.follows[:1] == first or likelier)
+
+    others = (*selection.candidates, *selection.rivals)
+    return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in others}
 
 
 def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:
