@@ -7,7 +7,8 @@ import numpy as np
 from ..effects import Effect
 from ..model import Term
 from .follows import one_speed
-from .search import CLOSE, Choice
+from .search import CLOSE, evaluate
+from .select import BENT, FORMS, NEAR
 from .selection import FittedSet, Selection
 
 Array = np.ndarray
@@ -51,16 +52,19 @@ def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Eff
 def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Effect) -> list[str]:
     """Effects that cost nearly as little in the place of `effect`: looked up on compressed data, then fitted."""
     data = selection.beyond(rest, _others(selection, fitted, effect))
-    best = data.best_of_each(selection.penalty)
-    mine = min(best.get(effect.name, (np.inf, 0))[0], fitted.criterion - rest.criterion)
-    near, found = _near(selection, effect), []
-    for name, (criterion, regressor) in best.items():
-        if name != effect.name and criterion < mine + 2.0 * CLOSE + near[name]:
-            gain, coefficients = data.solve(data.columns([regressor]))
-            rival = selection.refit_choice(data, Choice((regressor,), gain, criterion, (coefficients,)), rest)
-            if rival.criterion < fitted.criterion + near[name]:
-                found.append((rival.criterion, name))
-    return [name for _, name in sorted(found)]
+    choices = evaluate(data, selection.penalty, [(k,) for k in range(len(data.regressors))])
+    own = (c.criterion for c in choices if data.regressors[c.regressors[0]].effect == effect.name)
+    mine = min([fitted.criterion - rest.criterion, *own])
+    near, bent = _near(selection, effect), NEAR + BENT * selection.excess
+    tried: dict[str, dict[str, float]] = {}
+    for choice in sorted(choices, key=lambda choice: choice.criterion):
+        one = data.regressors[choice.regressors[0]]
+        known = tried.setdefault(one.effect, {})
+        close = one.effect != effect.name and choice.criterion < mine + bent + near[one.effect]
+        if close and one.term.label not in known and len(known) < FORMS:
+            known[one.term.label] = selection.refit_choice(data, choice, rest).criterion
+    best = {name: min(known.values()) for name, known in tried.items() if known}
+    return sorted((n for n in best if best[n] < fitted.criterion + near[n]), key=best.__getitem__)
 
 
 def _near(selection: Selection, effect: Effect) -> dict[str, float]:

@@ -67,7 +67,7 @@ def _way(inputs: Inputs) -> Array | None:
         return None
     way = way_since_reversal(inputs)
     share = way[:, None] / (max(float(way.max()), 1e-9) * np.array([0.03, 0.1, 0.25]))
-    return np.column_stack([np.maximum(0.0, 1.0 - share), np.ones(len(way))]) * inputs.direction[:, None]
+    return np.maximum(0.0, 1.0 - share) * inputs.direction[:, None]
 
 
 def _rest(inputs: Inputs) -> Array | None:
@@ -107,7 +107,7 @@ def _temperature(inputs: Inputs) -> Array | None:
 
 
 MAP = ((1, 2), (0, 5), (2, 2), (1, 4), (4, 2), (3, 4), (2, 7), (4, 7))
-SLID = ((0,), (1,), (2,), (0, 1, 2), (0, 3), (1, 3), (2, 3), (0, 1, 2, 3))
+ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
 COUNTED = ((0,), (1,), (2,), (3,), (4,), (0, 1, 2), (2, 3, 4), (0, 1, 2, 3, 4))
 RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (0, 1, 2, 3, 4, 5, 6, 7))
 DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
@@ -116,7 +116,7 @@ DRIVERS = (
     Driver("direction", "the direction of motion", _direction, ((0,), (0, 1))),
     Driver("speed", "the speed", _speed, ((0,), (0, 1, 2), (0, 1, 2, 3))),
     Driver("acceleration", "the acceleration", _acceleration, orders=((0, 0),)),
-    Driver("way", "the way since the last reversal", _way, SLID),
+    Driver("way", "the way since the last reversal", _way, ONE_OR_ALL),
     Driver("rest", "rest and relaxation", _rest, RELAXED),
     Driver("cycle", "the cycle and the distance travelled", _cycle, COUNTED),
     Driver("clock", "the clock", _clock, DRIFTED, ((0, 0),)),
