@@ -121,7 +121,7 @@ def diagnosing(
         drivers = following.possible | (answer.lacking.left.drivers if answer.lacking else frozenset())
         further = [e.name for e in seen if e.name not in tried and drivers.issuperset(e.follows[:1])]
         wider = answer_of(alone, candidates, known, following, tried + further, odds) if further else answer
-        answer = wider if wider.whole else answer
+        answer = wider if wider.whole or (answer.lacking and not wider.lacking) else answer
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
         selection, lacking = standing(answer, candidates, lacking)

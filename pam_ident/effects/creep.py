@@ -60,6 +60,7 @@ def _force(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _force_prony(inputs: Inputs, values: Values, force: Array) -> Array:
     """And of the force that the first sample finds: nobody knows how long it was there."""
+    assert inputs.time is not None
     since, first = since_first(inputs, inputs.time), force - since_first(inputs, force)
     late = [first * inputs.xp.exp(-since / (values["tau"] * ratio)) for ratio in (0.1, 1.0, 10.0)]
     return values["new"] * inputs.xp.stack(late).T - _three(inputs, force, values["tau"])
