@@ -14,7 +14,7 @@ from .base import SIZE, Extent, PatternShape, bell, like
 
 PLACES = 16
 """Places from which each of two is sought."""
-WIDEST = 0.12
+WIDEST = 0.15
 """Half width up to which a force is in one place, as a share of the stroke: what is wider is as smooth as a surface."""
 AGAINST = Param("against", "N", "amplitude against motion", scale=10.0)
 AGAIN = Param("again", "N", "amplitude in the other place", scale=10.0)
