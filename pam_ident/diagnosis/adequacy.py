@@ -7,7 +7,7 @@ they leave. It has a likelihood and a penalty as a set of names has, and no name
 import math
 from collections import Counter
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -49,6 +49,7 @@ class FreeModel:
     noise: Noise
 
     @classmethod
+    @lru_cache(maxsize=4)
     def of(cls, selection: Selection) -> "FreeModel":
         """For the record, law and likeliest drivers of a selection."""
         return cls.beside(selection, selection.following, len(selection.base.values))
@@ -126,6 +127,12 @@ class Adequacy:
         return self.selection.noise_left_by(self.fitted).deviance > beside.criterion + EQUAL
 
     @property
+    def wanders(self) -> bool:
+        """Whether much of what the set leaves passes for slow noise, but smooth surfaces would follow it, too."""
+        beyond, share = self.unexplained
+        return beyond > self.selection.noise.too_small and share > OF_ALL
+
+    @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
         if self.comes_back > self.selection.noise.too_small or self.noise_unfollowed:
@@ -184,11 +191,12 @@ def _left_by(selection: Selection, fitted: FittedSet) -> Following:
 
 
 def needless(selection: Selection, effect: Effect, others: FittedSet) -> bool:
-    """Whether nothing speaks for an effect beside others: without what it follows first their drivers explain as much,
-    or what they leave does not follow it; or they follow it, too, and the free model does not beat them."""
+    """Whether nothing speaks for an effect beside others: what they leave does not follow what it does first; or the
+    free model does not beat them, and they follow that, too, or their drivers explain as much without it."""
     if not effect.follows or selection.record.inputs.time is None:
         return False
     first, followed = effect.follows[0], {name for term in others.terms for name in term.effect.follows}
-    if first in followed:
-        return FreeModel.of(selection).odds(selection, others) < EQUAL
-    return selection.following.enough(followed, first) or first not in _left_by(selection, others).likely
+    may = first in followed or selection.following.enough(followed, first)
+    if may and FreeModel.of(selection).odds(selection, others) < EQUAL:
+        return True
+    return first not in followed and first not in _left_by(selection, others).likely

@@ -22,6 +22,11 @@ class Selected:
     fitted: FittedSet
     lacking: Adequacy | None
 
+    @property
+    def whole(self) -> bool:
+        """Whether it is complete, with known effects alone."""
+        return self.lacking is None and all(t.effect.candidate for t in self.fitted.terms)
+
 
 def answer_of(
     alone: Fit,
@@ -35,7 +40,8 @@ def answer_of(
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
     likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
-    fitted = selection.refit(likely, fitted.values)
+    if len(likely) < len(fitted.terms) and Adequacy.lacking(selection, fitted, False):
+        fitted = selection.refit(likely, fitted.values)
     if any(not t.effect.candidate for t in fitted.terms) and any(t.form.free for t in fitted.terms):
         either = ([t for t in fitted.terms if not t.form.free], [t for t in fitted.terms if t.effect.candidate])
         fitted = min((selection.refit(some, fitted.values) for some in either), key=lambda v: v.criterion)

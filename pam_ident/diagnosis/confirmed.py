@@ -1,7 +1,7 @@
 """Which names of an answer stand by held-out data and by nature, and the fit with these."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
@@ -31,11 +31,20 @@ def allowed_by_nature(
         close = [
             v for v in selection.cache.values() if v.terms and v.criterion < fitted.criterion + CLOSE and instead(v)
         ]
-        for one in sorted(close, key=lambda v: v.criterion)[:RIVALS]:
+        for one in [*sorted(close, key=lambda v: v.criterion)[:RIVALS], *_in_free_forms(selection, fitted, first[-1])]:
             other = found(one)
             if not other[-1]:
                 return one, other
     return fitted, first
+
+
+def _in_free_forms(selection: Selection, fitted: FittedSet, wrong: Collection[str]) -> list[FittedSet]:
+    """A set with each of some names in a free form that explains as much."""
+    found = []
+    for term in (t for t in fitted.terms if t.effect.name in wrong):
+        freer = [Term(term.effect, form) for form in term.effect.forms if form.free and form is not term.form]
+        found += [selection.refit([*fitted.without(term), one], fitted.values) for one in freer]
+    return [v for v in found if v.squares < fitted.squares + CLOSE]
 
 
 def _possible(

@@ -7,7 +7,8 @@ import numpy as np
 from ..effects import Effect
 from ..model import Term
 from .follows import one_speed
-from .search import CLOSE, Choice
+from .search import CLOSE, evaluate
+from .select import BENT, FORMS, NEAR
 from .selection import FittedSet, Selection
 
 Array = np.ndarray
@@ -44,31 +45,49 @@ def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Eff
 
     Not its own special cases: with more parameters they can always do the same.
     """
-    others = [e for e in (*selection.candidates, *selection.absorbed) if e.special_case_of != effect.name]
+    others = [e for e in (*selection.candidates, *selection.rivals) if e.special_case_of != effect.name]
     return [e for e in others if e.name == effect.name or e.name not in fitted.names]
 
 
 def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Effect) -> list[str]:
     """Effects that cost nearly as little in the place of `effect`: looked up on compressed data, then fitted."""
     data = selection.beyond(rest, _others(selection, fitted, effect))
-    best = data.best_of_each(selection.penalty)
-    mine = min(best.get(effect.name, (np.inf, 0))[0], fitted.criterion - rest.criterion)
-    found = []
-    for name, (criterion, regressor) in best.items():
-        if name != effect.name and criterion < mine + 3.0 * CLOSE:
-            gain, coefficients = data.solve(data.columns([regressor]))
-            rival = selection.refit_choice(data, Choice((regressor,), gain, criterion, (coefficients,)), rest)
-            if rival.criterion < fitted.criterion + CLOSE:
-                found.append((rival.criterion, name))
-    return [name for _, name in sorted(found)]
+    choices = evaluate(data, selection.penalty, [(k,) for k in range(len(data.regressors))])
+    own = (c.criterion for c in choices if data.regressors[c.regressors[0]].effect == effect.name)
+    mine = min([fitted.criterion - rest.criterion, *own])
+    near, bent = _near(selection, effect), NEAR + BENT * selection.excess
+    tried: dict[str, dict[str, float]] = {}
+    for choice in sorted(choices, key=lambda choice: choice.criterion):
+        one = data.regressors[choice.regressors[0]]
+        known = tried.setdefault(one.effect, {})
+        close = one.effect != effect.name and choice.criterion < mine + bent + near[one.effect]
+        if close and one.term.label not in known and len(known) < FORMS:
+            known[one.term.label] = selection.refit_choice(data, choice, rest).criterion
+    best = {name: min(known.values()) for name, known in tried.items() if known}
+    return sorted((n for n in best if best[n] < fitted.criterion + near[n]), key=best.__getitem__)
+
+
+def _near(selection: Selection, effect: Effect) -> dict[str, float]:
+    """Criterion within which each other effect could be meant, by name. What a form may leave that is not exactly right
+    is in it where the form alone tells the two apart: the other follows the same first, or what the likeliest drivers
+    hold, and this one does not."""
+    chosen, first, tolerance = selection.following.chosen, effect.follows[:1], selection.penalty.tolerance
+
+    def by_form(other: Effect) -> bool:
+        likelier = chosen.isdisjoint(first) and not chosen.isdisjoint(other.follows[:1])
+        return bool(first) and (other.follows[:1] == first or likelier)
+
+    others = (*selection.candidates, *selection.rivals)
+    return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in others}
 
 
 def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:
     """Effects that cost nearly as little in the place of `effect` in a set that was fitted, in whatever form."""
     rest = fitted.names - {effect.name}
     rivals = [v for v in selection.weighed() if rest < v.names and len(v.names) == len(fitted.names)]
-    close = sorted((v for v in rivals if v.criterion < fitted.criterion + CLOSE), key=lambda v: v.criterion)
-    names = dict.fromkeys(name for v in close for name in v.names - rest)
+    near, least = _near(selection, effect), fitted.criterion
+    pairs = [(v.criterion, name) for v in rivals for name in v.names - rest]
+    names = dict.fromkeys(name for criterion, name in sorted(pairs) if criterion < least + near.get(name, 0.0))
     others = [e.name for e in _others(selection, fitted, effect)]
     return [name for name in names if name in others and name != effect.name]
 

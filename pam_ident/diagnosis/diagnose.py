@@ -15,6 +15,7 @@ from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
+from .adequacy import Adequacy, FreeModel
 from .answer import answer_of, standing
 from .confirmed import allowed_by_nature, impossible_alone
 from .confounding import groups
@@ -116,10 +117,11 @@ def diagnosing(
     known = [*seen, *(term.effect for term in model.terms)]
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
     answer = answer_of(alone, candidates, known, following, tried, odds)
-    if tried and answer.lacking:  # what it leaves is asked what it follows, as the law's error was
-        further = [e.name for e in seen if e.name not in tried and answer.lacking.left.supports(e.follows)]
+    if tried and not answer.whole:  # what it leaves is asked what it follows, as the law's error was
+        drivers = following.possible | (answer.lacking.left.drivers if answer.lacking else frozenset())
+        further = [e.name for e in seen if e.name not in tried and drivers.issuperset(e.follows[:1])]
         wider = answer_of(alone, candidates, known, following, tried + further, odds) if further else answer
-        answer = answer if wider.lacking else wider
+        answer = wider if wider.whole or (answer.lacking and not wider.lacking) else answer
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
         selection, lacking = standing(answer, candidates, lacking)
@@ -141,12 +143,14 @@ def diagnosing(
     follows = following.shares()
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
-    chance = probabilities(selection, classes, selected, pattern is not None)
+    timed = bool(selected) and record.inputs.time is not None
+    slow = timed and not pattern and Adequacy(selection, fitted, FreeModel.of(selection)).wanders
+    chance = probabilities(selection, classes, selected, slow or pattern is not None)
     if lacking:
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
-    again = _followed_again(named)
+    again = _followed_again(named, following)
     chance = {name: chance[name] * (BY_FORM if name in again else 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
@@ -160,6 +164,8 @@ def diagnosing(
     said = sentence(base, best, labels, classes, pattern, floor, error > 2.0 * noise.whole, extra)
     if outcome == "adequate" and noise.coloured:
         said += as_slow_noise(follows)
+    if slow:
+        said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
     said += reservations({name: rivals[name] for name in selected}, again, extra)
     found = Diagnosis(
         base,
@@ -189,11 +195,14 @@ def diagnosing(
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
-def _followed_again(named: list[Term]) -> dict[str, str]:
-    """Of names, largest first, those that follow first what a larger one does, and that one."""
+def _followed_again(named: list[Term], following: Following) -> dict[str, str]:
+    """Of names, largest first, those that follow first what larger ones could, and the largest of these."""
     found: dict[str, str] = {}
     for k, term in enumerate(named):
-        alike = [t.effect.name for t in named[:k] if t.effect.follows[:1] == term.effect.follows[:1] != ()]
+        first, larger = term.effect.follows[:1], named[:k]
+        alike = [t.effect.name for t in larger if t.effect.follows[:1] == first != ()]
+        if larger and first and following.enough({f for t in larger for f in t.effect.follows}, first[0]):
+            alike.append(larger[0].effect.name)
         found |= {term.effect.name: alike[0]} if alike else {}
     return found
 

@@ -155,8 +155,12 @@ class Following:
 
     def _worth(self, gain: Any, freedom: Any, count: int) -> Any:
         penalty = freedom * math.log(max(len(self.left) / self.memory, 3.0))
-        each = EQUAL + 2.0 * math.log(max(len(self.surfaces.names), 1))
-        return gain / (self.variance * self.memory) - penalty - each * count
+        return gain / (self.variance * self.memory) - penalty - self._each * count
+
+    @property
+    def _each(self) -> float:
+        """What a driver costs."""
+        return EQUAL + 2.0 * math.log(max(len(self.surfaces.names), 1))
 
     def _adding(self, groups: frozenset[int]) -> Array:
         """Evidence of a set with each of all groups besides, shape (groups,)."""
@@ -221,10 +225,15 @@ class Following:
     def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
         """For each of the likeliest drivers what is lost without it, and the likeliest then."""
         best, without = self._search
-        return {
-            name: (self.evidence(best) - self.evidence(other), frozenset(self.surfaces.names[k] for k in other))
-            for name, other in without.items()
-        }
+
+        def named(groups: frozenset[int]) -> frozenset[str]:
+            return frozenset(self.surfaces.names[k] for k in groups)
+
+        def worth(groups: frozenset[int]) -> float:
+            """What builds up after a reversal is one force, of one direction at the end: two drivers cost as one."""
+            return self.evidence(groups) + self._each * (named(groups) >= {"way", "direction"})
+
+        return {name: (worth(best) - worth(other), named(other)) for name, other in without.items()}
 
     @property
     def _least(self) -> float:

@@ -8,8 +8,9 @@ from .selection import Selection
 
 LAPSE, PAIR, THREE, BESIDE_UNKNOWN, LOCKED = 0.02, 0.06, 0.5, 0.2, 0.12
 """Chance that the search was misled as a whole, by what it ended with: one name, two, three, names beside something
-unknown, any in a locked muscle, of which nobody measures how far the braid slides. Shares of near-certain statements
-that were false on fresh sets, most of them of other hands: 4 of 188, 6 of 103, 7 of 17, 9 of 42, 6 of 54."""
+that is or may be unknown, any in a locked muscle, of which nobody measures how far the braid slides. Shares of
+near-certain statements that were false on fresh sets, most of them of other hands: 4 of 188, 6 of 103, 7 of 17, 9 of
+42, 6 of 54."""
 
 
 def probabilities(
@@ -41,7 +42,8 @@ def probabilities(
     kinds = {PAIR: names == 2, THREE: names > 2, BESIDE_UNKNOWN: unknown, LOCKED: locked}
     lapse = max([LAPSE, *(misled for misled, holds in kinds.items() if holds)])
     known = {regressor.effect for regressor in selection.seen.regressors}
-    for candidate in selection.candidates:
+    rivals = (e for e in selection.rivals if any(e.name in group for group in groups))
+    for candidate in (*selection.candidates, *rivals):
         alike = {candidate.name}.union(*(group for group in groups if candidate.name in group))
         share = sum(weight for names, weight in sets if names & alike) / total
         chance[candidate.name] = (1.0 - lapse) * share + lapse / len(known)

@@ -23,6 +23,9 @@ WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
 """Samples, or memories of the noise where these are longer, over which what is left is averaged, and how many times the
 median of such averages their mean may be: noise is there all the time, however coloured, heavy-tailed, or larger at one
 pressure."""
+APART, NORMAL = 40, 0.455
+"""Samples on either side of a moment between whose means what is left jumps; and the median square over the mean square
+of what is normal."""
 
 
 def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -53,11 +56,40 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
     most_of_it = bool(fitted.terms) and left > MOSTLY * all_of_it
     if left < (UNDER_A_NAME if most_of_it else REMAINDER) * n or left < OF_ALL * all_of_it:
-        return None if fitted.terms else _bursts(selection, fitted)
+        return None if fitted.terms else _jumps(selection, fitted) or _bursts(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
     text = f"about {newtons(size)} rms without a shape of its own{_part(share)}"
     return Pattern("other", "contraction", None, "", share, text)
+
+
+def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """What stands still and jumps is no noise: however slow that is, it wanders all the time.
+
+    The means before and after each moment differ by so many times what neighbouring samples do, which takes it out that
+    noise may be larger in places.
+    """
+    if selection.record.inputs.time is None:
+        return None
+    clean = ~selection.noise.outlier
+    left, time = selection.view(fitted).residual[clean], selection.record.inputs.time[clean]
+    gaps = np.diff(time, prepend=time[0])
+    piece = np.cumsum(gaps > CORNER * np.median(gaps))
+    sums = np.cumsum(np.r_[0.0, left])
+    squares = np.cumsum(np.r_[0.0, 0.0, 0.5 * np.diff(left) ** 2])
+    at = np.arange(APART, len(left) - APART)
+    between = (sums[at + APART] - 2.0 * sums[at] + sums[at - APART]) / APART
+    beside = squares[at + APART] - squares[at + 1] + squares[at] - squares[at - APART + 1]
+    seen = (piece[at + APART - 1] == piece[at - APART]) & (beside > 0.0)
+    if np.count_nonzero(seen) < WINDOW * APART // 2:
+        return None
+    at, far = at[seen], between[seen] ** 2 / beside[seen]
+    if far.mean() * NORMAL < BURSTING * np.median(far):
+        return None
+    share = 1.0 - float(np.median(far) / (NORMAL * far.mean()))
+    worst = float(time[at[int(np.argmax(far))]])
+    text = f"jumps: what is left stands still and jumps now and then, the farthest at {number(worst)} s"
+    return Pattern("other", "time", worst, "s", share, text)
 
 
 def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:

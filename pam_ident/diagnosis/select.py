@@ -335,7 +335,10 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
         [] if time is None else [period for remainder in remainders for period in beats(time, remainder.view.residual)]
     )
     unsure = selection.following.unsure
+    named = bool(fitted.terms) and _beyond_noise(selection, fitted.squares) < EXPLAINED
     for effect in patterns(selection.record.inputs, lines, unsure.sensor_mm if unsure else 0.0):
+        if named and catalogue_of_patterns()[effect.name].kind == "other":  # what names follow is no other curve
+            continue
         for scanned in scan(effect, remainders):
             penalty = _pattern_penalty(selection, scanned, fitted)
             scans.append((scanned.onto.criterion - scanned.gain + penalty, penalty, scanned))

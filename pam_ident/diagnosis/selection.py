@@ -29,7 +29,7 @@ MOST_TOLERANCE = 0.5
 """The same in units of the noise: what stands out that far is named, however large the rest."""
 HOPELESS = 60.0
 """Cost beyond the best at which a set counts for nothing, not even for the probabilities."""
-TOO_FLAT = 0.05
+TOO_FLAT = 0.02
 """Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
 
 
@@ -116,10 +116,12 @@ class Selection:
         self.noise: Noise = noise or self._noise(view)
         data = view.compress(regressors, self.noise)
         self._drop_unseen(data)
-        self.absorbed = [e for e in self.candidates if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
+        absorbed = [e for e in self.candidates if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
         self.candidates = [e for e in self.candidates if e.name not in self.excluded]
         self.seen = data.only([k for k, a in enumerate(regressors) if a.effect not in self.excluded])
+        possible = [e for e in self.candidates if self.following.possible.issuperset(e.follows[:1])]
         self.candidates = [e for e in self.candidates if tried is None or e.name in tried]
+        self.rivals = [*absorbed, *(e for e in possible if e not in self.candidates)]
         names = {e.name for e in self.candidates}
         self.data = data.only([k for k, a in enumerate(regressors) if a.effect in names])
         self.empty = self._law_alone()

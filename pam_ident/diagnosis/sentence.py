@@ -58,6 +58,6 @@ def reservations(rivals: Mapping[str, float], again: Mapping[str, str], extra: t
     for name, other in again.items():
         larger = capital(in_words(other, extra))
         said.append(
-            f" Less sure: {in_words(name, extra)}. {larger} follows the same, and only the form tells the two apart."
+            f" Less sure: {in_words(name, extra)}. {larger} could follow the same; only the form tells the two apart."
         )
     return "".join(said)

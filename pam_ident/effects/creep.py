@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core import Inputs, Param
-from ._history import relax
+from ._history import relax, since_first
 from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
 from .bladder_elasticity import hoop_force
 
@@ -23,6 +23,9 @@ THREE = tuple(
 E_R = Param("E_r", "MPa", "relaxing part of the bladder's modulus", 0.0, 1e3, scale=0.1)
 SHARE = Param("share", "1", "share of a change of force that relaxes", 0.0, 2.0, scale=0.02)
 LATE = Param("late", "1", "share of a change of force that comes late", 0.0, 1.0, scale=0.02)
+NEW = Param(
+    "new", "1", "share of the first force that is new at the first sample", 0.0, 1.0, start=0.5, grid=(0.0, 1.0)
+)
 DECADES = np.logspace(-1.0, 3.0, 9)
 
 
@@ -56,7 +59,11 @@ def _force(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _force_prony(inputs: Inputs, values: Values, force: Array) -> Array:
-    return -_three(inputs, force, values["tau"])
+    """And of the force that the first sample finds: nobody knows how long it was there."""
+    assert inputs.time is not None
+    since, first = since_first(inputs, inputs.time), force - since_first(inputs, force)
+    late = [first * inputs.xp.exp(-since / (values["tau"] * ratio)) for ratio in (0.1, 1.0, 10.0)]
+    return values["new"] * inputs.xp.stack(late).T - _three(inputs, force, values["tau"])
 
 
 def _following(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -92,12 +99,12 @@ EFFECT = Effect(
             remembers=True,
         ),
         free_form(
-            "+q_i, q̇_i = Ḟ − q_i/τ_i, τ_i = τ/10, τ, 10 τ",
+            "+q_i, q̇_i = Ḟ − q_i/τ_i, q_i(0) = new · F(0), τ_i = τ/10, τ, 10 τ",
             _force_prony,
             3,
             pressure=0,
             contraction=0,
-            nonlinear=(MIDDLE,),
+            nonlinear=(MIDDLE, NEW),
             unit=("1", 0.02),
             remembers=True,
             name="free_tension",

@@ -39,7 +39,7 @@ EFFECT = Effect(
             _fading,
             count=2,
             pressure=0,
-            contraction=2,
+            contraction=4,
             nonlinear=(FADES,),
             role=TransformsContraction,
             unit=("1", 0.1),

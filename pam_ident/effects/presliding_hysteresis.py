@@ -17,10 +17,12 @@ WIDTH = Param(
     0.05,
     80.0,
     start=3.0,
-    grid=(0.4, 1.0, 2.5, 6.0, 15.0),
+    grid=(0.4, 1.0, 2.5, 4.0, 6.0, 10.0, 15.0),
 )
 WIDE = replace(WIDTH, lower=1.0, grid=WIDTH.grid[1:])
 """Shorter than this a friction that grows with pressure is dry."""
+LONG = replace(WIDTH, lower=3.0, start=3.0, grid=WIDTH.grid[3:])
+"""With a shorter one of three, of any dependence on the pressure, few samples would tell it from dry friction."""
 LOW = replace(PEAK, grid=(1.2,))
 SEEN = replace(WIDTH, lower=0.4, grid=(0.7, 1.5, 3.0, 7.0))
 """A shorter one is a Stribeck friction's alone."""
@@ -82,7 +84,7 @@ EFFECT = Effect(
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
-        free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(WIDTH,), remembers=True, resisting=3),
+        free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(LONG,), remembers=True, resisting=3),
     ),
     follows=("way", "direction"),
     test="reversals and minor loops at one slow speed",

@@ -160,7 +160,7 @@ def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, na
                 ("screw_ripple", "hum", "periodic"),
                 ("rub", "textbook", "local"),
                 ("rub", "leaned_on", "local"),
-                ("rub", "two_places", "local"),
+                ("rub", "two_places", "other"),
                 ("mount_slip", "textbook", "step"),
                 ("mount_slip", "gauge", "step"),
                 ("wandering_sensor", "textbook", "trend"),

@@ -24,6 +24,7 @@ def selection(criteria, names=("a", "b", "c", "d"), slide=None):
             for names, criterion in criteria.items()
         ],
         candidates=[SimpleNamespace(name=name) for name in names],
+        rivals=[],
         seen=SimpleNamespace(regressors=[SimpleNamespace(effect=name) for name in names]),
         record=SimpleNamespace(inputs=SimpleNamespace(slide=slide)),
     )

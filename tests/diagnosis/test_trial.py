@@ -71,7 +71,7 @@ def test_what_the_law_nearly_follows_can_be_the_other_reading(base):
     one_way = replace(record, force=law.force(inputs, values) + noise).take(rows)
     selection = Selection(fit(law, one_way, detail=False), CANDIDATES)
     assert selection.excluded["length_offset"][0] == "absorbed_by_law"
-    assert "length_offset" in {e.name for e in selection.absorbed}
+    assert "length_offset" in {e.name for e in selection.rivals}
     fitted = selection.refit([term("pressure_friction")])
     rival = selection.refit([term("length_offset")])
     assert rival.criterion < fitted.criterion

@@ -79,6 +79,6 @@ def test_an_element_that_would_never_slip_still_opens_a_loop(form):
 
 def test_what_relaxes_within_a_fifth_of_a_second_is_no_creep():
     for form in get_effect("creep")[0].forms:
-        for p in form.nonlinear:
+        for p in (p for p in form.nonlinear if p.unit == "s"):
             fastest = p.lower / (10.0 if form.name == "prony_3" else 1.0)
             assert fastest >= 0.2

@@ -14,6 +14,8 @@ from .base import SIZE, Extent, PatternShape, bell, like
 
 PLACES = 16
 """Places from which each of two is sought."""
+WIDEST = 0.15
+"""Half width up to which a force is in one place, as a share of the stroke: what is wider is as smooth as a surface."""
 AGAINST = Param("against", "N", "amplitude against motion", scale=10.0)
 AGAIN = Param("again", "N", "amplitude in the other place", scale=10.0)
 POWER = Param("power", "1", "power at which it grows", 0.7, 3.0, start=1.0, grid=(1.0, 1.5, 2.2))
@@ -75,7 +77,7 @@ def _forms(span: Extent) -> Sequence[Form]:
     stroke, place, first = span.stroke, span.place(), span.place(PLACES)
     least = max(0.005 * stroke, 0.5 * span.blurred)
     widths = tuple(least + stroke * w for w in (0.01, 0.03, 0.075))
-    width = Param("width", "mm", "half width", least, stroke, start=widths[1], grid=widths)
+    width = Param("width", "mm", "half width", least, least + WIDEST * stroke, start=widths[1], grid=widths)
     second = replace(first, name="second", doc="where else")
     wide = replace(width, grid=tuple(least + stroke * w for w in (0.045, 0.095)))
     at, soft = (place, width), 0.5 * span.blurred
