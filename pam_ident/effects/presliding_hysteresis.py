@@ -17,11 +17,11 @@ WIDTH = Param(
     0.05,
     80.0,
     start=3.0,
-    grid=(0.4, 1.0, 2.5, 4.0, 6.0, 10.0, 15.0),
+    grid=(0.4, 1.0, 2.5, 6.0, 15.0),
 )
-WIDE = replace(WIDTH, lower=1.0, grid=WIDTH.grid[1:])
+WIDE = replace(WIDTH, lower=1.0, grid=(1.0, 2.5, 4.0, 6.0, 10.0, 15.0))
 """Shorter than this a friction that grows with pressure is dry."""
-LONG = replace(WIDTH, lower=3.0, start=3.0, grid=WIDTH.grid[3:])
+LONG = replace(WIDTH, lower=3.0, start=3.0, grid=WIDE.grid[2:])
 """With a shorter one of three, of any dependence on the pressure, few samples would tell it from dry friction."""
 LOW = replace(PEAK, grid=(1.2,))
 SEEN = replace(WIDTH, lower=0.4, grid=(0.7, 1.5, 3.0, 7.0))
