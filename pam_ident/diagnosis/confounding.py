@@ -7,8 +7,8 @@ import numpy as np
 from ..effects import Effect
 from ..model import Term
 from .follows import one_speed
-from .search import CLOSE, evaluate
-from .select import BENT, FORMS, NEAR
+from .search import CLOSE
+from .select import BENT, NEAR, best_forms
 from .selection import FittedSet, Selection
 
 Array = np.ndarray
@@ -52,18 +52,17 @@ def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Eff
 def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Effect) -> list[str]:
     """Effects that cost nearly as little in the place of `effect`: looked up on compressed data, then fitted."""
     data = selection.beyond(rest, _others(selection, fitted, effect))
-    choices = evaluate(data, selection.penalty, [(k,) for k in range(len(data.regressors))])
-    own = (c.criterion for c in choices if data.regressors[c.regressors[0]].effect == effect.name)
-    mine = min([fitted.criterion - rest.criterion, *own])
+    choices = [
+        (data.regressors[choice.regressors[0]].effect, choice)
+        for choice in best_forms(data, selection.penalty, range(len(data.regressors)))
+    ]
+    mine = min([fitted.criterion - rest.criterion, *(c.criterion for name, c in choices if name == effect.name)])
     near, bent = _near(selection, effect), NEAR + BENT * selection.excess
-    tried: dict[str, dict[str, float]] = {}
-    for choice in sorted(choices, key=lambda choice: choice.criterion):
-        one = data.regressors[choice.regressors[0]]
-        known = tried.setdefault(one.effect, {})
-        close = one.effect != effect.name and choice.criterion < mine + bent + near[one.effect]
-        if close and one.term.label not in known and len(known) < FORMS:
-            known[one.term.label] = selection.refit_choice(data, choice, rest).criterion
-    best = {name: min(known.values()) for name, known in tried.items() if known}
+    best: dict[str, float] = {}
+    for name, choice in choices:
+        if name != effect.name and choice.criterion < mine + bent + near[name]:
+            rival = selection.refit_choice(data, choice, rest)
+            best[name] = min(best.get(name, np.inf), rival.criterion)
     return sorted((n for n in best if best[n] < fitted.criterion + near[n]), key=best.__getitem__)
 
 

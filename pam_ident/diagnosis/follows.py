@@ -143,7 +143,11 @@ class Following:
     @property
     def chosen(self) -> frozenset[str]:
         """The drivers of the likeliest set."""
-        return frozenset(self.surfaces.names[k] for k in self.best)
+        return self._named(self.best)
+
+    def _named(self, groups: frozenset[int]) -> frozenset[str]:
+        """The drivers of a set of groups."""
+        return frozenset(self.surfaces.names[k] for k in groups)
 
     def evidence(self, groups: frozenset[int]) -> float:
         """Gain of a set of groups of surfaces, in variances of the noise, less its penalty.
@@ -226,14 +230,11 @@ class Following:
         """For each of the likeliest drivers what is lost without it, and the likeliest then."""
         best, without = self._search
 
-        def named(groups: frozenset[int]) -> frozenset[str]:
-            return frozenset(self.surfaces.names[k] for k in groups)
-
         def worth(groups: frozenset[int]) -> float:
             """What builds up after a reversal is one force, of one direction at the end: two drivers cost as one."""
-            return self.evidence(groups) + self._each * (named(groups) >= {"way", "direction"})
+            return self.evidence(groups) + self._each * (self._named(groups) >= {"way", "direction"})
 
-        return {name: (worth(best) - worth(other), named(other)) for name, other in without.items()}
+        return {name: (worth(best) - worth(other), self._named(other)) for name, other in without.items()}
 
     @property
     def _least(self) -> float:

@@ -23,9 +23,9 @@ WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
 """Samples, or memories of the noise where these are longer, over which what is left is averaged, and how many times the
 median of such averages their mean may be: noise is there all the time, however coloured, heavy-tailed, or larger at one
 pressure."""
-APART, NORMAL = 40, 0.455
-"""Samples on either side of a moment between whose means what is left jumps; and the median square over the mean square
-of what is normal."""
+APART, NORMAL, GAP = 40, 0.455, 5.0
+"""Samples on either side of a moment between whose means what is left jumps; the median square over the mean square of
+what is normal; and the usual times between samples from which a longer one is a break."""
 
 
 def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -74,7 +74,7 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
     clean = ~selection.noise.outlier
     left, time = selection.view(fitted).residual[clean], selection.record.inputs.time[clean]
     gaps = np.diff(time, prepend=time[0])
-    piece = np.cumsum(gaps > CORNER * np.median(gaps))
+    piece = np.cumsum(gaps > GAP * np.median(gaps))
     sums = np.cumsum(np.r_[0.0, left])
     squares = np.cumsum(np.r_[0.0, 0.0, 0.5 * np.diff(left) ** 2])
     at = np.arange(APART, len(left) - APART)

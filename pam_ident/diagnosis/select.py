@@ -1,7 +1,7 @@
 """From candidates to the set that explains the record: search, exact refits, and second thoughts."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -17,7 +17,7 @@ from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns import patterns
 from .scan import Remainder, Scanned, scan
-from .search import CLOSE, Choice, beam_search, evaluate
+from .search import CLOSE, Choice, Compressed, Penalty, beam_search, evaluate
 from .selection import FittedSet, Selection, labels
 from .spectrum import beats
 from .tails import deviance_saved
@@ -304,14 +304,24 @@ def _in_other_forms(selection: Selection, fitted: FittedSet, fewer: Sequence[Fit
             e.name: e for e in (term.effect, *selection.candidates) if e.exclusion_group == term.effect.exclusion_group
         }
         data = selection.beyond(rest, list(alike.values()))
-        others = [(k,) for k, one in enumerate(data.regressors) if one.term.form is not term.form]
-        taken: dict[str, set[str]] = {effect: set() for effect in alike}
-        for choice in sorted(evaluate(data, selection.penalty, others), key=lambda choice: choice.criterion):
-            one = data.regressors[choice.regressors[0]]
-            forms = taken[one.effect]
-            if one.term.label not in forms and len(forms) < FORMS:
-                forms.add(one.term.label)
-                found.append(selection.refit_choice(data, choice, rest, fitted.criterion))
+        others = [k for k, one in enumerate(data.regressors) if one.term.form is not term.form]
+        found += [
+            selection.refit_choice(data, choice, rest, fitted.criterion)
+            for choice in best_forms(data, selection.penalty, others)
+        ]
+    return found
+
+
+def best_forms(data: Compressed, penalty: Penalty, regressors: Iterable[int]) -> list[Choice]:
+    """Some regressors, each by itself, best first: of each effect in those FORMS that explain most."""
+    taken: dict[str, set[str]] = {}
+    found = []
+    for choice in sorted(evaluate(data, penalty, [(k,) for k in regressors]), key=lambda choice: choice.criterion):
+        term = data.regressors[choice.regressors[0]].term
+        forms = taken.setdefault(term.effect.name, set())
+        if term.label not in forms and len(forms) < FORMS:
+            forms.add(term.label)
+            found.append(choice)
     return found
 
 

@@ -8,6 +8,7 @@ from ..core import Inputs, Param
 from ._history import relax, since_first
 from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
 from .bladder_elasticity import hoop_force
+from .force_drift import elapsed
 
 G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
 G_P = Param("G_p", "N/MPa", "growth of that force with pressure", 0.0, 1e6, scale=300.0)
@@ -26,6 +27,8 @@ LATE = Param("late", "1", "share of a change of force that comes late", 0.0, 1.0
 NEW = Param(
     "new", "1", "share of the first force that is new at the first sample", 0.0, 1.0, start=0.5, grid=(0.0, 1.0)
 )
+RATIOS = (0.1, 1.0, 10.0)
+"""Relaxation times of three elements, over the middle one's."""
 DECADES = np.logspace(-1.0, 3.0, 9)
 
 
@@ -34,7 +37,7 @@ def _drive(inputs: Inputs, drive: Array, tau: float) -> Array:
 
 
 def _three(inputs: Inputs, drive: Array, tau: float) -> Array:
-    return inputs.xp.stack([_drive(inputs, drive, tau * ratio) for ratio in (0.1, 1.0, 10.0)]).T
+    return inputs.xp.stack([_drive(inputs, drive, tau * ratio) for ratio in RATIOS]).T
 
 
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -60,9 +63,8 @@ def _force(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _force_prony(inputs: Inputs, values: Values, force: Array) -> Array:
     """And of the force that the first sample finds: nobody knows how long it was there."""
-    assert inputs.time is not None
-    since, first = since_first(inputs, inputs.time), force - since_first(inputs, force)
-    late = [first * inputs.xp.exp(-since / (values["tau"] * ratio)) for ratio in (0.1, 1.0, 10.0)]
+    since, first = elapsed(inputs), force - since_first(inputs, force)
+    late = [first * inputs.xp.exp(-since / (values["tau"] * ratio)) for ratio in RATIOS]
     return values["new"] * inputs.xp.stack(late).T - _three(inputs, force, values["tau"])
 
 
