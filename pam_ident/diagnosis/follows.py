@@ -27,7 +27,7 @@ from ..records import Record, thinned
 from .dictionary import slopes
 from .drivers import DRIVERS
 from .nouns import Follows
-from .repeats import comes_back
+from .repeats import comes_back, memory_of
 from .search import TEMPER, orthonormal
 from .surfaces import Surfaces
 from .track import SharedNoise, TrackError
@@ -122,7 +122,7 @@ class Following:
         richest = frozenset({name: k for k, name in enumerate(self.surfaces.names)}.values())
         remainder = self.left - self.surfaces.explained(richest)
         self.variance = float(remainder @ remainder) / max(int(self.read.sum()) - self.surfaces.of(richest)[1], 1.0)
-        self.memory = _memory(remainder)
+        self.memory = memory_of(remainder)
 
     def _even(self, values: Array) -> Array:
         """Values (n,) or columns (n, k) with what rows share evened out, 0 where the track is unread."""
@@ -343,9 +343,9 @@ class Following:
         found = [
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]
-        found += [Follows("repeats", back, "what comes back with every repeat, but follows none of these")] * (
-            back > 0.0
-        )
+        if back > 0.0:
+            text = "what comes back with every repeat, or every second one, but follows none of these"
+            found.append(Follows("repeats", back, text))
         found.sort(key=lambda one: -one.share)
         return (*found, Follows("noise", max(1.0 - whole - back, 0.0), "noise"))
 
@@ -353,14 +353,6 @@ class Following:
 def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
     draw = np.random.default_rng(0)
     return [tuple(draw.permutation(names).tolist()) for _ in range(ORDERS)]
-
-
-def _memory(noise: Array) -> float:
-    """Samples that count as one because they are correlated, at least 1: the sum of the first correlations, twice."""
-    power = np.abs(np.fft.rfft(noise, 2 * len(noise))) ** 2
-    correlation = np.fft.irfft(power)[: len(noise)] / max(float(noise @ noise), 1e-300)
-    below = np.flatnonzero(correlation < 0.05)
-    return 1.0 + 2.0 * float(np.sum(correlation[1 : below[0]])) if len(below) and below[0] > 1 else 1.0
 
 
 def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:
