@@ -16,7 +16,7 @@ from ..effects import Effect
 from .follows import EQUAL, Following
 from .noise import Noise
 from .nouns import Pattern
-from .remainder import OF_ALL, REMAINDER
+from .remainder import OF_ALL
 from .repeats import comes_back
 from .selection import FittedSet, Selection
 
@@ -27,8 +27,10 @@ INEXACT = 0.005
 SLOW, WHITE = 0.5, 0.2
 """Share of the noise that is slow from which its colour is asked whether it follows what was driven; and the share
 below which noise is as good as white."""
-ONE_IN_100 = 2.58
-"""Standard deviations that normal numbers exceed, to either side, once in a hundred."""
+OTHER_SIZE, ONE_IN_100 = 1.0 / 3.0, 2.58
+"""Share by which the variance of what is left differs from that of the noise it is taken for, from which it is not that
+noise: 0.27 at most in 262 records without anything hidden. And the standard deviations that normal numbers exceed once
+in a hundred times."""
 NEARLY_ALL = 0.98
 """Share of what is to be explained from which names stand that what is left does not overturn."""
 
@@ -124,7 +126,7 @@ class Adequacy:
     @property
     def is_no_noise(self) -> bool:
         """Whether what the set leaves has not the size of the noise that it is taken for: its variance differs by more
-        than a quarter, and by more than such noise would once in a hundred records, which is much where it is slow.
+        than OTHER_SIZE, and by more than such noise would once in a hundred records, which is much where it is slow.
 
         Noise is the same all the time, so it is as large as its innovations say.
         """
@@ -132,7 +134,7 @@ class Adequacy:
         left = self.residual[~own.outlier]
         memory = own.memory / float(np.median(np.diff(time))) if own.clock == "seconds" else own.memory
         chance = math.sqrt(2.0 * (1.0 + own.share**2 * memory) / len(left))
-        return abs(float(np.mean(left**2)) / own.whole**2 - 1.0) > max(REMAINDER, ONE_IN_100 * chance)
+        return abs(float(np.mean(left**2)) / own.whole**2 - 1.0) > max(OTHER_SIZE, ONE_IN_100 * chance)
 
     @property
     def wanders(self) -> bool:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects import Effect
+from ..model import Term
 from .follows import one_speed
 from .search import CLOSE
 from .select import BENT, NEAR, best_forms
@@ -20,7 +21,8 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
         if not term.effect.candidate:
             continue
         rest = selection.refit(fitted.without(term), fitted.values)
-        twins = _close(selection, fitted, rest, term.effect)
+        twins = _same_form(selection, term)
+        twins += [n for n in _close(selection, fitted, rest, term.effect) if n not in twins]
         twins += [n for n in _fitted(selection, fitted, term.effect) if n not in twins]
         if selection.record.inputs.slide is not None:
             twins += [n for n in _same_when_locked(selection, term.effect) if n not in twins]
@@ -30,6 +32,12 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
         if twins:
             found.append((term.effect.name, *twins[:3]))
     return tuple(found)
+
+
+def _same_form(selection: Selection, term: Term) -> list[str]:
+    """The special case that goes by the name of the selected form: the same formula, so no record tells them apart."""
+    cases = [e.name for e in selection.candidates if e.special_case_of == term.effect.name]
+    return [name for name in cases if name.startswith(term.form.name.partition("_")[0])]
 
 
 def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Effect]:

@@ -20,14 +20,14 @@ from .answer import answer_of, standing
 from .confirmed import allowed_by_nature, impossible_alone
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
-from .follows import ROWS, Following, as_slow_noise, could_be_tried, steadied
+from .follows import ROWS, Following, steadied
 from .heldout import heldout_nearby, heldout_rmse
 from .nouns import Candidate, Diagnosis
 from .probability import probabilities
 from .remainder import pattern_of
 from .select import EXACT
 from .selection import FittedSet, Selection
-from .sentence import reservations, sentence
+from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
 BY_FORM = 0.5

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.digits import percent, percents
+from ..core.digits import percents
 from ..effects.base import Effect
 from ..fitting import Fit
 from ..fitting.estimate import at_bound
@@ -45,8 +45,6 @@ FEW_SPEEDS = 3
 """Speeds that curves over the speed, its root and its logarithm pass through."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
-WORTH_TRYING = 0.1
-"""Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
 
 
 def one_speed(record: Record) -> bool:
@@ -119,10 +117,22 @@ class Following:
         law = orthonormal(even(jacobian(model, inputs, values, self.record.force)[:, free]))
         self.left = left - law @ (law.T @ left)
         self.surfaces = Surfaces(inputs, law, self.left, even)
-        richest = frozenset({name: k for k, name in enumerate(self.surfaces.names)}.values())
+        richest = self._richest()
         remainder = self.left - self.surfaces.explained(richest)
         self.variance = float(remainder @ remainder) / max(int(self.read.sum()) - self.surfaces.of(richest)[1], 1.0)
         self.memory = memory_of(remainder)
+
+    def _richest(self) -> frozenset[int]:
+        """The richest group of each driver; of a short record, one that leaves half of its rows to the noise."""
+        groups: dict[str, list[int]] = {}
+        for k, name in enumerate(self.surfaces.names):
+            groups.setdefault(name, []).append(k)
+        while True:
+            richest = frozenset(each[-1] for each in groups.values())
+            poorer = {name: each[:-1] or each for name, each in groups.items()}
+            if 2.0 * self.surfaces.of(richest)[1] <= np.count_nonzero(self.read) or poorer == groups:
+                return richest
+            groups = poorer
 
     def _even(self, values: Array) -> Array:
         """Values (n,) or columns (n, k) with what rows share evened out, 0 where the track is unread."""
@@ -353,30 +363,6 @@ class Following:
 def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
     draw = np.random.default_rng(0)
     return [tuple(draw.permutation(names).tolist()) for _ in range(ORDERS)]
-
-
-def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:
-    """A sentence, with a blank before it, on those of some effects that follow what a fit's error follows; empty where
-    there is none. `found` are the shares of that error, `others` effects that were not tried, of which none with a
-    warning is proposed."""
-    inputs, held = fit.record.inputs, fit.model.effect_names
-    free = [e for e in others if not (e.warning or e.name in held or e.missing(inputs))]
-    for one in found:
-        names = [f"{e.title} (--also {e.name})" for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
-        if names:
-            return f" It follows {one.text}. So does what is tried only on request: {', '.join(names)}."
-    return ""
-
-
-def as_slow_noise(found: Sequence[Follows]) -> str:
-    """A sentence, with a blank before it, on what follows something but was taken for slow noise; empty without it."""
-    first = found[0]
-    if first.what == "noise" or first.share < WORTH_TRYING:
-        return ""
-    return (
-        f" {percent(first.share)} of the squared error follows {first.text}. Slow noise would, too, "
-        "and this record cannot tell it from an effect."
-    )
 
 
 def told(found: Sequence[Follows]) -> str:

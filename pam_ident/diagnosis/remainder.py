@@ -21,9 +21,9 @@ WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
 """Samples, or memories of the noise where these are longer, over which what is left is averaged, and how many times the
 median of such averages their mean may be: noise is there all the time, however coloured, heavy-tailed, or larger at one
 pressure."""
-AT_TURNS = 10.0
-"""Mean square of what is left at the turns of the motion, over that of the noise, from which it is none: in 82 records
-without anything hidden it was 3.2 at most."""
+AT_TURNS = 3.0
+"""Times the noise that most of what is left at the turns of the motion exceeds where it is none: in 82 records without
+anything hidden it was 1.5 at most."""
 APART, NORMAL, GAP = 40, 0.455, 5.0
 """Samples on either side of a moment between whose means what is left jumps; the median square over the mean square of
 what is normal; and the usual times between samples from which a longer one is a break."""
@@ -65,14 +65,12 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 def _at_turns(selection: Selection) -> Pattern | None:
     """What is left where the muscle turns, in samples that are looked at nowhere else: noise does not grow there."""
-    unsure, noise = selection.following.unsure, selection.noise
-    turns = np.flatnonzero(unsure.unread) if unsure else np.empty(0, int)
-    left = selection.law.residual[turns]
-    if len(turns) < WINDOW or float(np.mean(left**2)) < AT_TURNS * noise.whole**2:
+    unsure, residual = selection.following.unsure, selection.law.residual
+    turns = residual[unsure.unread] if unsure else residual[:0]
+    if len(turns) < WINDOW or float(np.median(np.abs(turns))) < AT_TURNS * selection.noise.whole:
         return None
-    text = f"about {newtons(float(np.sqrt(np.mean(left**2))))} rms at the turns of the motion, and noise elsewhere"
-    share = float(np.sum(left**2) / np.sum(selection.law.residual**2))
-    return Pattern("other", "direction", None, "", share, text)
+    text = f"about {newtons(float(np.sqrt(np.mean(turns**2))))} rms at the turns of the motion, and noise elsewhere"
+    return Pattern("other", "direction", None, "", float(np.sum(turns**2) / np.sum(residual**2)), text)
 
 
 def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
