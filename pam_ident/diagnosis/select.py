@@ -20,6 +20,7 @@ from .scan import Remainder, Scanned, scan
 from .search import CLOSE, Choice, Compressed, Penalty, beam_search, evaluate
 from .selection import FittedSet, Selection, labels
 from .spectrum import beats
+from .tails import deviance_saved
 
 SURE = 500.0
 """Criterion by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it
@@ -337,7 +338,18 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
     for criterion, penalty, scanned in scans[:4]:
         if criterion < best.criterion + NEAR + BENT * selection.excess:
             best = min(best, _with_pattern(selection, scanned, penalty), key=lambda v: v.criterion)
-    return best if best.criterion < fitted.criterion else None
+    return best if best.criterion < fitted.criterion and _outlives_tails(selection, best, fitted) else None
+
+
+def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -> bool:
+    """Whether a set with a pattern is better than one without by what is not the noise's tails, too.
+
+    A pattern may be as short as a few samples, and of all places it is tried at the one where noise was far off.
+    """
+    read = ~selection.noise.outlier
+    before, after = (selection.noise.whiten(selection.view(v).residual)[read] for v in (fitted, found))
+    saved = deviance_saved(before, after)
+    return saved - (fitted.squares - found.squares) > found.criterion - fitted.criterion
 
 
 def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) -> float:

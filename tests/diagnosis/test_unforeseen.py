@@ -238,6 +238,54 @@ def test_slow_noise_wanders_all_the_time(cell):
     assert found.base.rmse > 2.0 * NOISE_N
 
 
+def stroke_number(v):
+    """Of each sample, from its velocity: how many strokes began so far."""
+    return np.cumsum((v != 0.0) & (np.r_[0.0, v[:-1]] == 0.0))
+
+
+def second_cycle(p, x, side, v):
+    """A muscle that twists to the other side in every second cycle."""
+    return 5.0 * np.sin(np.pi * x) * ((stroke_number(v) + 1) // 2 % 2)
+
+
+def zeroed(p, x, side, v):
+    """A load cell that is zeroed before each stroke, badly."""
+    number = stroke_number(v)
+    return 4.0 * np.random.default_rng(6).standard_normal(number[-1] + 1)[number]
+
+
+def ripple_one_way(p, x, side, v):
+    """Gears that are loaded in contraction alone."""
+    return 10.0 * p * np.sin(2.0 * np.pi * STROKE_MM * x / 8.6) * (v > 0.0)
+
+
+def kick(p, x, side, v):
+    """A drive that starts with a kick: in the last sample of each hold."""
+    return 12.0 * ((v == 0.0) & (np.r_[v[1:], 0.0] != 0.0))
+
+
+def rough(time, force, temperature):
+    """Noise of a short memory."""
+    kicks, found = 2.0 * np.random.default_rng(2).standard_normal(len(time)), np.zeros(len(time))
+    for k in range(1, len(time)):
+        found[k] = 0.5 * found[k - 1] + kicks[k]
+    return force + found
+
+
+@pytest.mark.parametrize(
+    ("hidden", "cell"),
+    [(second_cycle, None), (zeroed, None), (ripple_one_way, rough), (kick, None), (NOTHING, rough)],
+    ids=["second cycle", "zeroed", "ripple one way", "kick", "nothing"],
+)
+def test_noise_does_not_know_the_run(hidden, cell):
+    """It is not alike in each stroke, nor opposite in every second one, nor of another size than its samples say, nor
+    larger at the turns."""
+    found = diagnose(LAW, strokes(hidden, cell=cell))
+    expected = "adequate" if hidden is NOTHING else "unknown_effect"
+    assert (found.verdict, found.selected) == (expected, ()), found.sentence
+    assert ("at the turns" in found.sentence) == (hidden is kick)
+
+
 def test_parts_of_a_drift_may_be_larger_than_nature_allows_the_whole():
     """A parabola in time is the difference of a slow settling and a line, each of thousands of newtons."""
     record = strokes(lambda p, x, side, v: -4.0 * side, cell=lambda t, f, T: f + 60.0 * (t / t[-1]) ** 2)
