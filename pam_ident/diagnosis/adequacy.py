@@ -24,9 +24,6 @@ PATTERN_MARGIN = 20.0
 """What a pattern costs more than a name."""
 INEXACT = 0.005
 """Share of what is to be explained that the form of an effect may leave, because forms are never exactly right."""
-SLOW, WHITE = 0.5, 0.2
-"""Share of the noise that is slow from which its colour is asked whether it follows what was driven; and the share
-below which noise is as good as white."""
 OTHER_SIZE, ONE_IN_100 = 1.0 / 3.0, 2.58
 """Share by which the variance of what is left differs from that of the noise it is taken for, from which it is not that
 noise: 0.27 at most in 262 records without anything hidden. And the standard deviations that normal numbers exceed once
@@ -112,17 +109,6 @@ class Adequacy:
         """Share of the squares that the set leaves in its strokes which repeats of them share: no noise does that."""
         return comes_back(self.selection.record, self.residual, ~self.selection.noise.outlier)
 
-    @cached_property
-    def noise_unfollowed(self) -> Noise | None:
-        """The noise, where most of what passes for slow noise follows what was driven: surfaces over it leave white.
-
-        Noise that is slow is so beside any surfaces but those over the clock.
-        """
-        if self.selection.noise_left_by(self.fitted).share < SLOW or self.unexplained[1] < OF_ALL:
-            return None
-        noise = _noise_beside(self.selection, self.left, self.left.likeliest({"clock"}), len(self.fitted.values))
-        return noise if noise.share < WHITE else None
-
     @property
     def is_no_noise(self) -> bool:
         """Whether what the set leaves has not the size of the noise that it is taken for: its variance differs by more
@@ -145,7 +131,7 @@ class Adequacy:
     @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
-        if self.is_no_noise or self.comes_back > self.selection.noise.too_small or self.noise_unfollowed:
+        if self.is_no_noise or self.comes_back > self.selection.noise.too_small:
             return False
         beyond, share = self.unexplained
         if self.free.odds(self.selection, self.fitted) < EQUAL:

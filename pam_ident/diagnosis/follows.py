@@ -41,8 +41,6 @@ EQUAL = 20.0
 """Twice the log odds up to which drivers could stand in each other's place."""
 SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
-FEW_SPEEDS = 3
-"""Speeds that curves over the speed, its root and its logarithm pass through."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
 
@@ -58,15 +56,6 @@ def one_speed(record: Record) -> bool:
     level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
     cells = (level + 1j * record.inputs.direction)[moving]  # a pair as one number
     return all(_one(speed[moving][cells == cell]) for cell in np.unique(cells))
-
-
-def few_speeds(record: Record) -> bool:
-    """Whether strokes have no more speeds than the speed has states: then it is as good as a direction of motion."""
-    speed, moving = record.inputs.stroke_speed, record.inputs.moving
-    if speed is None or moving is None or not moving.any():
-        return False
-    each = np.unique(speed[moving])
-    return 1 + int(np.sum(each[1:] > SPEED_RATIO * each[:-1])) <= FEW_SPEEDS
 
 
 def _one(speeds: Array) -> bool:
@@ -286,8 +275,7 @@ class Following:
         """Drivers with those that are one with them in this record, or may be a part of them."""
         one = [{"speed", "direction"}] if one_speed(self.record) else []
         one += [{"way", "rest"}] if self.record.inputs.slide is not None else []
-        part = {"direction"} if "speed" in found and few_speeds(self.record) else set()
-        return found.union(part, *(same for same in one if found & same))
+        return found.union(*(same for same in one if found & same))
 
     @cached_property
     def needed(self) -> tuple[str, ...]:

@@ -5,11 +5,6 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
-from pam_ident.diagnosis.adequacy import Adequacy, FreeModel
-from pam_ident.diagnosis.follows import Following
-from pam_ident.diagnosis.selection import Selection
-from pam_ident.effects import catalogue
-from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records.record import build_record
 
@@ -172,18 +167,6 @@ def slow(time, force, temperature):
     for k in range(len(time) - 1):
         wander[k + 1] = kept[k] * wander[k] + np.sqrt(1.0 - kept[k] ** 2) * rng.standard_normal()
     return force + 4.0 * wander
-
-
-@pytest.mark.parametrize(("cell", "follows"), [(creeping, True), (slow, False)], ids=["creep", "noise"])
-def test_slow_noise_follows_nothing_that_was_driven(cell, follows):
-    record = strokes(NOTHING, cell=cell)
-    alone = fit(LAW, record)
-    selection = Selection(alone, list(catalogue().values()), Following.of(alone))
-    law = Adequacy(selection, selection.empty, FreeModel.of(selection))
-    assert selection.noise_left_by(selection.empty).share > 0.5, "what the law leaves looks like slow noise in both"
-    assert (law.noise_unfollowed is not None) == follows
-    if follows:
-        assert law.noise_unfollowed.whole == pytest.approx(NOISE_N, rel=0.1) and not law.complete
 
 
 def test_what_nature_does_not_allow_gives_way_to_what_the_record_does_not_tell_from_it():
