@@ -25,6 +25,8 @@ Array = np.ndarray
 NAME_MARGIN = 12.0
 FORM_TOLERANCE = 0.005
 """Share of all that is to be explained which each name must earn: an unforeseen form may leave as much."""
+MOST_TOLERANCE = 0.5
+"""The same in units of the noise: what stands out that far is named, however large the rest."""
 HOPELESS = 60.0
 """Cost beyond the best at which a set counts for nothing, not even for the probabilities."""
 TOO_FLAT = 0.02
@@ -128,7 +130,7 @@ class Selection:
         self.penalty = Penalty(
             float(np.log(max(len(self.record), 10))),
             float(base_penalty),
-            FORM_TOLERANCE * self.excess,
+            min(FORM_TOLERANCE * self.excess, MOST_TOLERANCE * len(self.record)),
             before.penalty.odds if before else dict(odds or {}),
         )
         self.cache: dict[tuple[str, ...], FittedSet] = {(): self.empty}
