@@ -22,12 +22,12 @@ from .selection import FittedSet, Selection
 
 PATTERN_MARGIN = 20.0
 """What a pattern costs more than a name."""
-INEXACT, EXACT = 0.005, 0.001
-"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
-that forms may leave which follow the same, because together they can come near to much."""
-SLOW, WHITE = 0.5, 0.2
-"""Share of the noise that is slow from which its colour is asked whether it follows what was driven; and the share
-below which noise is as good as white."""
+INEXACT = 0.005
+"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right."""
+OTHER_SIZE, ONE_IN_100 = 1.0 / 3.0, 2.58
+"""Share by which the variance of what is left differs from that of the noise it is taken for, from which it is not that
+noise: 0.27 at most in 262 records without anything hidden. And the standard deviations that normal numbers exceed once
+in a hundred times."""
 NEARLY_ALL = 0.98
 """Share of what is to be explained from which names stand that what is left does not overturn."""
 
@@ -109,22 +109,18 @@ class Adequacy:
         """Share of the squares that the set leaves in its strokes which repeats of them share: no noise does that."""
         return comes_back(self.selection.record, self.residual, ~self.selection.noise.outlier)
 
-    @cached_property
-    def noise_unfollowed(self) -> Noise | None:
-        """The noise, where most of what passes for slow noise follows what was driven: surfaces over it leave white.
-
-        Noise that is slow is so beside any surfaces but those over the clock.
-        """
-        if self.selection.noise_left_by(self.fitted).share < SLOW or self.unexplained[1] < OF_ALL:
-            return None
-        noise = _noise_beside(self.selection, self.left, self.left.likeliest({"clock"}), len(self.fitted.values))
-        return noise if noise.share < WHITE else None
-
     @property
-    def follows_on(self) -> bool:
-        """Whether what the set leaves follows anything, so that surfaces over it are likelier beside the set."""
-        beside = FreeModel.beside(self.selection, self.left, len(self.fitted.values))
-        return self.selection.noise_left_by(self.fitted).deviance > beside.criterion + EQUAL
+    def is_no_noise(self) -> bool:
+        """Whether what the set leaves has not the size of the noise that it is taken for: its variance differs by more
+        than OTHER_SIZE, and by more than such noise would once in a hundred records, which is much where it is slow.
+
+        Noise is the same all the time, so it is as large as its innovations say.
+        """
+        own, time = self.selection.noise_left_by(self.fitted), self.selection.record.inputs.time
+        left = self.residual[~own.outlier]
+        memory = own.memory / float(np.median(np.diff(time))) if own.clock == "seconds" else own.memory
+        chance = math.sqrt(2.0 * (1.0 + own.share**2 * memory) / len(left))
+        return abs(float(np.mean(left**2)) / own.whole**2 - 1.0) > max(OTHER_SIZE, ONE_IN_100 * chance)
 
     @property
     def wanders(self) -> bool:
@@ -135,17 +131,12 @@ class Adequacy:
     @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
-        if self.comes_back > self.selection.noise.too_small or self.noise_unfollowed:
+        if self.is_no_noise or self.comes_back > self.selection.noise.too_small:
             return False
-        odds = self.free.odds(self.selection, self.fitted)
-        followed = [name for term in self.fitted.terms for name in term.effect.follows]
         beyond, share = self.unexplained
-        slight = beyond < self.selection.noise.too_small
-        if odds < EQUAL:
-            return slight or share < 1.0 - NEARLY_ALL or not self.follows_on
-        if len(set(followed)) < len(followed):
-            return odds < EQUAL + EXACT * self.selection.excess
-        return slight or (bool(followed) and share < INEXACT)
+        if self.free.odds(self.selection, self.fitted) < EQUAL:
+            return True
+        return beyond < self.selection.noise.too_small or (bool(self.fitted.terms) and share < INEXACT)
 
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.

@@ -1,16 +1,16 @@
-"""The answer to a record by the effects that are tried, and which of its names stand where it is incomplete."""
+"""The answer to a record by the effects that are tried, complete or not."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ..effects import Effect
 from ..fitting import Fit
-from .adequacy import NEARLY_ALL, Adequacy, needless
+from .adequacy import Adequacy, needless
 from .confounding import groups
 from .follows import Following
 from .probability import probabilities
 from .remainder import remainder_of
-from .select import in_noise, in_spite_of, investigate
+from .select import investigate
 from .selection import FittedSet, Selection
 
 
@@ -47,29 +47,7 @@ def answer_of(
         fitted = min((selection.refit(some, fitted.values) for some in either), key=lambda v: v.criterion)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None
-    lacking = Adequacy.lacking(selection, fitted, remains)
-    if lacking and lacking.noise_unfollowed:
-        whiter, other = in_noise(selection, candidates, lacking.noise_unfollowed)
-        names = all(t.effect.candidate and not following.outweighs(t.effect, known) for t in other.terms)
-        if names and len(other.terms) <= len(fitted.terms) + 1 and Adequacy.lacking(whiter, other, False) is None:
-            return Selected(whiter, other, None)
-    return Selected(selection, fitted, lacking)
-
-
-def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:
-    """Of an incomplete answer the names that stand, and what they are selected from.
-
-    Of those that what is left does not overturn, one for each driver: two together can imitate much.
-    """
-    share = lacking.comes_back
-    if answer.fitted.terms and share > answer.selection.noise.too_small:
-        selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.residual, share)
-        heaviest = {t.effect.follows[:1]: t for t in sorted(fitted.terms, key=lambda t: selection.weight(fitted, t))}
-        fitted = selection.refit(list(heaviest.values()), fitted.values)
-        firm = replace(lacking, fitted=fitted)
-        if all(t.effect.candidate for t in fitted.terms) and firm.unexplained[1] < 1.0 - NEARLY_ALL:
-            return selection, firm
-    return answer.selection, lacking.standing()
+    return Selected(selection, fitted, Adequacy.lacking(selection, fitted, remains))
 
 
 def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:

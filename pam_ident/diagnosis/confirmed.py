@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Mapping
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
 from ..model import Model, Term
-from .adequacy import NEARLY_ALL
 from .heldout import heldout_rmse, in_best_forms
 from .nouns import Pattern
 from .search import CLOSE
@@ -108,12 +107,6 @@ def _confirmed(
         return heldout_rmse(found.model, base.record, found), found, terms
 
     after, best, named = attempt(named)
-    free = [t for t in named if t.form.free and t.effect.written]
-    if free and after >= heldout:
-        written = in_best_forms(base, named, [t for t in named if t not in free])
-        other = attempt(written)
-        if base.rmse**2 - other[1].rmse ** 2 >= NEARLY_ALL * (base.rmse**2 - best.rmse**2):
-            after, best, named = other
     while named and not (math.isnan(after) or after < heldout):
         attempts = [attempt([t for t in named if t is not gone]) for gone in named]
         after, best, named = min(attempts, key=lambda item: item[0])

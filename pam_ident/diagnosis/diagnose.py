@@ -16,18 +16,18 @@ from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
 from .adequacy import Adequacy, FreeModel
-from .answer import answer_of, standing
+from .answer import answer_of
 from .confirmed import allowed_by_nature, impossible_alone
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
-from .follows import ROWS, Following, as_slow_noise, could_be_tried, steadied
+from .follows import ROWS, Following, steadied
 from .heldout import heldout_nearby, heldout_rmse
 from .nouns import Candidate, Diagnosis
 from .probability import probabilities
 from .remainder import pattern_of
 from .select import EXACT
 from .selection import FittedSet, Selection
-from .sentence import reservations, sentence
+from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
 BY_FORM = 0.5
@@ -124,7 +124,7 @@ def diagnosing(
         answer = wider if wider.whole or (answer.lacking and not wider.lacking) else answer
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
-        selection, lacking = standing(answer, candidates, lacking)
+        lacking = lacking.standing()
         fitted = lacking.fitted
     heldout = heldout_rmse(model, record, base)
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.digits import percent, percents
+from ..core.digits import percents
 from ..effects.base import Effect
 from ..fitting import Fit
 from ..fitting.estimate import at_bound
@@ -27,7 +27,7 @@ from ..records import Record, thinned
 from .dictionary import slopes
 from .drivers import DRIVERS
 from .nouns import Follows
-from .repeats import comes_back
+from .repeats import comes_back, memory_of
 from .search import TEMPER, orthonormal
 from .surfaces import Surfaces
 from .track import SharedNoise, TrackError
@@ -41,12 +41,8 @@ EQUAL = 20.0
 """Twice the log odds up to which drivers could stand in each other's place."""
 SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
-FEW_SPEEDS = 3
-"""Speeds that curves over the speed, its root and its logarithm pass through."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
-WORTH_TRYING = 0.1
-"""Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
 
 
 def one_speed(record: Record) -> bool:
@@ -60,15 +56,6 @@ def one_speed(record: Record) -> bool:
     level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
     cells = (level + 1j * record.inputs.direction)[moving]  # a pair as one number
     return all(_one(speed[moving][cells == cell]) for cell in np.unique(cells))
-
-
-def few_speeds(record: Record) -> bool:
-    """Whether strokes have no more speeds than the speed has states: then it is as good as a direction of motion."""
-    speed, moving = record.inputs.stroke_speed, record.inputs.moving
-    if speed is None or moving is None or not moving.any():
-        return False
-    each = np.unique(speed[moving])
-    return 1 + int(np.sum(each[1:] > SPEED_RATIO * each[:-1])) <= FEW_SPEEDS
 
 
 def _one(speeds: Array) -> bool:
@@ -119,10 +106,22 @@ class Following:
         law = orthonormal(even(jacobian(model, inputs, values, self.record.force)[:, free]))
         self.left = left - law @ (law.T @ left)
         self.surfaces = Surfaces(inputs, law, self.left, even)
-        richest = frozenset({name: k for k, name in enumerate(self.surfaces.names)}.values())
+        richest = self._richest()
         remainder = self.left - self.surfaces.explained(richest)
         self.variance = float(remainder @ remainder) / max(int(self.read.sum()) - self.surfaces.of(richest)[1], 1.0)
-        self.memory = _memory(remainder)
+        self.memory = memory_of(remainder)
+
+    def _richest(self) -> frozenset[int]:
+        """The richest group of each driver; of a short record, one that leaves half of its rows to the noise."""
+        groups: dict[str, list[int]] = {}
+        for k, name in enumerate(self.surfaces.names):
+            groups.setdefault(name, []).append(k)
+        while True:
+            richest = frozenset(each[-1] for each in groups.values())
+            poorer = {name: each[:-1] or each for name, each in groups.items()}
+            if 2.0 * self.surfaces.of(richest)[1] <= np.count_nonzero(self.read) or poorer == groups:
+                return richest
+            groups = poorer
 
     def _even(self, values: Array) -> Array:
         """Values (n,) or columns (n, k) with what rows share evened out, 0 where the track is unread."""
@@ -276,8 +275,7 @@ class Following:
         """Drivers with those that are one with them in this record, or may be a part of them."""
         one = [{"speed", "direction"}] if one_speed(self.record) else []
         one += [{"way", "rest"}] if self.record.inputs.slide is not None else []
-        part = {"direction"} if "speed" in found and few_speeds(self.record) else set()
-        return found.union(part, *(same for same in one if found & same))
+        return found.union(*(same for same in one if found & same))
 
     @cached_property
     def needed(self) -> tuple[str, ...]:
@@ -343,9 +341,9 @@ class Following:
         found = [
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]
-        found += [Follows("repeats", back, "what comes back with every repeat, but follows none of these")] * (
-            back > 0.0
-        )
+        if back > 0.0:
+            text = "what comes back with every repeat, or every second one, but follows none of these"
+            found.append(Follows("repeats", back, text))
         found.sort(key=lambda one: -one.share)
         return (*found, Follows("noise", max(1.0 - whole - back, 0.0), "noise"))
 
@@ -353,38 +351,6 @@ class Following:
 def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
     draw = np.random.default_rng(0)
     return [tuple(draw.permutation(names).tolist()) for _ in range(ORDERS)]
-
-
-def _memory(noise: Array) -> float:
-    """Samples that count as one because they are correlated, at least 1: the sum of the first correlations, twice."""
-    power = np.abs(np.fft.rfft(noise, 2 * len(noise))) ** 2
-    correlation = np.fft.irfft(power)[: len(noise)] / max(float(noise @ noise), 1e-300)
-    below = np.flatnonzero(correlation < 0.05)
-    return 1.0 + 2.0 * float(np.sum(correlation[1 : below[0]])) if len(below) and below[0] > 1 else 1.0
-
-
-def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:
-    """A sentence, with a blank before it, on those of some effects that follow what a fit's error follows; empty where
-    there is none. `found` are the shares of that error, `others` effects that were not tried, of which none with a
-    warning is proposed."""
-    inputs, held = fit.record.inputs, fit.model.effect_names
-    free = [e for e in others if not (e.warning or e.name in held or e.missing(inputs))]
-    for one in found:
-        names = [f"{e.title} (--also {e.name})" for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
-        if names:
-            return f" It follows {one.text}. So does what is tried only on request: {', '.join(names)}."
-    return ""
-
-
-def as_slow_noise(found: Sequence[Follows]) -> str:
-    """A sentence, with a blank before it, on what follows something but was taken for slow noise; empty without it."""
-    first = found[0]
-    if first.what == "noise" or first.share < WORTH_TRYING:
-        return ""
-    return (
-        f" {percent(first.share)} of the squared error follows {first.text}. Slow noise would, too, "
-        "and this record cannot tell it from an effect."
-    )
 
 
 def told(found: Sequence[Follows]) -> str:

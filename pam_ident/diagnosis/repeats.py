@@ -44,7 +44,7 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
 @dataclass(frozen=True)
 class Common:
     """What neighbouring repeats share: the sum of their products `shared` and of their squares `size` over n samples,
-    and whether there are enough of them, sharing more than chance would, to be `certain`."""
+    and whether noise with their memory would not share so much, nor differ so much by turns: then it is `certain`."""
 
     shared: float
     size: float
@@ -54,27 +54,40 @@ class Common:
 
 def in_common(groups: Iterable[Group], values: Array) -> Common:
     """Values (n,) of groups of repeats, as `fitting.floor.repeats` gives them, beside those of the next repeat."""
-    shared, size, n = [], 0.0, 0
+    shared, size, chance, n = 0.0, 0.0, 0.0, 0
     for group in groups:
         for (one, x), (other, y) in pairwise(group):
-            shared.append(float(values[one] @ values[other[nearest(x, y)]]))
-            size += float(values[one] @ values[one])
+            here, there = values[one], values[other[nearest(x, y)]]
+            shared += float(here @ there)
+            size += float(here @ here)
+            chance += float(here @ here) * float(there @ there) / len(one)
             n += len(one)
-    certain = len(shared) >= 3 and bool(np.mean(shared) > CERTAIN * np.std(shared) / np.sqrt(len(shared)))
-    return Common(float(np.sum(shared)), size, n, certain)
+    return Common(shared, size, n, abs(shared) > CERTAIN * np.sqrt(chance * memory_of(values)))
+
+
+def memory_of(noise: Array) -> float:
+    """Samples of noise (n,) that count as one because they are correlated, at least 1: the sum of the first
+    correlations, twice."""
+    power = np.abs(np.fft.rfft(noise, 2 * len(noise))) ** 2
+    correlation = np.fft.irfft(power)[: len(noise)] / max(float(noise @ noise), 1e-300)
+    below = np.flatnonzero(correlation < 0.05)
+    return 1.0 + 2.0 * float(np.sum(correlation[1 : below[0]])) if len(below) and below[0] > 1 else 1.0
 
 
 def comes_back(record: Record, residual: Array, rows: Array) -> float:
-    """Share of the squares of a residual (n,) in N, within strokes, that repeats share; 0 where it may be chance.
+    """Share of the squares of a residual (n,) in N, within strokes, that repeats share, or by which they differ by
+    turns; 0 where it may be chance.
 
-    Rounding of a coarse gauge comes back, too, and is taken off, as is a line in time of each cycle. `rows` (mask,
-    (n,)) are looked at.
+    Rounding of a coarse gauge comes back, too, and is taken off, as is a line in time of each cycle: slow noise is
+    alike in neighbouring strokes, but never opposite. `rows` (mask, (n,)) are looked at.
     """
     if record.inputs.time is None:
         return 0.0
-    common = in_common(repeats(record, rows), residual - _trends(record, residual, rows)[0])
-    shared = common.shared - common.n * _rounding(record.force)
-    return min(max(shared / max(common.size, 1e-300), 0.0), 1.0) if common.certain else 0.0
+    groups = repeats(record, rows)
+    alike = in_common(groups, residual - _trends(record, residual, rows)[0])
+    opposite = in_common(groups, residual)
+    found = [(alike, alike.shared - alike.n * _rounding(record.force)), (opposite, -opposite.shared)]
+    return max(min(max(shared / max(one.size, 1e-300), 0.0), 1.0) if one.certain else 0.0 for one, shared in found)
 
 
 def _rounding(force: Array) -> float:

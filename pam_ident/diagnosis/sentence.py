@@ -2,12 +2,14 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from ..core.digits import newtons, probability
+from ..core.digits import newtons, percent, probability
 from ..core.prose import capital
 from ..effects import Effect, in_words, named
 from ..fitting import Fit
-from .nouns import Pattern
+from .nouns import Follows, Pattern
 
+WORTH_TRYING = 0.1
+"""Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
 TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
 
@@ -61,3 +63,27 @@ def reservations(rivals: Mapping[str, float], again: Mapping[str, str], extra: t
             f" Less sure: {in_words(name, extra)}. {larger} could follow the same; only the form tells the two apart."
         )
     return "".join(said)
+
+
+def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:
+    """A sentence, with a blank before it, on those of some effects that follow what a fit's error follows; empty where
+    there is none. `found` are the shares of that error, `others` effects that were not tried, of which none with a
+    warning is proposed."""
+    inputs, held = fit.record.inputs, fit.model.effect_names
+    free = [e for e in others if not (e.warning or e.name in held or e.missing(inputs))]
+    for one in found:
+        names = [f"{e.title} (--also {e.name})" for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
+        if names:
+            return f" It follows {one.text}. So does what is tried only on request: {', '.join(names)}."
+    return ""
+
+
+def as_slow_noise(found: Sequence[Follows]) -> str:
+    """A sentence, with a blank before it, on what follows something but was taken for slow noise; empty without it."""
+    first = found[0]
+    if first.what == "noise" or first.share < WORTH_TRYING:
+        return ""
+    return (
+        f" {percent(first.share)} of the squared error follows {first.text}. Slow noise would, too, "
+        "and this record cannot tell it from an effect."
+    )

@@ -7,8 +7,8 @@ import pytest
 
 from pam_ident.core import UsageError
 from pam_ident.diagnosis import climb, diagnose
-from pam_ident.diagnosis.follows import could_be_tried
 from pam_ident.diagnosis.nouns import Follows
+from pam_ident.diagnosis.sentence import could_be_tried
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.model import Model

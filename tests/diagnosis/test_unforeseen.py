@@ -5,11 +5,6 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
-from pam_ident.diagnosis.adequacy import Adequacy, FreeModel
-from pam_ident.diagnosis.follows import Following
-from pam_ident.diagnosis.selection import Selection
-from pam_ident.effects import catalogue
-from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records.record import build_record
 
@@ -174,18 +169,6 @@ def slow(time, force, temperature):
     return force + 4.0 * wander
 
 
-@pytest.mark.parametrize(("cell", "follows"), [(creeping, True), (slow, False)], ids=["creep", "noise"])
-def test_slow_noise_follows_nothing_that_was_driven(cell, follows):
-    record = strokes(NOTHING, cell=cell)
-    alone = fit(LAW, record)
-    selection = Selection(alone, list(catalogue().values()), Following.of(alone))
-    law = Adequacy(selection, selection.empty, FreeModel.of(selection))
-    assert selection.noise_left_by(selection.empty).share > 0.5, "what the law leaves looks like slow noise in both"
-    assert (law.noise_unfollowed is not None) == follows
-    if follows:
-        assert law.noise_unfollowed.whole == pytest.approx(NOISE_N, rel=0.1) and not law.complete
-
-
 def test_what_nature_does_not_allow_gives_way_to_what_the_record_does_not_tell_from_it():
     """Here a shifted pressure does as well as the bladder, with a threshold below 0, and all was said to be unknown."""
     record = strokes(
@@ -236,6 +219,54 @@ def test_slow_noise_wanders_all_the_time(cell):
     assert (found.verdict, found.selected) == ("unknown_effect" if jumps else "adequate", ()), found.sentence
     assert ("jumps" in found.sentence) == jumps
     assert found.base.rmse > 2.0 * NOISE_N
+
+
+def stroke_number(v):
+    """Of each sample, from its velocity: how many strokes began so far."""
+    return np.cumsum((v != 0.0) & (np.r_[0.0, v[:-1]] == 0.0))
+
+
+def second_cycle(p, x, side, v):
+    """A muscle that twists to the other side in every second cycle."""
+    return 5.0 * np.sin(np.pi * x) * ((stroke_number(v) + 1) // 2 % 2)
+
+
+def zeroed(p, x, side, v):
+    """A load cell that is zeroed before each stroke, badly."""
+    number = stroke_number(v)
+    return 4.0 * np.random.default_rng(6).standard_normal(number[-1] + 1)[number]
+
+
+def ripple_one_way(p, x, side, v):
+    """Gears that are loaded in contraction alone."""
+    return 10.0 * p * np.sin(2.0 * np.pi * STROKE_MM * x / 8.6) * (v > 0.0)
+
+
+def kick(p, x, side, v):
+    """A drive that starts with a kick: in the last sample of each hold."""
+    return 12.0 * ((v == 0.0) & (np.r_[v[1:], 0.0] != 0.0))
+
+
+def rough(time, force, temperature):
+    """Noise of a short memory."""
+    kicks, found = 2.0 * np.random.default_rng(2).standard_normal(len(time)), np.zeros(len(time))
+    for k in range(1, len(time)):
+        found[k] = 0.5 * found[k - 1] + kicks[k]
+    return force + found
+
+
+@pytest.mark.parametrize(
+    ("hidden", "cell"),
+    [(second_cycle, None), (zeroed, None), (ripple_one_way, rough), (kick, None), (NOTHING, rough)],
+    ids=["second cycle", "zeroed", "ripple one way", "kick", "nothing"],
+)
+def test_noise_does_not_know_the_run(hidden, cell):
+    """It is not alike in each stroke, nor opposite in every second one, nor of another size than its samples say, nor
+    larger at the turns."""
+    found = diagnose(LAW, strokes(hidden, cell=cell))
+    expected = "adequate" if hidden is NOTHING else "unknown_effect"
+    assert (found.verdict, found.selected) == (expected, ()), found.sentence
+    assert ("at the turns" in found.sentence) == (hidden is kick)
 
 
 def test_parts_of_a_drift_may_be_larger_than_nature_allows_the_whole():
