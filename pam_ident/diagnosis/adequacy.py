@@ -117,9 +117,9 @@ class Adequacy:
         Noise is the same all the time, so it is as large as its innovations say.
         """
         own, time = self.selection.noise_left_by(self.fitted), self.selection.record.inputs.time
+        assert time is not None  # of a table nothing is asked here
         left = self.residual[~own.outlier]
-        memory = own.memory / float(np.median(np.diff(time))) if own.clock == "seconds" else own.memory
-        chance = math.sqrt(2.0 * (1.0 + own.share**2 * memory) / len(left))
+        chance = math.sqrt(2.0 * (1.0 + own.share**2 * own.memory_samples(time)) / len(left))
         return abs(float(np.mean(left**2)) / own.whole**2 - 1.0) > max(OTHER_SIZE, ONE_IN_100 * chance)
 
     @property

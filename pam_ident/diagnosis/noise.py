@@ -65,6 +65,10 @@ class Noise:
         """Share of its variance below which what is left, or what a name explains, does not matter."""
         return SMALL + SMALL_COLOURED * self.share
 
+    def memory_samples(self, time: Array) -> float:
+        """Its correlation time in samples that were taken at some times (n,) in s."""
+        return self.memory / float(np.median(np.diff(time))) if self.clock == "seconds" else self.memory
+
     def like(self, other: "Noise") -> bool:
         """Whether another noise has the same colour and practically the same size."""
         same = (self.share, self.memory, self.clock) == (other.share, other.memory, other.clock)

@@ -114,9 +114,7 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
     size, time, level = (v[~corner] for v in (np.abs(selection.view(fitted).residual), inputs.time, record.level))
-    noise = selection.noise
-    memory = noise.memory / float(np.median(np.diff(time))) if noise.clock == "seconds" else noise.memory
-    window = max(WINDOW, round(MEMORIES * memory))
+    window = max(WINDOW, round(MEMORIES * selection.noise.memory_samples(time)))
     count = (len(size) - 1) // window
     if count < WINDOW:
         return None
