@@ -14,7 +14,7 @@ from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns import patterns
 from .scan import Remainder, Scanned, scan
-from .search import Choice, Compressed, Penalty, beam_search, evaluate
+from .search import CLOSE, Choice, Compressed, Penalty, beam_search, evaluate
 from .selection import FittedSet, Selection, labels
 from .spectrum import beats
 from .tails import deviance_saved
@@ -78,7 +78,7 @@ def investigate(
     last, answer = selections[-1]
     if not any(answer.labels == found.labels for selection, found in selections if selection is not last):
         select_again(last.noise_left_by(answer))
-    noise, found = _likeliest_of(selections)
+    noise, found = _told_from_noise(_compared(selections))
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _without_small(final, final.refit(seen, found.values))
@@ -105,15 +105,21 @@ def _no_colour(selection: Selection, fitted: FittedSet) -> bool:
     return all(free.criterion + SURE < full_criterion(selection, v)[0] for v in (fitted, selection.empty))
 
 
-def _likeliest_of(selections: Sequence[tuple[Selection, FittedSet]]) -> tuple[Noise, FittedSet]:
-    """Of all answers and all their parts that of the least full criterion, and the noise that it leaves."""
+def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[float, Noise, FittedSet]]:
+    """All answers and all their parts by their full criterion, least first, each with the noise that it leaves."""
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
     fits = [_likeliest([selection for selection, _ in selections], terms, start) for terms, start in sets.values()]
     weighed = [(*full_criterion(selection, found), found) for selection, found in fits]
     largest = selections[0][0].base.rmse
     possible = [item for item in weighed if item[1].whole <= largest or not item[2].terms]
-    _, noise, found = min(possible, key=lambda item: item[0])
-    return noise, found
+    return sorted(possible, key=lambda item: item[0])
+
+
+def _told_from_noise(compared: Sequence[tuple[float, Noise, FittedSet]]) -> tuple[Noise, FittedSet]:
+    """The noise and the set of the least full criterion, less what more noise in its place explains nearly as well."""
+    least, _, best = compared[0]
+    close = [(noise, v) for criterion, noise, v in compared if criterion < least + CLOSE and v.labels <= best.labels]
+    return min(close, key=lambda item: len(item[1].terms))
 
 
 def _sure(selection: Selection, fitted: FittedSet) -> bool:
