@@ -1,12 +1,15 @@
 """From candidates to the set that explains the record: search, exact refits, and second thoughts."""
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from ..effects import AddsForce, Effect
 from ..fitting import Fit
+from ..fitting.floor import SHAPES, repeats
 from ..model import Term
 from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion
 from .follows import Following
@@ -88,6 +91,34 @@ def investigate(
             final = Selection(base, candidates, noise=left, before=selection)
             kept = final.refit(kept.terms, kept.values)
     return final, kept
+
+
+def in_spite_of(
+    selection: Selection,
+    candidates: Sequence[Effect],
+    fitted: FittedSet,
+    left: np.ndarray,
+    share: float,
+    most: int = 3,
+) -> tuple[Selection, FittedSet]:
+    """The answer that is not overturned by what a set leaves, `left` (n,) in N, of whose squares repeats share that
+    `share`.
+
+    It is no noise, so forms are not exactly right, those of rivals no more than its own. What they miss is the same in
+    every repeat: it has SHAPES degrees of freedom in each group of repeats, and over these the variance that a
+    difference between two sets must stand out from (overdispersion: McCullagh & Nelder 1989, section 4.5). Of sets that
+    it does not tell apart that with the fewest names is taken.
+    """
+    outlier = selection.noise.outlier
+    white = selection.noise_in(left, selection.law, len(fitted.values), outlier, white=True)
+    freedom = SHAPES * max(len(repeats(selection.record, ~outlier)), 1)
+    over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
+    noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
+    again = Selection(selection.base, candidates, noise=noise, before=selection)
+    found = _answer(again, most)
+    named = [v for v in again.cache.values() if v.terms and v.names == v.candidates]
+    close = [v for v in named if v.criterion < found.criterion + CLOSE]
+    return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
 
 
 def _may_be_noise(selection: Selection, fitted: FittedSet) -> bool:
