@@ -1,16 +1,16 @@
-"""The answer to a record by the effects that are tried, complete or not."""
+"""The answer to a record by the effects that are tried, and which of its names stand where it is incomplete."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..effects import Effect
 from ..fitting import Fit
-from .adequacy import Adequacy, needless
+from .adequacy import NEARLY_ALL, Adequacy, needless
 from .confounding import groups
 from .follows import Following
 from .probability import probabilities
 from .remainder import remainder_of
-from .select import investigate
+from .select import in_spite_of, investigate
 from .selection import FittedSet, Selection
 
 
@@ -48,6 +48,22 @@ def answer_of(
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None
     return Selected(selection, fitted, Adequacy.lacking(selection, fitted, remains))
+
+
+def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:
+    """Of an incomplete answer the names that stand, and what they are selected from.
+
+    Of those that what is left does not overturn, one for each driver: two together can imitate much.
+    """
+    share = lacking.comes_back
+    if answer.fitted.terms and share > answer.selection.noise.too_small:
+        selection, fitted = in_spite_of(answer.selection, candidates, answer.fitted, lacking.residual, share)
+        heaviest = {t.effect.follows[:1]: t for t in sorted(fitted.terms, key=lambda t: selection.weight(fitted, t))}
+        fitted = selection.refit(list(heaviest.values()), fitted.values)
+        firm = replace(lacking, fitted=fitted)
+        if all(t.effect.candidate for t in fitted.terms) and firm.unexplained[1] < 1.0 - NEARLY_ALL:
+            return selection, firm
+    return answer.selection, lacking.standing()
 
 
 def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:

@@ -16,7 +16,7 @@ from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
 from .adequacy import Adequacy, FreeModel
-from .answer import answer_of
+from .answer import answer_of, standing
 from .confirmed import allowed_by_nature, impossible_alone
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
@@ -124,7 +124,7 @@ def diagnosing(
         answer = wider if wider.whole or (answer.lacking and not wider.lacking) else answer
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
-        lacking = lacking.standing()
+        selection, lacking = standing(answer, candidates, lacking)
         fitted = lacking.fitted
     heldout = heldout_rmse(model, record, base)
 

@@ -1,12 +1,15 @@
 """From candidates to the set that explains the record: search, exact refits, and second thoughts."""
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from ..effects import AddsForce, Effect
 from ..fitting import Fit
+from ..fitting.floor import SHAPES, repeats
 from ..model import Term
 from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion
 from .follows import Following
@@ -14,7 +17,7 @@ from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns import patterns
 from .scan import Remainder, Scanned, scan
-from .search import Choice, Compressed, Penalty, beam_search, evaluate
+from .search import CLOSE, Choice, Compressed, Penalty, beam_search, evaluate
 from .selection import FittedSet, Selection, labels
 from .spectrum import beats
 from .tails import deviance_saved
@@ -78,7 +81,7 @@ def investigate(
     last, answer = selections[-1]
     if not any(answer.labels == found.labels for selection, found in selections if selection is not last):
         select_again(last.noise_left_by(answer))
-    noise, found = _likeliest_of(selections)
+    noise, found = _told_from_noise(_compared(selections))
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _without_small(final, final.refit(seen, found.values))
@@ -88,6 +91,34 @@ def investigate(
             final = Selection(base, candidates, noise=left, before=selection)
             kept = final.refit(kept.terms, kept.values)
     return final, kept
+
+
+def in_spite_of(
+    selection: Selection,
+    candidates: Sequence[Effect],
+    fitted: FittedSet,
+    left: np.ndarray,
+    share: float,
+    most: int = 3,
+) -> tuple[Selection, FittedSet]:
+    """The answer that is not overturned by what a set leaves, `left` (n,) in N, of whose squares repeats share that
+    `share`.
+
+    It is no noise, so forms are not exactly right, those of rivals no more than its own. What they miss is the same in
+    every repeat: it has SHAPES degrees of freedom in each group of repeats, and over these the variance that a
+    difference between two sets must stand out from (overdispersion: McCullagh & Nelder 1989, section 4.5). Of sets that
+    it does not tell apart that with the fewest names is taken.
+    """
+    outlier = selection.noise.outlier
+    white = selection.noise_in(left, selection.law, len(fitted.values), outlier, white=True)
+    freedom = SHAPES * max(len(repeats(selection.record, ~outlier)), 1)
+    over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
+    noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
+    again = Selection(selection.base, candidates, noise=noise, before=selection)
+    found = _answer(again, most)
+    named = [v for v in again.cache.values() if v.terms and v.names == v.candidates]
+    close = [v for v in named if v.criterion < found.criterion + CLOSE]
+    return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
 
 
 def _may_be_noise(selection: Selection, fitted: FittedSet) -> bool:
@@ -105,15 +136,21 @@ def _no_colour(selection: Selection, fitted: FittedSet) -> bool:
     return all(free.criterion + SURE < full_criterion(selection, v)[0] for v in (fitted, selection.empty))
 
 
-def _likeliest_of(selections: Sequence[tuple[Selection, FittedSet]]) -> tuple[Noise, FittedSet]:
-    """Of all answers and all their parts that of the least full criterion, and the noise that it leaves."""
+def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[float, Noise, FittedSet]]:
+    """All answers and all their parts by their full criterion, least first, each with the noise that it leaves."""
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
     fits = [_likeliest([selection for selection, _ in selections], terms, start) for terms, start in sets.values()]
     weighed = [(*full_criterion(selection, found), found) for selection, found in fits]
     largest = selections[0][0].base.rmse
     possible = [item for item in weighed if item[1].whole <= largest or not item[2].terms]
-    _, noise, found = min(possible, key=lambda item: item[0])
-    return noise, found
+    return sorted(possible, key=lambda item: item[0])
+
+
+def _told_from_noise(compared: Sequence[tuple[float, Noise, FittedSet]]) -> tuple[Noise, FittedSet]:
+    """The noise and the set of the least full criterion, less what more noise in its place explains nearly as well."""
+    least, _, best = compared[0]
+    close = [(noise, v) for criterion, noise, v in compared if criterion < least + CLOSE and v.labels <= best.labels]
+    return min(close, key=lambda item: len(item[1].terms))
 
 
 def _sure(selection: Selection, fitted: FittedSet) -> bool:
