@@ -22,8 +22,9 @@ from .selection import FittedSet, Selection
 
 PATTERN_MARGIN = 20.0
 """What a pattern costs more than a name."""
-INEXACT = 0.005
-"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right."""
+INEXACT, EXACT = 0.005, 0.001
+"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
+that forms may leave which follow the same, because together they can come near to much."""
 OTHER_SIZE, ONE_IN_100 = 1.0 / 3.0, 2.58
 """Share by which the variance of what is left differs from that of the noise it is taken for, from which it is not that
 noise: 0.27 at most in 262 records without anything hidden. And the standard deviations that normal numbers exceed once
@@ -134,8 +135,12 @@ class Adequacy:
         if self.is_no_noise or self.comes_back > self.selection.noise.too_small:
             return False
         beyond, share = self.unexplained
-        if self.free.odds(self.selection, self.fitted) < EQUAL:
+        odds = self.free.odds(self.selection, self.fitted)
+        if odds < EQUAL:
             return True
+        followed = [name for term in self.fitted.terms for name in term.effect.follows]
+        if len(set(followed)) < len(followed):
+            return odds < EQUAL + EXACT * self.selection.excess
         return beyond < self.selection.noise.too_small or (bool(self.fitted.terms) and share < INEXACT)
 
     def standing(self) -> "Adequacy":

@@ -305,8 +305,13 @@ class Penalty:
         return self.total([regressor.term])
 
     def total(self, terms: Iterable[Term]) -> float:
-        """Penalty of a set of terms."""
-        return sum(self.alone(t) + self.tolerance + SPECIAL * bool(t.effect.special_case_of) for t in terms)
+        """Penalty of a set of terms. The tolerance counts twice for a name that follows what another does, too: one
+        effect in a form that nobody foresaw is likelier than two that follow the same."""
+        terms = list(terms)
+        followed = [t.effect.follows for t in terms if t.effect.follows]
+        again = len(followed) - len(set(followed))
+        each = sum(self.alone(t) + self.tolerance + SPECIAL * bool(t.effect.special_case_of) for t in terms)
+        return each + again * self.tolerance
 
     def alone(self, term: Term) -> float:
         """Penalty of a term where no tolerance is needed."""
