@@ -53,13 +53,11 @@ class FreeModel:
     @lru_cache(maxsize=4)
     def of(cls, selection: Selection) -> "FreeModel":
         """For the record, law and likeliest drivers of a selection."""
-        return cls.beside(selection, selection.following, len(selection.base.values))
-
-    @classmethod
-    def beside(cls, selection: Selection, following: Following, parameters: int) -> "FreeModel":
-        """With another model of so many parameters in the law's place, and the likeliest drivers of what it leaves."""
-        _, freedom = following.surfaces.of(following.best)
-        noise = _noise_beside(selection, following, following.best, parameters)
+        following, surfaces = selection.following, selection.following.surfaces
+        _, freedom = surfaces.of(following.best)
+        left = following.in_newtons(following.left - surfaces.explained(following.best))
+        taken = len(selection.base.values) + freedom
+        noise = selection.noise_in(left, selection.law, taken, selection.noise.outlier)
         return cls(noise.deviance + selection.penalty.per_parameter * freedom, noise)
 
     def odds(self, selection: Selection, fitted: FittedSet) -> float:
@@ -134,13 +132,13 @@ class Adequacy:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
         if self.is_no_noise or self.comes_back > self.selection.noise.too_small:
             return False
-        beyond, share = self.unexplained
         odds = self.free.odds(self.selection, self.fitted)
         if odds < EQUAL:
             return True
         followed = [name for term in self.fitted.terms for name in term.effect.follows]
         if len(set(followed)) < len(followed):
             return odds < EQUAL + EXACT * self.selection.excess
+        beyond, share = self.unexplained
         return beyond < self.selection.noise.too_small or (bool(self.fitted.terms) and share < INEXACT)
 
     def standing(self) -> "Adequacy":
@@ -169,13 +167,6 @@ class Adequacy:
         size = math.sqrt(max(beyond, self.comes_back)) * self.free.noise.whole
         text = f"about {newtons(size)} rms that no name explains{f'; it follows {first.text}' if first else ''}"
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)
-
-
-def _noise_beside(selection: Selection, following: Following, groups: frozenset[int], parameters: int) -> Noise:
-    """The noise in what surfaces leave of what a model of so many parameters leaves."""
-    surfaces = following.surfaces
-    left = following.in_newtons(following.left - surfaces.explained(groups))
-    return selection.noise_in(left, selection.law, parameters + surfaces.of(groups)[1], selection.noise.outlier)
 
 
 def _left_by(selection: Selection, fitted: FittedSet) -> Following:

@@ -1,7 +1,7 @@
 """Error on data that a fit has not seen: blocks are held out whole."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -55,9 +55,8 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None, masks: 
     return math.sqrt(square / len(record))
 
 
-def in_best_forms(base: Fit, terms: Sequence[Term], known: Collection[Term] = ()) -> list[Term]:
-    """The terms, but for those `known`, in the written forms with which blocks are predicted best, each by a fit to the
-    others.
+def in_best_forms(base: Fit, terms: Sequence[Term]) -> list[Term]:
+    """The terms in the written forms with which blocks are predicted best, each by a fit to the others.
 
     A few lengths or cycles do not tell forms apart by the fit alone: the richest wins there and predicts worst. Of
     forms that predict alike the ones with the fewest parameters are taken.
@@ -69,7 +68,7 @@ def in_best_forms(base: Fit, terms: Sequence[Term], known: Collection[Term] = ()
         except FitError:
             return math.inf  # too few samples for so rich a form
 
-    choices = list(product(*([t] if t in known else [Term(t.effect, f) for f in t.effect.written] for t in terms)))
+    choices = list(product(*([Term(t.effect, f) for f in t.effect.written] for t in terms)))
     errors = [heldout(choice) for choice in choices]
     alike = [choice for choice, error in zip(choices, errors, strict=True) if error <= ALIKE * min(errors)]
     return list(min(alike, key=lambda choice: sum(len(t.form.params) for t in choice)))

@@ -57,8 +57,9 @@ def investigate(
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
     colour is, the record is judged again against the noise that the law alone would imply, and against that which a
     new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
-    by their full likelihood, each with its own noise. Nothing of this where no noise could take the
-    place of any name: a little colour is what a form leaves that is not exactly right.
+    by their full likelihood, each with its own noise. The noise that a close rival of other names leaves is tried as
+    well, where none was like it. Nothing of this where no noise could take the place of any name: a little
+    colour is what a form leaves that is not exactly right.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection, most)
