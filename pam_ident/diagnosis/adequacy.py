@@ -117,9 +117,11 @@ class Adequacy:
         """
         own, time = self.selection.noise_left_by(self.fitted), self.selection.record.inputs.time
         assert time is not None  # of a table nothing is asked here
+        if own.coloured and own.shared:  # then nobody knows its size so well
+            return False
         left = self.residual[~own.outlier]
         chance = math.sqrt(2.0 * (1.0 + own.share**2 * own.memory_samples(time)) / len(left))
-        return abs(float(np.mean(left**2)) / own.whole**2 - 1.0) > max(OTHER_SIZE, ONE_IN_100 * chance)
+        return float(np.mean(left**2)) / own.whole**2 - 1.0 > max(OTHER_SIZE, ONE_IN_100 * chance)
 
     @property
     def wanders(self) -> bool:
