@@ -51,7 +51,7 @@ except ImportError:
 MARKS = ("<!-- peers -->", "<!-- /peers -->")
 STRONG = 10.0
 """Fall of BIC that counts as very strong evidence (Kass & Raftery 1995, JASA 90, 773–795)."""
-REFITTED = 8
+REFITTED = 5
 """Terms of a step that are fitted exactly, those that a linear fit promises most of."""
 KNOWN = {False: "textbook", True: "all forms, AR(1)"}
 
@@ -109,7 +109,11 @@ def refit(model: Model, record: Record, start: dict[str, float], white: White) -
         values = dict(zip(model.names, x * unit, strict=True))
         return white(np.nan_to_num(record.force - model.force(record.inputs, values), nan=1e6))
 
-    found = least_squares(residual, begin, bounds=(lower, upper), x_scale="jac", max_nfev=40)
+    def slopes_at(x: np.ndarray) -> np.ndarray:
+        values = dict(zip(model.names, x * unit, strict=True))
+        return -white(np.nan_to_num(jacobian(model, record.inputs, values, record.force))) * unit
+
+    found = least_squares(residual, begin, slopes_at, bounds=(lower, upper), x_scale="jac", max_nfev=40)
     return 2.0 * float(found.cost), dict(zip(model.names, map(float, found.x * unit), strict=True))
 
 
