@@ -110,8 +110,8 @@ class Adequacy:
 
     @property
     def is_no_noise(self) -> bool:
-        """Whether what the set leaves is larger than the noise that it is taken for: its variance by more than OTHER_SIZE,
-        and by more than such noise would once in a hundred records, which is much where it is slow.
+        """Whether what the set leaves is larger than the noise that it is taken for: its variance by more than
+        OTHER_SIZE, and by more than such noise would once in a hundred records, which is much where it is slow.
 
         Noise is the same all the time, so it is as large as its innovations say. How large slow noise is beside what an
         unsure track shares is not known so well.
