@@ -170,10 +170,10 @@ def levels_of(record: Record, rows: Array) -> float:
 
 
 def at_its_pressures(model: Model, record: Record) -> tuple[Model, list[str]]:
-    """The model without those parameters of its law that the only pressure of a record does not tell from others, and
-    their names."""
+    """The model with those parameters of its law held at 0 that the only pressure of a record does not tell from others,
+    and their names."""
     law = model.law
     if len(record.levels) > 1 or levels_of(record, np.ones(len(record), bool)) >= law.min_levels:
         return model, []
     law = law.at_one(float(record.levels[0]), record.inputs.contraction, record.specimen)
-    return replace(model, law=law), [p.name for p in model.law.linear if p not in law.linear]
+    return replace(model, law=law), [p.name for p, q in zip(model.law.linear, law.linear, strict=True) if p != q]

@@ -58,19 +58,16 @@ class Law:
         return self.linear + self.nonlinear
 
     def at_one(self, pressure: float, contraction: Array, specimen: Specimen) -> "Law":
-        """The law without the parameters whose part others can take at one `pressure` in MPa, by their columns over
-        `contraction` (n,): those that are given last stay, with which the force grows with the pressure."""
+        """The law with those parameters held at 0 whose part others can take at one `pressure` in MPa, by their columns
+        over `contraction` (n,): of such the last stays free, with which the force grows with the pressure."""
         values = {p.name: p.start for p in self.nonlinear}
         columns = self.columns(np.full(len(contraction), pressure), contraction, specimen, values)
         columns = columns / np.linalg.norm(columns, axis=0)
         kept: list[int] = []
         for k in reversed(range(len(self.linear))):
             kept = [k, *kept] if np.linalg.matrix_rank(columns[:, [k, *kept]]) > len(kept) else kept
-
-        def fewer(p: Array, e: Array, s: Specimen, q: Values) -> Array:
-            return self.columns(p, e, s, q)[:, kept]
-
-        return replace(self, linear=tuple(self.linear[k] for k in kept), columns=fewer, min_levels=1)
+        told = tuple(p if k in kept else replace(p, lower=0.0, upper=0.0) for k, p in enumerate(self.linear))
+        return replace(self, linear=told, min_levels=1)
 
     def force(self, pressure: Array, contraction: Array, specimen: Specimen, values: Values) -> Array:
         """Force in N, shape (n,), for parameter values by name."""

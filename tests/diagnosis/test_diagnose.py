@@ -60,7 +60,9 @@ def test_at_one_pressure_the_law_has_fewer_parameters_and_the_effect_its_name(tm
     record = rig_record(tmp_path, seed=47, law=EXPONENTIAL, secrets=(secret,) if secret else (), protocol=one)
     answer = diagnose(Model.build(EXPONENTIAL), record)
     assert answer.selected == ((secret.name,) if secret else ())
-    assert answer.base.model.names == ("a1", "b1", "c1", "mu") and "a0, b0, c0" in answer.sentence
+    held = [e.name for e in answer.base.estimates if e.verdict.kind == "held"]
+    assert held == ["a0", "b0", "c0"] and "a0, b0, c0" in answer.sentence
+    assert all(answer.base.values[name] == 0.0 for name in held)
 
 
 @LONG
