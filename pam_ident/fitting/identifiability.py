@@ -170,7 +170,7 @@ def levels_of(record: Record, rows: Array) -> float:
 
 
 def at_its_pressures(model: Model, record: Record) -> tuple[Model, list[str]]:
-    """The model with those parameters of its law held at 0 that the only pressure of a record does not tell from others,
+    """The model with those parameters of its law held at 0 that a record of one pressure does not tell from others,
     and their names."""
     law = model.law
     if len(record.levels) > 1 or levels_of(record, np.ones(len(record), bool)) >= law.min_levels:
