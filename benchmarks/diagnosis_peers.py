@@ -1,22 +1,27 @@
 """The diagnosis beside what a careful user would try: stepwise regression by BIC, and PySINDy on the residual.
 
-    python benchmarks/diagnosis_peers.py [--n 60] [--seed 103] [--workers 2] [--markdown FILE] [--out SET]
+    python benchmarks/diagnosis_peers.py [--n 60] [--seed 103] [--holdout forms] [--workers 2]
+                                         [--markdown FILE] [--out SET]
 
-All answer the same sealed set, are scored by the same rules, and have the textbook formulas from the same catalogue.
-Prints right / exact by kind and the median time of a record for each; `--markdown` writes the table between the marks
-in a file. `--out` keeps the set and each method's answers, for `pam-ident challenge --out SET --answers FILE` to tell
-more of; a run that was cut off goes on there. PySINDy is left out where it is not installed (extra `test`).
+All answer the same sealed set and are scored by the same rules. Each peer is there twice: with the textbook formula of
+every effect and white noise, and with every written formula of the catalogue and noise that is correlated from sample
+to sample (AR(1), Cochrane & Orcutt 1949). What is method and what is dictionary shows then. `--holdout` leaves what is
+hidden out of the catalogue of all. Prints right / exact by kind and the median time of a record for each; `--markdown`
+writes the table between the marks in a file. `--out` keeps the set and each method's answers, for `pam-ident challenge
+--out SET --answers FILE` to tell more of; a run that was cut off goes on there. PySINDy is left out where it is not
+installed (extra `test`).
 """
 
 import argparse
 import json
+import math
 import os
 import sys
 import time
 import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from itertools import product
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -28,11 +33,13 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from pam_ident.core.files import write_whole
-from pam_ident.diagnosis.dictionary import regressors_at, slopes
+from pam_ident.diagnosis.dictionary import grid, regressors_at, slopes
+from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.fitting.solve import jacobian
 from pam_ident.model import Model, Term
 from pam_ident.records import Record, read_record
+from pam_ident.tasks.setup import Setup
 from pam_ident.validation.challenge import answer_case, questions, write_challenge
 from pam_ident.validation.score import KINDS, score, tally
 
@@ -44,14 +51,43 @@ except ImportError:
 MARKS = ("<!-- peers -->", "<!-- /peers -->")
 STRONG = 10.0
 """Fall of BIC that counts as very strong evidence (Kass & Raftery 1995, JASA 90, 773–795)."""
+REFITTED = 5
+"""Terms of a step that are fitted exactly, those that a linear fit promises most of."""
+KNOWN = {False: "textbook", True: "all forms, AR(1)"}
 
 
-def textbook(record: Record) -> list[Term]:
-    """Every candidate that the record can show, in its textbook form."""
-    from pam_ident.effects import catalogue
+@dataclass(frozen=True)
+class Dictionary:
+    """What a peer knows of a record: forms of effects that it may add, and whether noise may be correlated."""
 
-    effects = [e for e in catalogue().values() if e.candidate and not e.missing(record.inputs)]
-    return [Term(e, e.forms[0]) for e in effects]
+    record: Record
+    terms: tuple[Term, ...]
+    correlated: bool
+
+    @classmethod
+    def of(cls, record: Record, without: Sequence[str], everything: bool) -> "Dictionary":
+        """Every candidate that the record can show, in its textbook form or in every one that is written."""
+        terms = []
+        for effect in catalogue().values():
+            if effect.candidate and not effect.missing(record.inputs):
+                forms = effect.written if everything else effect.written[:1]
+                found = [Term(effect, form) for form in forms]
+                terms += [t for t in found if not {t.effect.name, f"{effect.name}:{t.form.name}"} & set(without)]
+        return cls(record, tuple(terms), everything)
+
+    def whitened(self, residual: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """Differences of neighbours that leave noise white which is as correlated as a residual (n,); columns too."""
+        rho = (
+            float(np.clip(residual[:-1] @ residual[1:] / (residual @ residual), 0.0, 0.99)) if self.correlated else 0.0
+        )
+
+        def white(values: np.ndarray) -> np.ndarray:
+            return np.concatenate([values[:1] * math.sqrt(1.0 - rho**2), values[1:] - rho * values[:-1]])
+
+        return white
+
+
+White = Callable[[np.ndarray], np.ndarray]
 
 
 def bic(squares: float, n: int, parameters: int) -> float:
@@ -62,7 +98,7 @@ def answer(selected: Sequence[str], rmse: float) -> dict:
     return {"verdict": "missing_effect" if selected else "adequate", "selected": list(selected), "rmse_after_N": rmse}
 
 
-def refit(model: Model, record: Record, start: dict[str, float]) -> tuple[float, dict[str, float]]:
+def refit(model: Model, record: Record, start: dict[str, float], white: White) -> tuple[float, dict[str, float]]:
     """scipy's trust region over all parameters within their bounds: sum of squares, values."""
     params = model.bounded(record.inputs)
     unit = np.array([p.typical(start[p.name]) for p in params])
@@ -71,62 +107,90 @@ def refit(model: Model, record: Record, start: dict[str, float]) -> tuple[float,
 
     def residual(x: np.ndarray) -> np.ndarray:
         values = dict(zip(model.names, x * unit, strict=True))
-        return np.nan_to_num(record.force - model.force(record.inputs, values), nan=1e6)
+        return white(np.nan_to_num(record.force - model.force(record.inputs, values), nan=1e6))
 
-    found = least_squares(residual, begin, bounds=(lower, upper), x_scale="jac", max_nfev=40)
-    return 2.0 * float(found.criterion), dict(zip(model.names, map(float, found.x * unit), strict=True))
+    def slopes_at(x: np.ndarray) -> np.ndarray:
+        values = dict(zip(model.names, x * unit, strict=True))
+        return -white(np.nan_to_num(jacobian(model, record.inputs, values, record.force))) * unit
 
-
-def starts(term: Term) -> list[dict[str, float]]:
-    """Sizes a tenth of their typical magnitude off neutral, shapes at each point of their grids."""
-    name, form = term.effect.name, term.form
-    sizes = {f"{name}.{p.name}": p.clip(p.neutral + 0.1 * p.scale) for p in form.linear}
-    grids = product(*(p.grid or (p.start,) for p in form.nonlinear))
-    return [sizes | {f"{name}.{p.name}": x for p, x in zip(form.nonlinear, point, strict=True)} for point in grids]
+    found = least_squares(residual, begin, slopes_at, bounds=(lower, upper), x_scale="jac", max_nfev=40)
+    return 2.0 * float(found.cost), dict(zip(model.names, map(float, found.x * unit), strict=True))
 
 
-def stepwise(record: Record, law: str) -> dict:
-    """Forward: add the textbook effect that lowers BIC most, all parameters refitted, while BIC falls strongly."""
-    model = Model.build(law)
-    n, selected = len(record), []
-    squares, values = refit(model, record, fit(model, record, detail=False).values)
-    terms = textbook(record)
-    while True:
-        now = bic(squares, n, len(model.params))
-        selections = []
-        for term in terms:
-            if term.effect.name not in selected:
+def left_by(model: Model, record: Record, values: dict[str, float]) -> np.ndarray:
+    return record.force - model.force(record.inputs, values)
+
+
+def promising(
+    known: Dictionary, model: Model, values: dict[str, float], white: White, selected: Sequence[str]
+) -> list[tuple[Term, dict[str, float]]]:
+    """The terms that a linear fit around the model promises most of, with where that fit ends, the best first."""
+    record, found = known.record, []
+    around = slopes(model, record.inputs, values)
+    basis = np.linalg.qr(white(jacobian(model, record.inputs, values, record.force)))[0]
+    target = white(left_by(model, record, values))
+    for term in (t for t in known.terms if t.effect.name not in selected):
+        best = (0.0, {})
+        for regressor in regressors_at(term.effect, term.form, grid(term.form), record.inputs, around):
+            columns = white(regressor.columns)
+            columns = columns - basis @ (basis.T @ columns)
+            sizes = np.linalg.lstsq(columns, target, rcond=1e-9)[0]
+            gain = float(target @ columns @ sizes) - math.log(len(target)) * regressor.free
+            start = regressor.point | {
+                p.name: p.clip(p.neutral + x) for p, x in zip(regressor.linear, sizes, strict=True)
+            }
+            best = max(best, (gain, start), key=lambda one: one[0])
+        found.append((best[0], term, {f"{term.effect.name}.{k}": float(v) for k, v in best[1].items()}))
+    found.sort(key=lambda one: -one[0])
+    return [(term, start) for gain, term, start in found[:REFITTED] if start]
+
+
+def stepwise(everything: bool) -> Callable[[Record, Setup], dict]:
+    """Forward: add the term that lowers BIC most, all parameters refitted, while BIC falls strongly."""
+
+    def run(record: Record, setup: Setup) -> dict:
+        known, model, n = Dictionary.of(record, setup.without, everything), Model.build(setup.law), len(record)
+        values = fit(model, record, detail=False).values
+        selected: list[str] = []
+        while True:
+            white = known.whitened(left_by(model, record, values))
+            squares, values = refit(model, record, values, white)
+            now, selections = bic(squares, n, len(model.params)), []
+            for term, start in promising(known, model, values, white, selected):
                 larger = model.adding(term)
-                best = min((refit(larger, record, values | s) for s in starts(term)), key=lambda item: item[0])
-                selections.append((bic(best[0], n, len(larger.params)), term, larger, best))
-        least, term, larger, best = min(selections, key=lambda item: item[0])
-        if least > now - STRONG:
-            return answer(selected, float(np.sqrt(squares / n)))
-        model, (squares, values) = larger, best
-        selected.append(term.effect.name)
+                squares, found = refit(larger, record, values | start, white)
+                selections.append((bic(squares, n, len(larger.params)), term, larger, found))
+            least, term, larger, found = min(selections, key=lambda one: one[0], default=(math.inf, None, None, None))
+            if least > now - STRONG:
+                return answer(selected, float(np.sqrt(np.mean(left_by(model, record, values) ** 2))))
+            model, values = larger, found
+            selected.append(term.effect.name)
+
+    return run
 
 
-def sindy(optimizers: Callable[[float], list]) -> Callable[[Record, str], dict]:
-    """PySINDy on what the law leaves, with the textbook signatures as library; the sparsity is chosen by BIC.
+def sindy(optimizers: Callable[[float], list], everything: bool) -> Callable[[Record, Setup], dict]:
+    """PySINDy on what the law leaves, with signatures of the terms as library; the sparsity is chosen by BIC.
 
     What the law itself can follow is projected out of residual and signatures, and these are scaled to unit rms, so
     that thresholds are forces in N.
     """
 
-    def run(record: Record, law: str) -> dict:
-        model, inputs, n = Model.build(law), record.inputs, len(record)
+    def run(record: Record, setup: Setup) -> dict:
+        known, model, n = Dictionary.of(record, setup.without, everything), Model.build(setup.law), len(record)
         base = fit(model, record, detail=False)
-        around = slopes(model, inputs, base.values)
-        basis = np.linalg.qr(jacobian(model, inputs, base.values, record.force))[0]
+        white, around = known.whitened(base.residual), slopes(model, record.inputs, base.values)
+        basis = np.linalg.qr(white(jacobian(model, record.inputs, base.values, record.force)))[0]
         names, columns = [], []
-        for term in textbook(record):
-            shapes = [{p.name: s[f"{term.effect.name}.{p.name}"] for p in term.form.nonlinear} for s in starts(term)]
-            for regressor in regressors_at(term.effect, term.form, shapes, inputs, around):
-                left = regressor.columns - basis @ (basis.T @ regressor.columns)
-                seen = np.linalg.norm(left, axis=0) > 0.05 * np.linalg.norm(regressor.columns, axis=0) + 1e-9
+        for term in known.terms:
+            for regressor in regressors_at(term.effect, term.form, grid(term.form), record.inputs, around):
+                whole = white(regressor.columns)
+                left = whole - basis @ (basis.T @ whole)
+                seen = np.linalg.norm(left, axis=0) > 0.05 * np.linalg.norm(whole, axis=0) + 1e-9
                 columns.append(left[:, seen] / np.sqrt(np.mean(left[:, seen] ** 2, axis=0)))
                 names += [term.effect.name] * int(seen.sum())
-        library, residual = np.hstack(columns), base.residual - basis @ (basis.T @ base.residual)
+        library, residual = np.hstack(columns), white(base.residual)
+        residual = residual - basis @ (basis.T @ residual)
         best = (bic(float(residual @ residual), n, 0), np.zeros(len(names)))
         for optimizer in optimizers(float(np.sqrt(np.mean(residual**2)))):
             sparse = pysindy.SINDy(optimizer=optimizer, feature_library=pysindy.IdentityLibrary())
@@ -146,27 +210,23 @@ def stlsq(rms: float) -> list:
     return [pysindy.STLSQ(threshold=rms * share, alpha=1e-6) for share in np.geomspace(0.01, 0.9, 12)]
 
 
-def ssr(rms: float) -> list:
-    return [pysindy.SSR(alpha=1e-6, max_iter=60)]
-
-
-PEERS: dict[str, Callable[[Record, str], dict]] = {"stepwise BIC, scipy": stepwise}
+PEERS = {f"stepwise BIC, {KNOWN[everything]}": stepwise(everything) for everything in (False, True)}
 if pysindy is not None:
-    PEERS |= {"PySINDy STLSQ": sindy(stlsq), "PySINDy SSR": sindy(ssr)}
+    PEERS |= {f"sparse (STLSQ), {KNOWN[everything]}": sindy(stlsq, everything) for everything in (False, True)}
 
 
-def case(folder: Path, name: str, law: str) -> dict[str, tuple[dict, float]]:
+def case(folder: Path, name: str, setup: Setup) -> dict[str, tuple[dict, float]]:
     """Each method's answer to a case, and its time in s; kept beside the record, and taken from there."""
     kept = folder / name / "answers.json"
     if kept.exists():
         return {method: (found, seconds) for method, (found, seconds) in json.loads(kept.read_text()).items()}
     warnings.simplefilter("ignore")
     found, start = {}, time.perf_counter()
-    ours = answer_case(folder, name, law)
+    ours = answer_case(folder, name, setup)
     found["pam-ident"] = (ours, time.perf_counter() - start)
     for peer, method in PEERS.items():
         start = time.perf_counter()
-        found[peer] = (method(read_record(str(folder / name / "record.csv")), law), time.perf_counter() - start)
+        found[peer] = (method(read_record(str(folder / name / "record.csv")), setup), time.perf_counter() - start)
     write_whole(kept, json.dumps(found))
     return found
 
@@ -175,6 +235,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--n", type=int, default=60)
     parser.add_argument("--seed", type=int, default=103)
+    parser.add_argument("--holdout", choices=("forms", "effects"))
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--markdown", type=Path)
     parser.add_argument("--out", type=Path)
@@ -184,7 +245,7 @@ def main() -> int:
     with TemporaryDirectory() as temporary:
         folder = asked.out or Path(temporary, "set")
         if not (folder / "truth.json").exists():
-            write_challenge(str(folder), asked.n, asked.seed)
+            write_challenge(str(folder), asked.n, asked.seed, holdout=asked.holdout)
         names = questions(folder)
         with ProcessPoolExecutor(asked.workers) as pool:
             answers = list(pool.map(case, [folder] * len(names), names, names.values()))

@@ -32,9 +32,9 @@ class Param:
     `start` is where a fit begins and, for the size of an effect, `neutral` is the value at which
     the effect vanishes. `grid` lists values of a shape parameter from which fits are started,
     because the error has several minima in it. `scale` is a typical magnitude in `unit`, `range` where nature
-    ends, None where no source says.
+    ends, None where no source says. Of one that is held both bounds are its value.
 
-    Raises UsageError when the bounds are empty or do not hold `start`.
+    Raises UsageError when the bounds do not hold `start`.
     """
 
     name: str
@@ -50,10 +50,9 @@ class Param:
     range: Range | None = None
 
     def __post_init__(self) -> None:
-        if not self.lower <= self.start <= self.upper or self.lower >= self.upper:
+        if not self.lower <= self.start <= self.upper:
             raise UsageError(
-                f"parameter {self.name}: start {self.start} must lie in the bounds "
-                f"[{self.lower}, {self.upper}], and the bounds must not be empty"
+                f"parameter {self.name}: start {self.start} must lie in the bounds [{self.lower}, {self.upper}]"
             )
 
     def where_measured(self, force_N: float) -> "Param":

@@ -26,7 +26,7 @@ INEXACT, EXACT = 0.005, 0.001
 """Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
 that forms may leave which follow the same, because together they can come near to much."""
 OTHER_SIZE, ONE_IN_100 = 1.0 / 3.0, 2.58
-"""Share by which the variance of what is left differs from that of the noise it is taken for, from which it is not that
+"""Share by which the variance of what is left exceeds that of the noise it is taken for, from which it is not that
 noise: 0.27 at most in 262 records without anything hidden. And the standard deviations that normal numbers exceed once
 in a hundred times."""
 NEARLY_ALL = 0.98
@@ -110,16 +110,19 @@ class Adequacy:
 
     @property
     def is_no_noise(self) -> bool:
-        """Whether what the set leaves has not the size of the noise that it is taken for: its variance differs by more
-        than OTHER_SIZE, and by more than such noise would once in a hundred records, which is much where it is slow.
+        """Whether what the set leaves is larger than the noise that it is taken for: its variance by more than
+        OTHER_SIZE, and by more than such noise would once in a hundred records, which is much where it is slow.
 
-        Noise is the same all the time, so it is as large as its innovations say.
+        Noise is the same all the time, so it is as large as its innovations say. How large slow noise is beside what an
+        unsure track shares is not known so well.
         """
         own, time = self.selection.noise_left_by(self.fitted), self.selection.record.inputs.time
         assert time is not None  # of a table nothing is asked here
+        if own.coloured and own.shared:
+            return False
         left = self.residual[~own.outlier]
         chance = math.sqrt(2.0 * (1.0 + own.share**2 * own.memory_samples(time)) / len(left))
-        return abs(float(np.mean(left**2)) / own.whole**2 - 1.0) > max(OTHER_SIZE, ONE_IN_100 * chance)
+        return float(np.mean(left**2)) / own.whole**2 - 1.0 > max(OTHER_SIZE, ONE_IN_100 * chance)
 
     @property
     def wanders(self) -> bool:

@@ -11,6 +11,7 @@ from ..core import UsageError
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
+from ..fitting.identifiability import at_its_pressures
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
@@ -103,6 +104,7 @@ def diagnosing(
         get_effect(name, extra)
         if not 0.0 < chance < math.inf:
             raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
+    model, merged = at_its_pressures(model, record)
     base = fit(model, record)
     allowed = _allowed(extra, without, only, also)
     candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
@@ -166,6 +168,8 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
+    if merged:
+        said += f" One pressure does not tell {', '.join(merged)} from the other parameters: held at 0."
     said += reservations({name: rivals[name] for name in selected}, again, extra)
     found = Diagnosis(
         base,

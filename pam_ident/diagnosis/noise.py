@@ -1,10 +1,11 @@
 """What is noise: how large, how unequal, and how correlated from sample to sample."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from .track import SharedNoise, TrackError
 from .whitening import BlockFilter, filter_gains, innovations
 
 Array = np.ndarray
+Place = tuple[int, int]
 SMALL, SMALL_COLOURED = 0.04, 0.1
 """Share of the noise's variance that is too small to matter, because for less a wrong name is worse; and what is added
 where all noise is coloured: no noise has the colour it is given exactly."""
@@ -25,6 +27,9 @@ UNREAD = 1e12
 SHARES = np.array([0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
 MEMORY_SAMPLES = np.array([0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 13.0, 20.0, *40.0 * 2.0 ** np.arange(6)])
 """Up to a wander over minutes: noise that is slower than any here passes for a drift."""
+COARSE = tuple(product(range(0, len(MEMORY_SAMPLES), 2), (0, 2, 4, 6, 7)))
+BEYOND_WHITE = 12.0
+"""Deviance by which a colour must be better than none."""
 WANDERS = 2.0
 """Size of slow noise, over that of what is left, up to which it may be: it cannot have been small all the time."""
 ALIKE = 0.1
@@ -83,14 +88,14 @@ class Noise:
         """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same, as precise."""
         flat = columns.ndim == 1
         table = columns[:, None] if flat else columns
-        if self.shared:
-            table = self.shared.even(np.where(self.outlier[:, None], table.dtype.type(0.0), table))
         filtered = self.coloured and table.size > 0  # a law without parameters has no columns
         single = table.dtype == np.float32
         if filtered:
             out = (self._single_blocks if single else self._blocks).filter(table)
         else:
             out = table * self._weight[:, None].astype(table.dtype)
+        if self.shared and table.size > 0:
+            out = self.shared.even(out)
         return out[:, 0] if flat else out
 
     @cached_property
@@ -129,27 +134,24 @@ def estimate_noise(
     displacement sensor's noise into force; `outlier` (mask) is found when not given; `white` forbids colour. What
     comes back with every cycle is left out.
     """
-    n, all_left = len(residual), residual
-    middle, shared = _middle(residual), None
+    middle, shared, calm = _middle(residual), None, residual
     if unsure:
         for _ in range(2):  # the noise's own size is known better once the shared part is down to it
             shared = unsure.in_force(slope, middle)
-            middle = _middle(shared.even(residual) if shared else residual)
-    residual = shared.even(residual) if shared else residual
+            calm = shared.even(residual) if shared else residual
+            middle = _middle(calm)
     if outlier is None:
-        outlier = _isolated(np.abs(residual) > 5.0 * middle)
+        outlier = _isolated(np.abs(calm) > 5.0 * middle)
         outlier |= unsure.unread if unsure else False
-    extra = np.zeros(n)
+    extra = np.zeros(len(residual))
     if record.inputs.time is not None:
         off = unsure.by_itself if unsure else noise_around(record.inputs.displacement_mm, record.inputs.time)
         extra = (off * slope / middle) ** 2
-    unread = np.where(outlier, UNREAD, extra)
     own = without_repeats(record, residual, ~outlier)
-    z, whole = (np.where(outlier, 0.0, one / middle) for one in (own, residual))
-    share, memory, clock, decay = (0.0, 0.0, "samples", np.zeros(n)) if white else _colour(record, z, unread)
-    gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share]), unread))
-    spread = np.where(outlier, 1.0, spread)
-    passed = np.where(outlier[:, None], 0.0, innovations(np.column_stack([z, whole]), decay, gain) / spread[:, None])
+    series = np.where(outlier[:, None], 0.0, np.column_stack([own, residual]) / middle)
+    seen = _Seen(series, extra, outlier, shared)
+    colour, rough = (WHITE, WHITE) if white else _colour(record.inputs, seen)
+    gain, spread, shared, passed = seen.through(record.inputs, colour)
     left, whole_left = np.sum(passed**2, axis=0)
     # The scale is profiled out: innovations of a coloured residual need not have unit variance.
     sigma = max(middle * float(np.sqrt(left / max((~outlier).sum() - parameters, 1))), 1e-9)
@@ -157,13 +159,18 @@ def estimate_noise(
     deviance += float(whole_left - left) * (middle / sigma) ** 2
     if shared:
         deviance += shared.volume
-    if share > 0.0:
-        even = _filled(z, outlier) / np.sqrt(1.0 + extra)
-        deviance -= likelier_colour(even, tuple(advance for _, advance, _ in _clocks(record.inputs)), decay, share)
-    more = (float(np.mean(extra[~outlier])) if not outlier.all() else 0.0) + (shared.mean if shared else 0.0)
-    largest = math.sqrt(float(np.sum(all_left[~outlier] ** 2)) / max((~outlier).sum() - parameters, 1))
-    whole = min(sigma * math.sqrt(1.0 + more), max(largest, sigma))
-    return Noise(sigma, whole, share, memory, clock, decay, gain, spread, outlier, deviance, shared)
+    size = sigma
+    if colour.share > 0.0:
+        even = _filled(series[:, 0], outlier) / np.sqrt(1.0 + seen.apart)
+        steps = tuple(advance for advance, _ in _clocks(record.inputs).values())
+        gained, scale = likelier_colour(even, steps, rough.decay(record.inputs), rough.share)
+        deviance -= gained
+        size = middle * scale if gained > 0.0 else sigma
+    more = float(np.mean(seen.apart[~outlier])) if not outlier.all() else 0.0
+    largest = math.sqrt(float(np.sum(residual[~outlier] ** 2)) / max((~outlier).sum() - parameters, 1))
+    whole = min(size * math.sqrt(1.0 + more), max(largest, size))
+    decay = colour.decay(record.inputs)
+    return Noise(sigma, whole, *colour, decay, gain, spread, outlier, deviance, shared)
 
 
 def _filled(z: Array, gaps: Array) -> Array:
@@ -185,66 +192,137 @@ def _isolated(far: Array) -> Array:
     return far & (near <= 2.0)
 
 
-def _colour(record: Record, z: Array, extra: Array) -> tuple[float, float, str, Array]:
-    """Correlated share, memory and clock that make z most likely; white unless clearly better."""
-    n = len(z)
-    inputs = record.inputs
-    white = (0.0, 0.0, "samples", np.zeros(n))
+class Colour(NamedTuple):
+    """A first-order process with a `share` of the variance and a `memory` by a clock; the rest is white."""
+
+    share: float
+    memory: float
+    clock: str
+
+    def decay(self, inputs: Inputs) -> Array:
+        """Its memory from the sample before, (n,)."""
+        if self.share == 0.0:
+            return np.zeros(len(inputs))
+        advance, unit = _clocks(inputs)[self.clock]
+        return _decays(advance, np.array([self.memory / unit]))[:, 0]
+
+
+WHITE = Colour(0.0, 0.0, "samples")
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What noise is estimated from: columns z (n, k) about of unit variance, with `extra` (n,) variance of each row and
+    what rows have in common."""
+
+    z: Array
+    extra: Array
+    outlier: Array
+    shared: SharedNoise | None
+
+    @cached_property
+    def apart(self) -> Array:
+        """The variance of each row besides, with what it has in common with others as if it were its own, (n,)."""
+        return self.extra + (self.shared.variance if self.shared else 0.0)
+
+    def through(self, inputs: Inputs, colour: Colour) -> tuple[Array, Array, SharedNoise | None, Array]:
+        """Gains and deviations of innovations (n,) in noise of a colour, what these have in common, and z as white."""
+        decay = colour.decay(inputs)
+        gain, spread = (
+            v[:, 0] for v in filter_gains(decay[:, None], np.array([colour.share]), self._unread(self.extra))
+        )
+        spread = np.where(self.outlier, 1.0, spread)
+
+        def white(columns: Array) -> Array:
+            return np.where(self.outlier[:, None], 0.0, innovations(columns, decay, gain) / spread[:, None])
+
+        shared = self.shared.through(white) if self.shared else None
+        passed = white(self.z)
+        return gain, spread, shared, shared.even(passed) if shared else passed
+
+    def deviance(self, inputs: Inputs, colour: Colour) -> float:
+        """Minus twice the log likelihood of the first column in noise of a colour, its scale profiled out, up to a
+        constant."""
+        _, spread, shared, passed = self.through(inputs, colour)
+        read = float(np.sum(~self.outlier))
+        square = float(np.sum(passed[:, 0] ** 2)) / read
+        return read * math.log(square) + 2.0 * float(np.sum(np.log(spread))) + (shared.volume if shared else 0.0)
+
+    def deviances(self, places: Sequence[Place], advance: Array) -> list[float]:
+        """The same for some memories and shares, with what rows have in common as if it were their own."""
+        which = np.array(places)
+        memory, share = MEMORY_SAMPLES[which[:, 0]], SHARES[which[:, 1]]
+        decay, extra, z = _decays(advance, memory), self._unread(self.apart), self.z[:, :1]
+        gain, spread = filter_gains(decay, share, extra)
+        left = [innovations(z, d, g)[:, 0] for d, g in zip(decay.T, gain.T, strict=True)]
+        logs, read = 2.0 * np.sum(np.log(spread[~self.outlier]), axis=0), float(np.sum(~self.outlier))
+        square = np.sum([(e / s) ** 2 for e, s in zip(left, spread.T, strict=True)], axis=1) / read
+        most = WANDERS**2 * np.mean(z[:, 0] ** 2 / (1.0 + extra))
+        return np.where(square > most, np.inf, read * np.log(square) + logs).tolist()
+
+    def _unread(self, extra: Array) -> Array:
+        return np.where(self.outlier, UNREAD, extra)
+
+
+def _colour(inputs: Inputs, seen: _Seen) -> tuple[Colour, Colour]:
+    """The colour that makes what is seen most likely, white unless clearly better; and that with what rows have in
+    common as if it were their own, which is near it and found sooner."""
+    n = len(seen.z)
     if inputs.time is None or n < 60:
-        return white
-    square = max(float(np.mean(z**2 / (1.0 + extra))), 1e-300)
-    lags = [float(np.mean(z[:-k] * z[k:])) / square for k in (1, 2, 3, 4)]
+        return WHITE, WHITE
+    passed = seen.through(inputs, WHITE)[-1][:, 0]
+    square = max(float(np.mean(passed**2)), 1e-300)
+    lags = [float(np.mean(passed[:-k] * passed[k:])) / square for k in (1, 2, 3, 4)]
     if max(lags[0], 0.5 * sum(lags)) < 3.0 / np.sqrt(n):
-        return white
-    best, least = (
-        white,
-        float(np.sum(extra < UNREAD)) * float(np.log(square)) + float(np.sum(np.log(1.0 + extra))) - 12.0,
-    )
-    for clock, advance, seconds in _clocks(inputs):
-        (k, j), criterion = _most_likely(advance, z, extra)
+        return WHITE, WHITE
+    best, least = (WHITE, WHITE), seen.deviance(inputs, WHITE) - BEYOND_WHITE
+    for clock, (advance, unit) in _clocks(inputs).items():
+
+        def exactly(places: Sequence[Place], clock: str = clock, unit: float = unit) -> list[float]:
+            return [seen.deviance(inputs, _at(place, clock, unit)) for place in places]
+
+        rough, criterion = _likeliest(partial(seen.deviances, advance=advance), COARSE)
+        place = rough
+        if seen.shared:
+            place, criterion = _likeliest(exactly, [rough])
         if criterion < least:
-            decay = np.exp(-advance / MEMORY_SAMPLES[k])
-            decay[0] = 0.0
-            best, least = (float(SHARES[j]), float(MEMORY_SAMPLES[k]) * seconds, clock, decay), criterion
+            best, least = (_at(place, clock, unit), _at(rough, clock, unit)), criterion
     return best
 
 
-def _clocks(inputs: Inputs) -> tuple[tuple[str, Array, float], ...]:
-    """Ways to count the memory of noise: name, steps (n,) from sample to sample, and a step's length."""
+def _at(place: Place, clock: str, unit: float) -> Colour:
+    return Colour(float(SHARES[place[1]]), float(MEMORY_SAMPLES[place[0]]) * unit, clock)
+
+
+def _decays(advance: Array, memory: Array) -> Array:
+    """Memory from the sample before, (n, m), by steps (n,) and memories (m,) in such steps."""
+    decay = np.exp(-advance[:, None] / memory)
+    decay[0] = 0.0
+    return decay
+
+
+def _clocks(inputs: Inputs) -> dict[str, tuple[Array, float]]:
+    """Ways to count the memory of noise: steps (n,) from sample to sample, and a step's length."""
     assert inputs.time is not None
     step = np.diff(inputs.time, prepend=inputs.time[0])
     unit = float(np.median(step[1:]))
-    return ("samples", np.ones(len(step)), 1.0), ("seconds", step / unit, unit)
+    return {"samples": (np.ones(len(step)), 1.0), "seconds": (step / unit, unit)}
 
 
-def _most_likely(advance: Array, z: Array, extra: Array) -> tuple[tuple[int, int], float]:
-    """Place in (MEMORY_SAMPLES, SHARES) of the likeliest process, and its deviance: at wide steps first, then near."""
-    deviances: dict[tuple[int, int], float] = {}
+def _likeliest(deviances: Callable[[Sequence[Place]], list[float]], first: Sequence[Place]) -> tuple[Place, float]:
+    """Place in (MEMORY_SAMPLES, SHARES) of the likeliest process, and its deviance: at the first ones, then near."""
+    found: dict[Place, float] = {}
 
-    def weigh(places: Iterable[tuple[int, int]]) -> tuple[int, int]:
-        new = [(k, j) for k, j in places if (k, j) not in deviances and k < len(MEMORY_SAMPLES) and j < len(SHARES)]
+    def weigh(places: Iterable[Place]) -> Place:
+        new = [(k, j) for k, j in places if (k, j) not in found and k < len(MEMORY_SAMPLES) and j < len(SHARES)]
         if new:
-            deviances.update(zip(new, _deviances(new, advance, z, extra), strict=True))
-        return min(deviances, key=deviances.__getitem__)
+            found.update(zip(new, deviances(new), strict=True))
+        return min(found, key=found.__getitem__)
 
-    here = weigh(product(range(0, len(MEMORY_SAMPLES), 2), (0, 2, 4, 6, 7)))
+    here = weigh(first)
     while True:
         k, j = here
         near = weigh(product(range(max(k - 1, 0), k + 2), range(max(j - 1, 0), j + 2)))
         if near == here:
-            return here, deviances[here]
+            return here, found[here]
         here = near
-
-
-def _deviances(places: Sequence[tuple[int, int]], advance: Array, z: Array, extra: Array) -> list[float]:
-    """Minus twice the log likelihood of z under processes of some memories and shares, up to a constant."""
-    which = np.array(places)
-    memory, share = MEMORY_SAMPLES[which[:, 0]], SHARES[which[:, 1]]
-    decay = np.exp(-advance[:, None] / memory)
-    decay[0] = 0.0
-    gain, spread = filter_gains(decay, share, extra)
-    left = [innovations(z[:, None], d, g)[:, 0] for d, g in zip(decay.T, gain.T, strict=True)]
-    logs, read = 2.0 * np.sum(np.log(spread), axis=0), float(np.sum(extra < UNREAD))
-    square = np.mean([(e / s) ** 2 for e, s in zip(left, spread.T, strict=True)], axis=1)
-    most = WANDERS**2 * np.mean(z**2 / (1.0 + extra))
-    return np.where(square > most, np.inf, read * np.log(square) + logs).tolist()

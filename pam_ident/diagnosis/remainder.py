@@ -91,12 +91,17 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
     between = (sums[at + APART] - 2.0 * sums[at] + sums[at - APART]) / APART
     beside = squares[at + APART] - squares[at + 1] + squares[at] - squares[at - APART + 1]
     seen = (piece[at + APART - 1] == piece[at - APART]) & (beside > 0.0)
-    if np.count_nonzero(seen) < WINDOW * APART // 2:
-        return None
     at, far = at[seen], between[seen] ** 2 / beside[seen]
-    if far.mean() * NORMAL < BURSTING * np.median(far):
+    pace = np.round(np.log2((time[at + APART - 1] - time[at - APART]) / APART)) if len(at) else at
+    enough = np.zeros(len(at), bool)
+    for one in np.unique(pace):  # as fast as it is read, slow noise steps on, or is another each time
+        alike = pace == one
+        enough |= alike & (np.count_nonzero(alike) >= WINDOW * APART // 2)
+        far[alike] /= np.median(far[alike])
+    at, far = at[enough], far[enough]
+    if not len(far) or far.mean() * NORMAL < BURSTING:
         return None
-    share = 1.0 - float(np.median(far) / (NORMAL * far.mean()))
+    share = 1.0 - 1.0 / (NORMAL * float(far.mean()))
     worst = float(time[at[int(np.argmax(far))]])
     text = f"jumps: what is left stands still and jumps now and then, the farthest at {number(worst)} s"
     return Pattern("other", "time", worst, "s", share, text)

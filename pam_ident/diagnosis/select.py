@@ -12,7 +12,7 @@ from ..fitting import Fit
 from ..fitting.floor import SHAPES, repeats
 from ..model import Term
 from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion
-from .follows import Following
+from .follows import EQUAL, Following
 from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns import patterns
@@ -87,7 +87,7 @@ def investigate(
     untried = [own for own in close if not tried_against(own)]
     if untried:
         select_again(untried[0])
-    noise, found = _told_from_noise(_compared(selections))
+    noise, found = _told_from_noise(selection, _compared(selections))
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _without_small(final, final.refit(seen, found.values))
@@ -152,11 +152,17 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
     return sorted(possible, key=lambda item: item[0])
 
 
-def _told_from_noise(compared: Sequence[tuple[float, Noise, FittedSet]]) -> tuple[Noise, FittedSet]:
-    """The noise and the set of the least full criterion, less what more noise in its place explains nearly as well."""
-    least, _, best = compared[0]
-    close = [(noise, v) for criterion, noise, v in compared if criterion < least + CLOSE and v.labels <= best.labels]
-    return min(close, key=lambda item: len(item[1].terms))
+def _told_from_noise(
+    selection: Selection, compared: Sequence[tuple[float, Noise, FittedSet]]
+) -> tuple[Noise, FittedSet]:
+    """The noise and the set of the least full criterion, less what more noise in its place explains nearly as well; but
+    noise it is not, where the free model is likelier."""
+    least, noise, best = compared[0]
+    most = math.inf if selection.record.inputs.time is None else FreeModel.of(selection).criterion + EQUAL
+    close = [
+        (own, v) for criterion, own, v in compared if criterion < min(least + CLOSE, most) and v.labels <= best.labels
+    ]
+    return min(close, key=lambda item: len(item[1].terms), default=(noise, best))
 
 
 def _sure(selection: Selection, fitted: FittedSet) -> bool:

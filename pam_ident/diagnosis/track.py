@@ -5,7 +5,7 @@ share their errors: σ² B Bᵀ is their covariance. Where the force is steep th
 stroke and not in the next would pass for an effect.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,6 +22,8 @@ Array = np.ndarray
 Block = tuple[Array, Array]
 NEGLIGIBLE = 0.05
 """Share of the noise's variance below which it does not matter how unsure the track is."""
+FAINT = 1e-6
+"""Variance of what rows have in common, over that of the noise, below which it is none."""
 ON_LEVEL = 4.0
 """Standard deviations of the position sensor within which a sample lies on a hold's level."""
 
@@ -41,15 +43,47 @@ class SharedNoise:
         single = np.flatnonzero(self.alone)
         count = len(single)
         rows, columns, values, variances = [single], [np.arange(count)], [np.ones(count)], [self.alone[single] ** 2]
-        for where, block in self.blocks:
-            basis, size, _ = np.linalg.svd(block, full_matrices=False)
-            rows.append(np.repeat(where, len(size)))
-            columns.append(np.tile(np.arange(count, count + len(size)), len(where)))
+        for (where, block), (size, turned) in zip(self.blocks, self._turned(), strict=True):
+            seen = size > FAINT
+            basis = block @ (turned[:, seen] / np.sqrt(size[seen]))
+            rows.append(np.repeat(where, basis.shape[1]))
+            columns.append(np.tile(np.arange(count, count + basis.shape[1]), len(where)))
             values.append(basis.ravel())
-            variances.append(size**2)
-            count += len(size)
+            variances.append(size[seen])
+            count += basis.shape[1]
         parts = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
         return sparse.csr_matrix(parts, shape=(len(self.alone), count)), np.concatenate(variances)
+
+    def _turned(self) -> Iterator[tuple[Array, Array]]:
+        """Variances (k,) of each block in its own directions, and these, (k, k)."""
+        alike: dict[int, list[int]] = {}
+        for k, (_, block) in enumerate(self.blocks):
+            alike.setdefault(block.shape[1], []).append(k)
+        found: dict[int, tuple[Array, Array]] = {}
+        for which in alike.values():
+            sizes, turned = np.linalg.eigh(np.stack([self.blocks[k][1].T @ self.blocks[k][1] for k in which]))
+            found |= dict(zip(which, zip(sizes, turned, strict=True), strict=True))
+        return (found[k] for k in range(len(self.blocks)))
+
+    def through(self, white: Callable[[Array], Array]) -> "SharedNoise":
+        """What rows have in common once columns (n, k) went through a filter, `white`.
+
+        That carries what one block has into the next; there it is counted, but as if it were the next one's own.
+        """
+        wide = max((block.shape[1] for _, block in self.blocks), default=0)
+        columns = np.zeros((len(self.alone), 2 * wide))
+        for k, (rows, block) in enumerate(sorted(self.blocks, key=lambda one: one[0][0])):
+            columns[rows, k % 2 * wide : k % 2 * wide + block.shape[1]] = block
+        passed = white(columns)
+        return SharedNoise(tuple((rows, passed[rows]) for rows, _ in self.blocks), np.zeros(len(self.alone)))
+
+    @property
+    def variance(self) -> Array:
+        """What it adds to the variance of each row, (n,)."""
+        found = self.alone**2
+        for rows, block in self.blocks:
+            found[rows] += np.sum(block**2, axis=1)
+        return found
 
     def _scaled(self, values: Array, by: Array) -> Array:
         basis, _ = self._directions
@@ -69,11 +103,6 @@ class SharedNoise:
     def volume(self) -> float:
         """What `even` takes from twice the logarithm of a likelihood."""
         return float(np.sum(np.log1p(self._directions[1])))
-
-    @property
-    def mean(self) -> float:
-        """Mean variance that it adds to a row's."""
-        return float(np.sum(self._directions[1])) / len(self.alone)
 
     def take(self, rows: Array) -> "SharedNoise":
         """That of some rows, by index (m,) in order."""

@@ -64,7 +64,8 @@ def estimates_of(
     """An estimate of each parameter, in order, and the covariance of those that are free; what stands at a bound is
     taken as given. No errors without `sums`, whose columns are the parameters."""
     stuck = {p.name for p in params if p.name not in held and at_bound(p, values[p.name])}
-    given = {p.name: HELD if p.name in held else AT_BOUND for p in params if p.name in held or p.name in stuck}
+    fixed = {*held, *(p.name for p in params if p.lower == p.upper)}
+    given = {p.name: HELD if p.name in fixed else AT_BOUND for p in params if p.name in fixed or p.name in stuck}
     found: dict[str, Estimate] = {}
     cov = None
     if sums is not None and params:

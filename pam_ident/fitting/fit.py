@@ -15,7 +15,7 @@ from ..records import Record
 from . import readings
 from .covariance import Covariance, Sums, clusters, student, sums
 from .estimate import Estimate, estimates_of
-from .identifiability import StandIn, stand_ins
+from .identifiability import StandIn, levels_of, stand_ins
 from .length import Lengths, at_limit, by_length, solve_length, sums_of
 from .readings import Errors, in_memory, least, on_disk, with_memory
 from .solve import Solution, jacobian, solve, table
@@ -29,8 +29,6 @@ Array = np.ndarray
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
 BY_READINGS = "by readings of all rows"
-SWEPT = 0.15
-"""Range of the pressure beside its largest from which it counts as many levels, however they are grouped."""
 
 
 @dataclass(frozen=True)
@@ -351,12 +349,11 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
     """
     check_held(model, held)
     where = record.source or record.name
-    levels = len(record.levels if rows.all() else np.unique(record.level[rows]))
-    varied = np.ptp(record.inputs.pressure[rows]) > SWEPT * np.abs(record.inputs.pressure[rows]).max()
-    if levels < model.law.min_levels and not varied:
+    levels = levels_of(record, rows)
+    if levels < model.law.min_levels:
         raise FitError(
-            f"{where}: {levels} pressure level ({record.level[rows][0]:g} MPa), but {model.law.name} needs at least "
-            f"{model.law.min_levels} to tell its parameters apart; add isobars or choose another law"
+            f"{where}: {levels:.0f} pressure level ({record.level[rows][0]:g} MPa), but {model.law.name} needs at "
+            f"least {model.law.min_levels} to tell its parameters apart; add isobars or choose another law"
         )
     if np.count_nonzero(rows) <= len(model.params):
         raise FitError(

@@ -1,5 +1,6 @@
 """What a record says of each parameter: pinned, or in words why not."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -9,6 +10,7 @@ import numpy as np
 
 from ..core import Inputs, Param
 from ..model import Model, Values
+from ..records import Record
 from .covariance import FLAT, Covariance
 
 Array = np.ndarray
@@ -19,6 +21,8 @@ TOGETHER = 0.95
 """Correlation of two errors from which one parameter is named as traded against the other."""
 ONE = 0.9995
 """Correlation of two errors that is printed as 1.000: with a third parameter at its bound, nothing tells them apart."""
+SWEPT = 0.15
+"""Range of the pressure beside its largest from which it counts as many levels, however they are grouped."""
 SAME = 1e-5
 """Part of a sensitivity, by its norm, that may be left over where it is called a combination of others."""
 
@@ -156,3 +160,20 @@ def _calibrations(model: Model, inputs: Inputs, values: Values) -> dict[str, Arr
         "displacement_scale": inputs.contraction * by_contraction,
         "length_offset": by_contraction,
     }
+
+
+def levels_of(record: Record, rows: Array) -> float:
+    """Pressures at which some `rows` (mask, shape (n,)) were measured; no end of them where the pressure varies."""
+    pressure = record.inputs.pressure[rows]
+    varied = np.ptp(pressure) > SWEPT * np.abs(pressure).max()
+    return math.inf if varied else len(record.levels if rows.all() else np.unique(record.level[rows]))
+
+
+def at_its_pressures(model: Model, record: Record) -> tuple[Model, list[str]]:
+    """The model with those parameters of its law held at 0 that a record of one pressure does not tell from others,
+    and their names."""
+    law = model.law
+    if len(record.levels) > 1 or levels_of(record, np.ones(len(record), bool)) >= law.min_levels:
+        return model, []
+    law = law.at_one(float(record.levels[0]), record.inputs.contraction, record.specimen)
+    return replace(model, law=law), [p.name for p, q in zip(model.law.linear, law.linear, strict=True) if p != q]

@@ -1,7 +1,7 @@
 """What a static force law is."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -56,6 +56,18 @@ class Law:
     def params(self) -> tuple[Param, ...]:
         """Linear, then nonlinear."""
         return self.linear + self.nonlinear
+
+    def at_one(self, pressure: float, contraction: Array, specimen: Specimen) -> "Law":
+        """The law with those parameters held at 0 whose part others can take at one `pressure` in MPa, by their columns
+        over `contraction` (n,): of such the last stays free, with which the force grows with the pressure."""
+        values = {p.name: p.start for p in self.nonlinear}
+        columns = self.columns(np.full(len(contraction), pressure), contraction, specimen, values)
+        columns = columns / np.linalg.norm(columns, axis=0)
+        kept: list[int] = []
+        for k in reversed(range(len(self.linear))):
+            kept = [k, *kept] if np.linalg.matrix_rank(columns[:, [k, *kept]]) > len(kept) else kept
+        told = tuple(p if k in kept else replace(p, lower=0.0, upper=0.0) for k, p in enumerate(self.linear))
+        return replace(self, linear=told, min_levels=1)
 
     def force(self, pressure: Array, contraction: Array, specimen: Specimen, values: Values) -> Array:
         """Force in N, shape (n,), for parameter values by name."""

@@ -16,6 +16,8 @@ from .table import Table
 from .text_table import read_layout, read_text
 
 TEXT = (".csv", ".tsv", ".txt", ".dat", ".asc")
+PROSE = re.compile(r"(read[ _-]?me|sources?|notes?|licen[cs]e|changelog)\.", re.IGNORECASE)
+"""Names of files beside a record that are for people."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,7 @@ def find_files(path: str | Path) -> Files:
         return Files(given, data_of(package, path, endings), path, package.title)
     if path.is_dir():
         found = [file for file in path.iterdir() if file.is_file() and _ending(file) in endings]
+        found = [file for file in found if not PROSE.match(file.name)]
         if not found:
             raise DataError(
                 f"{given}: a folder without a record; expected files ending in {', '.join(endings)}. Name a file"

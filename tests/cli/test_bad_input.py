@@ -88,7 +88,7 @@ def test_the_good_record_of_these_tests_is_good(ask, write_record):
 def test_one_pressure_cannot_identify_a_law_of_several(answer, ask, write_record):
     path = write_record(pressures=(0.3,))
     one_message(ask("fit", path, "--law", "exponential_law"), 3, str(path), "0.3 MPa", "at least 2")
-    one_message(ask("diagnose", path, "--law", "exponential_law"), 3, "at least 2")
+    assert "does not tell a0, b0, c0 from" in ask("diagnose", path, "--law", "exponential_law").output
     result, _ = answer("fit", path, "--law", "modified_chou_hannaford")
     assert result.exit_code in (0, 3)
 

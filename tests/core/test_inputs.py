@@ -54,10 +54,14 @@ def test_inputs_say_what_a_record_holds():
     assert full.specimen == Specimen()
 
 
-@pytest.mark.parametrize(("lower", "upper", "start"), [(0.0, 1.0, 2.0), (0.0, 1.0, -1.0), (1.0, 1.0, 1.0)])
+@pytest.mark.parametrize(("lower", "upper", "start"), [(0.0, 1.0, 2.0), (0.0, 1.0, -1.0), (2.0, 1.0, 1.5)])
 def test_a_parameter_that_starts_outside_its_bounds_is_refused(lower, upper, start):
     with pytest.raises(UsageError, match="parameter k"):
         Param("k", "1", "", lower, upper, start)
+
+
+def test_a_parameter_whose_bounds_are_one_value_is_held():
+    assert Param("k", "1", "", 1.0, 1.0, 1.0).clip(5.0) == 1.0
 
 
 def test_a_parameter_clips_to_its_bounds():

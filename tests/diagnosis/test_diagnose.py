@@ -12,7 +12,7 @@ from pam_ident.fitting import fit
 from pam_ident.model import Model, as_term
 from pam_ident.records import Record, build_record, read_record
 from pam_ident.records.datasets import dataset_record
-from pam_ident.rig import Plan, Secret, make_record, write_case
+from pam_ident.rig import Plan, Protocol, Secret, make_record, write_case
 
 LONG = pytest.mark.long
 EXPONENTIAL, CHOU = "exponential_law", "modified_chou_hannaford"
@@ -50,6 +50,19 @@ def test_one_hidden_effect_is_named_alone_and_its_error_removed(tmp_path, law, s
     assert answer.verdict == "missing_effect" and answer.selected == (secret.name,)
     assert answer.best.rmse < 1.1 * 2.1 and answer.heldout_rmse_after < 0.95 * answer.heldout_rmse
     assert answer.ranking[0].effect == answer.selected[0] and answer.ranking[0].probability > 0.8
+
+
+@pytest.mark.parametrize(
+    "secret", [None, Secret("viscous_damping", "textbook", 3.0), Secret("mullins_softening", "rested", 3.0)]
+)
+def test_at_one_pressure_the_law_has_fewer_parameters_and_the_effect_its_name(tmp_path, secret):
+    one = Protocol(pressures_MPa=(0.3,), cycles_per_speed=4)
+    record = rig_record(tmp_path, seed=47, law=EXPONENTIAL, secrets=(secret,) if secret else (), protocol=one)
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert answer.selected == ((secret.name,) if secret else ())
+    held = [e.name for e in answer.base.estimates if e.verdict.kind == "held"]
+    assert held == ["a0", "b0", "c0"] and "a0, b0, c0" in answer.sentence
+    assert all(answer.base.values[name] == 0.0 for name in held)
 
 
 @LONG

@@ -6,13 +6,15 @@ import pytest
 from pam_ident.core import Specimen
 from pam_ident.core.recursion import decaying_sum
 from pam_ident.diagnosis.noise import (
+    COARSE,
     MEMORY_SAMPLES,
     SHARES,
     Noise,
-    _deviances,
-    _most_likely,
+    _likeliest,
+    _Seen,
     estimate_noise,
 )
+from pam_ident.diagnosis.track import TrackError
 from pam_ident.diagnosis.whitening import filter_gains, innovations
 from pam_ident.records import build_record
 
@@ -109,12 +111,35 @@ def test_an_outlier_neither_counts_nor_spoils_its_neighbours():
 
 
 def test_the_likeliest_colour_is_that_of_the_whole_grid():
-    advance, extra = np.ones(1500), np.zeros(1500)
+    advance = np.ones(1500)
     z = coloured(0.85, 1500) + 0.6 * np.random.default_rng(8).standard_normal(1500)
     places = [(k, j) for k in range(len(MEMORY_SAMPLES)) for j in range(len(SHARES))]
-    whole = _deviances(places, advance, z, extra)
-    place, least = _most_likely(advance, z, extra)
+    seen = _Seen(z[:, None], np.zeros(1500), np.zeros(1500, bool), None)
+    whole = seen.deviances(places, advance)
+    place, least = _likeliest(lambda some: seen.deviances(some, advance), COARSE)
     assert place == places[int(np.argmin(whole))] and least == pytest.approx(min(whole), rel=1e-12)
+
+
+def test_slow_noise_is_told_from_what_the_track_of_each_stroke_is_off_by():
+    """Strokes have 20 rows, in 2 s or in 20; in each the track is off along two columns, and the force steep."""
+    rng, rows, strokes = np.random.default_rng(9), 20, 100
+    n = rows * strokes
+    step = np.repeat(np.where(np.arange(strokes) % 20 < 10, 0.1, 1.0), rows)
+    time, memory, slope = np.cumsum(step), 10.0, np.full(n, 40.0)
+    kept = np.exp(-step[1:] / memory)
+    slow = decaying_sum(kept, (np.sqrt(1.0 - kept**2) * rng.standard_normal(n - 1))[:, None])[:, 0]
+    along = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, rows), 2))[0]
+    blocks = tuple((np.arange(k, k + rows), 0.05 * along) for k in range(0, n, rows))
+    off = np.concatenate([block @ rng.standard_normal(2) for _, block in blocks])
+    x = 20.0 - 20.0 * np.cos(np.pi * np.arange(n) / rows)
+    record = build_record("loop", SPECIMEN, np.full(n, 0.3), x / 200.0, 400.0 - 5.0 * x, time=time)
+    unsure = TrackError(blocks, np.zeros(n), np.zeros(n), False, 0.05, np.zeros(n, bool))
+    residual = slow + slope * off
+    noise = estimate_noise(record, residual, slope, 8, outlier=np.zeros(n, bool), unsure=unsure)
+    left = noise.whiten(residual)
+    assert noise.clock == "seconds" and memory / 2.5 < noise.memory < memory * 2.5  # its likelihood is flat
+    assert noise.sigma == pytest.approx(np.std(slow), rel=0.3) and np.std(left) == pytest.approx(1.0, rel=0.05)
+    assert abs(np.corrcoef(left[1:], left[:-1])[0, 1]) < 0.1
 
 
 def test_samples_set_aside_leave_the_colour_as_it_is(record):

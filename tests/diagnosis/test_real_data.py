@@ -193,7 +193,7 @@ def test_a_cylinders_seal_rubs_with_a_part_that_grows_with_pressure(realdata):
     """Known beforehand: an area of 519 mm² by calliper, and a seal's friction that grows with pressure. Each pressure
     was driven at one speed each way, so that no record of it can tell friction from damping."""
     home = realdata / "cylinder_oring"
-    record = thinned(read_record(str(home / "*.csv"), home / "specimen.toml"), 10_000)
+    record = thinned(read_record(str(home / "*.csv"), home / "specimen.toml"), 5_000)
     found = diagnose(Model.build("polynomial"), record)
     assert found.verdict == "unknown_effect"  # no form reaches the sensor's noise
     assert found.selected

@@ -26,6 +26,8 @@ def test_a_file_for_each_isobar_by_pattern_or_folder(put, tmp_path):
         rows = values()[12:] if k == 0 else values()[:12]
         put(as_text(rows=rows * [1, 1, 1, 1] - [rows[0, 0], 0, 0, 0]), f"runs/{name}")
     (tmp_path / "runs" / "specimen.toml").write_text((tmp_path / "specimen.toml").read_text())
+    for name in ("README.txt", "source.TXT", "Read me.txt", "notes.txt"):
+        (tmp_path / "runs" / name).write_text("Measured on a Monday, with care.\nThe valve hisses.\n")
     pattern = f"{tmp_path}/runs/*.csv"
     for given in (pattern, tmp_path / "runs"):
         record = read_record(given)

@@ -56,9 +56,9 @@ white = np.random.default_rng(2).standard_normal((3, 4000)) * np.sqrt([[0.4], [0
 wanders = [lfilter([np.sqrt(1.0 - r * r)], [1.0, -r], one) for r, one in zip(np.exp([-1.0 / 3.0, -1.0 / 400.0]), white)]
 z = sum(wanders) + white[2]
 asked = z / np.std(z), [np.ones(4000)], np.full(4000, np.exp(-1.0 / 40.0)), 0.9
-both = likelier_colour(*asked)
+both, _ = likelier_colour(*asked)
 del catalogue()["two_wanders"]
-print("gained", both - likelier_colour(*asked))
+print("gained", both - likelier_colour(*asked)[0])
 """,
 }
 SHOWS = {

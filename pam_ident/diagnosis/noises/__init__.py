@@ -35,23 +35,26 @@ def catalogue() -> dict[str, NoiseColour]:
     return {one.name: one for one in instances(__name__, __path__, NoiseColour)}
 
 
-def likelier_colour(z: Array, clocks: Sequence[Array], decay: Array, share: float) -> float:
-    """By how much the deviance of z (n,), about of unit variance, falls if its noise has the best of these colours.
+def likelier_colour(z: Array, clocks: Sequence[Array], decay: Array, share: float) -> tuple[float, float]:
+    """By how much the deviance of z (n,), about of unit variance, falls if its noise has the best of these colours, and
+    how large that noise is.
 
     It is held against a first-order process with a `share` of the variance and the memory `decay` (n,) from sample to
     sample; `clocks` are the steps (n,) from sample to sample, in samples or as time goes.
     """
     gain, spread = filter_gains(decay[:, None], np.array([share]), np.zeros(len(z)))
-    least = first = float(_deviance(innovations(z[:, None], decay, gain[:, 0]), spread)[0])
-    for name in catalogue():
-        for steps in clocks:
-            least = min(least, float(np.min(_Mixtures.of(name, steps.tobytes()).deviances(z))))
-    return first - least
+    first = _deviance(innovations(z[:, None], decay, gain[:, 0]), spread)
+    others = [_Mixtures.of(name, steps.tobytes()).deviances(z) for name in catalogue() for steps in clocks]
+    deviances, squares = (np.concatenate(parts) for parts in zip(first, *others, strict=True))
+    best = int(np.argmin(deviances))
+    return float(deviances[0] - deviances[best]), float(np.sqrt(squares[best]))
 
 
-def _deviance(innovation: Array, spread: Array) -> Array:
-    """Minus twice the log likelihood of columns (n, m), their scale profiled out, up to a constant, shape (m,)."""
-    return len(spread) * np.log(np.mean((innovation / spread) ** 2, axis=0)) + 2.0 * np.sum(np.log(spread), axis=0)
+def _deviance(innovation: Array, spread: Array) -> tuple[Array, Array]:
+    """Minus twice the log likelihood of columns (n, m), their scale profiled out, up to a constant, and that scale's
+    square, shape (m,) each."""
+    square = np.mean((innovation / spread) ** 2, axis=0)
+    return len(spread) * np.log(square) + 2.0 * np.sum(np.log(spread), axis=0), square
 
 
 @dataclass(frozen=True)
@@ -82,8 +85,8 @@ class _Mixtures:
             covariance = covariance - gain[k][:, :, None] * seen[:, None, :]
         return cls(decay, gain, np.sqrt(spread))
 
-    def deviances(self, z: Array) -> Array:
-        """Of a series (n,), shape (m,)."""
+    def deviances(self, z: Array) -> tuple[Array, Array]:
+        """Of a series (n,), with the squares of its scale, shape (m,) each."""
         state, left = np.zeros(self.gain.shape[1:]), np.empty(self.spread.shape)
         for k, value in enumerate(z):
             state = state * self.decay[k]

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import Array, NoiseColour
 
-SHARES, POWERS = np.array([0.03, 0.1, 0.2, 0.4, 0.7, 0.99]), np.array([-0.2, 0.0, 0.2])
+SHARES, POWERS = np.array([0.03, 0.1, 0.2, 0.4, 0.7, 0.95, 1.0]), np.array([-0.2, 0.0, 0.2])
 
 
 def _mixtures(length: float) -> tuple[Array, Array]:
