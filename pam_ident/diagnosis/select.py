@@ -369,10 +369,9 @@ def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) 
     more = scanned.regressor.free - known if not scanned.onto.terms else 1
     term = scanned.regressor.term
     fault = not isinstance(term.form, AddsForce) or catalogue_of_patterns()[term.effect.name].kind == "periodic"
-    explained = _beyond_noise(selection, fitted.squares) < EXPLAINED
-    cheaper = more <= 0 and not explained
-    tolerance = (FAULT_TOLERANCE if fault or cheaper else PATTERN_TOLERANCE) * selection.excess
-    if cheaper and more < 0 and _beyond_noise(selection, scanned.onto.criterion - scanned.gain) < EXPLAINED:
+    simpler = more < 0 and _beyond_noise(selection, scanned.onto.criterion - scanned.gain) < EXPLAINED
+    tolerance = (FAULT_TOLERANCE if fault or more <= 0 else PATTERN_TOLERANCE) * selection.excess
+    if simpler:
         tolerance = selection.penalty.tolerance
     return PATTERN_MARGIN + search + tolerance + selection.penalty.per_parameter * scanned.regressor.free
 
