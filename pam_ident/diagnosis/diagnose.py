@@ -112,7 +112,7 @@ def diagnosing(
         candidates = [replace(effect, forms=effect.written) for effect in candidates if effect.written]
     if record.inputs.slide is not None:
         candidates = [_one_a_driver(effect) for effect in candidates]
-    steady, unsure = steadied(record)
+    steady, unsure = steadied(record, model, base.values)
     alone = fit(model, steady, start=base.values, detail=False)
     following = Following(steady, model, alone.values, unsure)
     seen = [e for e in candidates if not e.missing(record.inputs)]

@@ -35,6 +35,9 @@ from .track import SharedNoise, TrackError
 Array = np.ndarray
 ROWS = 10_000
 """Rows of a record in time that are looked at: in so many what deserves a name earns ten times its criterion."""
+NO_NOISE = 1.02
+"""Squares that a model leaves of a record with steady inputs, over those with measured ones, from which what was taken
+off was no noise."""
 ORDERS = 120
 """Orders of drivers over which shares are averaged, at most."""
 EQUAL = 20.0
@@ -63,12 +66,16 @@ def _one(speeds: Array) -> bool:
     return float(np.quantile(speeds, 0.95)) < SPEED_RATIO * float(np.quantile(speeds, 0.05))
 
 
-def steadied(record: Record) -> tuple[Record, TrackError | None]:
+def steadied(record: Record, model: Model, values: Mapping[str, float]) -> tuple[Record, TrackError | None]:
     """At most ROWS rows of a record with its steady inputs, and how far the track of what is driven may be off.
 
-    The noise of pressure and length, which a model turns into force, would follow what is measured.
+    The noise of pressure and length, which a model turns into force, would follow what is measured. But what is taken
+    off is no noise where a model with `values` that fit the record then leaves more.
     """
     fewer = thinned(record, ROWS)
+    measured, steady = (fewer.force - model.force(one, values) for one in (fewer.inputs, fewer.steady))
+    if steady @ steady > NO_NOISE * (measured @ measured):
+        fewer = replace(fewer, steady=fewer.inputs)
     return replace(fewer, inputs=fewer.steady), TrackError.of(fewer, record)
 
 
@@ -131,7 +138,8 @@ class Following:
     @classmethod
     def of(cls, fit: Fit) -> "Following":
         """Of the rows of a fit."""
-        record, unsure = steadied(fit.record if fit.rows.all() else fit.record.take(fit.rows))
+        whole = fit.record if fit.rows.all() else fit.record.take(fit.rows)
+        record, unsure = steadied(whole, fit.model, fit.values)
         return cls(record, fit.model, fit.values, unsure)
 
     @cached_property

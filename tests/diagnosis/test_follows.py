@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.follows import told, what_it_follows
+from pam_ident.diagnosis.follows import steadied, told, what_it_follows
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import build_record
@@ -79,3 +79,20 @@ def test_what_comes_back_and_follows_nothing_is_told_apart_from_noise():
     by_name = {one.what: one.share for one in found}
     assert by_name["repeats"] > 0.5
     assert "comes back with every repeat" in told(found)
+
+
+def test_of_a_motion_that_smoothing_bends_nothing_is_taken_off():
+    """Up to fourteen waves in 40 samples, five times at each pressure, by a position sensor that is off by 0.05 mm."""
+    rng = np.random.default_rng(1)
+    phase, turn = rng.uniform(0.0, 2.0 * np.pi, (14, 1)), 2.0 * np.pi * np.arange(40) / 40
+    x = np.sum(np.cos(np.arange(1, 15)[:, None] * turn + phase), axis=0)
+    x = np.tile(40.0 * (x - x.min()) / np.ptp(x), 10)
+    pressure, e = np.repeat((0.2, 0.4), 200), x / SPECIMEN.initial_length_mm
+    force = pressure * (2400.0 - 9000.0 * e) - 600.0 * e + rng.standard_normal(400)
+    seen = e + 0.05 / SPECIMEN.initial_length_mm * rng.standard_normal(400)
+    record = build_record("rig", SPECIMEN, pressure, seen, force, time=0.1 * np.arange(400))
+    found = fit(Model.build("exponential_law"), record)
+    steady, _ = steadied(record, found.model, found.values)
+    assert np.std(record.steady.displacement_mm - x) > 5.0  # by smoothing alone
+    assert np.std(steady.inputs.displacement_mm - x) == pytest.approx(0.05, rel=0.1)
+    assert [one.what for one in what_it_follows(found)] == ["noise"]

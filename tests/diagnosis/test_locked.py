@@ -34,6 +34,7 @@ def test_what_follows_the_rate_of_the_pressure_is_one_group(name, tmp_path):
     assert {"viscous_damping", "pressure_lag"} <= set(found.groups[0])
 
 
+@pytest.mark.long
 def test_a_bench_that_is_leaned_on_is_a_force_for_a_while(tmp_path):
     found = answer(tmp_path, unknown=Secret("rub", "leaned_on", 3.0))
     assert (found.verdict, found.pattern.kind, found.pattern.coordinate) == ("unknown_effect", "local", "time")
