@@ -165,7 +165,6 @@ def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, na
     ("unknown", "form", "kind"),
     [
         ("rub", "fold", "local"),
-        ("wandering_sensor", "length", "trend"),
         *(
             pytest.param(*case, marks=LONG)
             for case in (
@@ -176,6 +175,7 @@ def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, na
                 ("rub", "two_places", "other"),
                 ("mount_slip", "textbook", "step"),
                 ("mount_slip", "gauge", "step"),
+                ("wandering_sensor", "length", "trend"),
                 ("wandering_sensor", "textbook", "trend"),
                 ("wandering_sensor", "gain", "trend"),
                 ("wandering_sensor", "cell", "trend"),
@@ -236,6 +236,7 @@ def test_bursts_over_the_noise_are_no_noise(tmp_path):
     assert min(abs(begins - answer.pattern.value)) < 5.0
 
 
+@LONG
 def test_a_step_of_scale_is_a_step_though_the_temperature_follows_it_nearly(tmp_path):
     record = rig_record(tmp_path, seed=46, law=CHOU)
     time = record.inputs.time

@@ -135,7 +135,7 @@ def yielding(time, force, temperature):
     return force - 0.1 * np.array([0.4, 0.3, 0.3]) @ yielded
 
 
-@pytest.mark.parametrize("cell", [creeping, yielding])
+@pytest.mark.parametrize("cell", [creeping, pytest.param(yielding, marks=pytest.mark.long)])
 def test_creep_may_follow_the_tension_by_any_kernel(cell):
     found = diagnose(LAW, strokes(NOTHING, cell=cell))
     assert found.selected == ("creep",) and found.pattern is None, found.sentence
@@ -269,6 +269,7 @@ def test_noise_does_not_know_the_run(hidden, cell):
     assert ("at the turns" in found.sentence) == (hidden is kick)
 
 
+@pytest.mark.long
 def test_parts_of_a_drift_may_be_larger_than_nature_allows_the_whole():
     """A parabola in time is the difference of a slow settling and a line, each of thousands of newtons."""
     record = strokes(lambda p, x, side, v: -4.0 * side, cell=lambda t, f, T: f + 60.0 * (t / t[-1]) ** 2)

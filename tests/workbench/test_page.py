@@ -148,8 +148,8 @@ def test_the_map_and_the_bar_of_what_the_error_follows_are_those_of_the_report(p
 
 
 def test_a_grave_warning_stops_naming_until_it_is_answered_all_the_same(folder, tmp_path, monkeypatch):
-    whole = tasks_diagnose.diagnose  # one candidate is enough
-    monkeypatch.setattr(tasks_diagnose, "diagnose", lambda *given: whole(*given[:2], only=("coulomb_friction",)))
+    whole = tasks_diagnose.diagnosing  # one candidate is enough
+    monkeypatch.setattr(tasks_diagnose, "diagnosing", lambda *given: whole(*given[:2], only=("coulomb_friction",)))
     lines = (folder / "record.csv").read_text().splitlines()
     rows = [line.rpartition(",") for line in lines[1:]]
     clipped = "\n".join([lines[0], *(f"{rest},{min(float(force), 500.0)}" for rest, _, force in rows)])
