@@ -53,6 +53,7 @@ STRONG = 10.0
 """Fall of BIC that counts as very strong evidence (Kass & Raftery 1995, JASA 90, 773–795)."""
 REFITTED = 5
 """Terms of a step that are fitted exactly, those that a linear fit promises most of."""
+White = Callable[[np.ndarray], np.ndarray]
 KNOWN = {False: "textbook", True: "all forms, AR(1)"}
 
 
@@ -75,7 +76,7 @@ class Dictionary:
                 terms += [t for t in found if not {t.effect.name, f"{effect.name}:{t.form.name}"} & set(without)]
         return cls(record, tuple(terms), everything)
 
-    def whitened(self, residual: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    def whitened(self, residual: np.ndarray) -> White:
         """Differences of neighbours that leave noise white which is as correlated as a residual (n,); columns too."""
         rho = (
             float(np.clip(residual[:-1] @ residual[1:] / (residual @ residual), 0.0, 0.99)) if self.correlated else 0.0
@@ -85,9 +86,6 @@ class Dictionary:
             return np.concatenate([values[:1] * math.sqrt(1.0 - rho**2), values[1:] - rho * values[:-1]])
 
         return white
-
-
-White = Callable[[np.ndarray], np.ndarray]
 
 
 def bic(squares: float, n: int, parameters: int) -> float:
@@ -107,7 +105,7 @@ def refit(model: Model, record: Record, start: dict[str, float], white: White) -
 
     def residual(x: np.ndarray) -> np.ndarray:
         values = dict(zip(model.names, x * unit, strict=True))
-        return white(np.nan_to_num(record.force - model.force(record.inputs, values), nan=1e6))
+        return white(np.nan_to_num(left_by(model, record, values), nan=1e6))
 
     def slopes_at(x: np.ndarray) -> np.ndarray:
         values = dict(zip(model.names, x * unit, strict=True))
@@ -169,7 +167,7 @@ def stepwise(everything: bool) -> Callable[[Record, Setup], dict]:
     return run
 
 
-def sindy(optimizers: Callable[[float], list], everything: bool) -> Callable[[Record, Setup], dict]:
+def sindy(everything: bool) -> Callable[[Record, Setup], dict]:
     """PySINDy on what the law leaves, with signatures of the terms as library; the sparsity is chosen by BIC.
 
     What the law itself can follow is projected out of residual and signatures, and these are scaled to unit rms, so
@@ -192,7 +190,9 @@ def sindy(optimizers: Callable[[float], list], everything: bool) -> Callable[[Re
         library, residual = np.hstack(columns), white(base.residual)
         residual = residual - basis @ (basis.T @ residual)
         best = (bic(float(residual @ residual), n, 0), np.zeros(len(names)))
-        for optimizer in optimizers(float(np.sqrt(np.mean(residual**2)))):
+        rms = float(np.sqrt(np.mean(residual**2)))
+        for share in np.geomspace(0.01, 0.9, 12):
+            optimizer = pysindy.STLSQ(threshold=rms * share, alpha=1e-6)
             sparse = pysindy.SINDy(optimizer=optimizer, feature_library=pysindy.IdentityLibrary())
             sparse.fit(library, t=1.0, x_dot=residual[:, None])
             for sizes in getattr(optimizer, "history_", None) or [sparse.coefficients()]:
@@ -206,13 +206,9 @@ def sindy(optimizers: Callable[[float], list], everything: bool) -> Callable[[Re
     return run
 
 
-def stlsq(rms: float) -> list:
-    return [pysindy.STLSQ(threshold=rms * share, alpha=1e-6) for share in np.geomspace(0.01, 0.9, 12)]
-
-
 PEERS = {f"stepwise BIC, {KNOWN[everything]}": stepwise(everything) for everything in (False, True)}
 if pysindy is not None:
-    PEERS |= {f"sparse (STLSQ), {KNOWN[everything]}": sindy(stlsq, everything) for everything in (False, True)}
+    PEERS |= {f"sparse (STLSQ), {KNOWN[everything]}": sindy(everything) for everything in (False, True)}
 
 
 def case(folder: Path, name: str, setup: Setup) -> dict[str, tuple[dict, float]]:

@@ -151,7 +151,8 @@ def estimate_noise(
     series = np.where(outlier[:, None], 0.0, np.column_stack([own, residual]) / middle)
     seen = _Seen(series, extra, outlier, shared)
     colour, rough = (WHITE, WHITE) if white else _colour(record.inputs, seen)
-    gain, spread, shared, passed = seen.through(record.inputs, colour)
+    decay = colour.decay(record.inputs)
+    gain, spread, shared, passed = seen.through(decay, colour.share)
     left, whole_left = np.sum(passed**2, axis=0)
     # The scale is profiled out: innovations of a coloured residual need not have unit variance.
     sigma = max(middle * float(np.sqrt(left / max((~outlier).sum() - parameters, 1))), 1e-9)
@@ -169,7 +170,6 @@ def estimate_noise(
     more = float(np.mean(seen.apart[~outlier])) if not outlier.all() else 0.0
     largest = math.sqrt(float(np.sum(residual[~outlier] ** 2)) / max((~outlier).sum() - parameters, 1))
     whole = min(size * math.sqrt(1.0 + more), max(largest, size))
-    decay = colour.decay(record.inputs)
     return Noise(sigma, whole, *colour, decay, gain, spread, outlier, deviance, shared)
 
 
@@ -225,12 +225,10 @@ class _Seen:
         """The variance of each row besides, with what it has in common with others as if it were its own, (n,)."""
         return self.extra + (self.shared.variance if self.shared else 0.0)
 
-    def through(self, inputs: Inputs, colour: Colour) -> tuple[Array, Array, SharedNoise | None, Array]:
-        """Gains and deviations of innovations (n,) in noise of a colour, what these have in common, and z as white."""
-        decay = colour.decay(inputs)
-        gain, spread = (
-            v[:, 0] for v in filter_gains(decay[:, None], np.array([colour.share]), self._unread(self.extra))
-        )
+    def through(self, decay: Array, share: float) -> tuple[Array, Array, SharedNoise | None, Array]:
+        """Gains and deviations of innovations (n,) in noise of which a `share` remembers the sample before by `decay`
+        (n,), what these have in common, and z as white."""
+        gain, spread = (v[:, 0] for v in filter_gains(decay[:, None], np.array([share]), self._unread(self.extra)))
         spread = np.where(self.outlier, 1.0, spread)
 
         def white(columns: Array) -> Array:
@@ -240,16 +238,19 @@ class _Seen:
         passed = white(self.z)
         return gain, spread, shared, shared.even(passed) if shared else passed
 
-    def deviance(self, inputs: Inputs, colour: Colour) -> float:
-        """Minus twice the log likelihood of the first column in noise of a colour, its scale profiled out, up to a
-        constant."""
-        _, spread, shared, passed = self.through(inputs, colour)
+    def deviance(self, decay: Array, share: float) -> float:
+        """Minus twice the log likelihood of the first column in such noise, its scale profiled out, to a constant."""
+        _, spread, shared, passed = self.through(decay, share)
         read = float(np.sum(~self.outlier))
         square = float(np.sum(passed[:, 0] ** 2)) / read
         return read * math.log(square) + 2.0 * float(np.sum(np.log(spread))) + (shared.volume if shared else 0.0)
 
+    def exactly(self, places: Sequence[Place], advance: Array) -> list[float]:
+        """The same for some memories, in steps (n,), and shares."""
+        return [self.deviance(_decays(advance, MEMORY_SAMPLES[[k]])[:, 0], float(SHARES[j])) for k, j in places]
+
     def deviances(self, places: Sequence[Place], advance: Array) -> list[float]:
-        """The same for some memories and shares, with what rows have in common as if it were their own."""
+        """The same, with what rows have in common as if it were their own, all at once."""
         which = np.array(places)
         memory, share = MEMORY_SAMPLES[which[:, 0]], SHARES[which[:, 1]]
         decay, extra, z = _decays(advance, memory), self._unread(self.apart), self.z[:, :1]
@@ -270,21 +271,17 @@ def _colour(inputs: Inputs, seen: _Seen) -> tuple[Colour, Colour]:
     n = len(seen.z)
     if inputs.time is None or n < 60:
         return WHITE, WHITE
-    passed = seen.through(inputs, WHITE)[-1][:, 0]
+    passed = seen.through(np.zeros(n), 0.0)[-1][:, 0]
     square = max(float(np.mean(passed**2)), 1e-300)
     lags = [float(np.mean(passed[:-k] * passed[k:])) / square for k in (1, 2, 3, 4)]
     if max(lags[0], 0.5 * sum(lags)) < 3.0 / np.sqrt(n):
         return WHITE, WHITE
-    best, least = (WHITE, WHITE), seen.deviance(inputs, WHITE) - BEYOND_WHITE
+    best, least = (WHITE, WHITE), seen.deviance(np.zeros(n), 0.0) - BEYOND_WHITE
     for clock, (advance, unit) in _clocks(inputs).items():
-
-        def exactly(places: Sequence[Place], clock: str = clock, unit: float = unit) -> list[float]:
-            return [seen.deviance(inputs, _at(place, clock, unit)) for place in places]
-
         rough, criterion = _likeliest(partial(seen.deviances, advance=advance), COARSE)
         place = rough
         if seen.shared:
-            place, criterion = _likeliest(exactly, [rough])
+            place, criterion = _likeliest(partial(seen.exactly, advance=advance), [rough])
         if criterion < least:
             best, least = (_at(place, clock, unit), _at(rough, clock, unit)), criterion
     return best

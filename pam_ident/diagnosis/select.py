@@ -82,12 +82,14 @@ def investigate(
     last, answer = selections[-1]
     if not any(answer.labels == found.labels for selection, found in selections if selection is not last):
         select_again(last.noise_left_by(answer))
-    (least, _, found), *others = _compared(selections)
+    compared = _compared(selections)
+    (least, _, found), *others = compared
     close = [own for criterion, own, rival in others if criterion < least + RIVAL and rival.names != found.names]
     untried = [own for own in close if not tried_against(own)]
     if untried:
         select_again(untried[0])
-    noise, found = _told_from_noise(selection, _compared(selections))
+        compared = _compared(selections)
+    noise, found = _told_from_noise(selection, compared)
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     kept = _without_small(final, final.refit(seen, found.values))

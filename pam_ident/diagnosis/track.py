@@ -5,7 +5,7 @@ share their errors: σ² B Bᵀ is their covariance. Where the force is steep th
 stroke and not in the next would pass for an effect.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -43,7 +43,8 @@ class SharedNoise:
         single = np.flatnonzero(self.alone)
         count = len(single)
         rows, columns, values, variances = [single], [np.arange(count)], [np.ones(count)], [self.alone[single] ** 2]
-        for (where, block), (size, turned) in zip(self.blocks, self._turned(), strict=True):
+        for where, block in self.blocks:
+            size, turned = np.linalg.eigh(block.T @ block)
             seen = size > FAINT
             basis = block @ (turned[:, seen] / np.sqrt(size[seen]))
             rows.append(np.repeat(where, basis.shape[1]))
@@ -53,17 +54,6 @@ class SharedNoise:
             count += basis.shape[1]
         parts = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
         return sparse.csr_matrix(parts, shape=(len(self.alone), count)), np.concatenate(variances)
-
-    def _turned(self) -> Iterator[tuple[Array, Array]]:
-        """Variances (k,) of each block in its own directions, and these, (k, k)."""
-        alike: dict[int, list[int]] = {}
-        for k, (_, block) in enumerate(self.blocks):
-            alike.setdefault(block.shape[1], []).append(k)
-        found: dict[int, tuple[Array, Array]] = {}
-        for which in alike.values():
-            sizes, turned = np.linalg.eigh(np.stack([self.blocks[k][1].T @ self.blocks[k][1] for k in which]))
-            found |= dict(zip(which, zip(sizes, turned, strict=True), strict=True))
-        return (found[k] for k in range(len(self.blocks)))
 
     def through(self, white: Callable[[Array], Array]) -> "SharedNoise":
         """What rows have in common once columns (n, k) went through a filter, `white`.

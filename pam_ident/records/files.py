@@ -81,8 +81,8 @@ def find_files(path: str | Path) -> Files:
     if path.is_dir() and (package := read_package(path)):
         return Files(given, data_of(package, path, endings), path, package.title)
     if path.is_dir():
-        found = [file for file in path.iterdir() if file.is_file() and _ending(file) in endings]
-        found = [file for file in found if not PROSE.match(file.name)]
+        files = [file for file in path.iterdir() if file.is_file() and not PROSE.match(file.name)]
+        found = [file for file in files if _ending(file) in endings]
         if not found:
             raise DataError(
                 f"{given}: a folder without a record; expected files ending in {', '.join(endings)}. Name a file"
