@@ -11,6 +11,7 @@ from ..core import UsageError
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
+from ..fitting.carried import driven
 from ..fitting.identifiability import at_its_pressures
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
@@ -105,6 +106,7 @@ def diagnosing(
         if not 0.0 < chance < math.inf:
             raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
     model, merged = at_its_pressures(model, record)
+    record = driven(model, record)
     base = fit(model, record)
     allowed = _allowed(extra, without, only, also)
     candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]

@@ -38,7 +38,7 @@ def probabilities(
     sets = [(v.names, math.exp(-(v.criterion - least) / (2.0 * TEMPER))) for v in fitted]
     total = sum(weight for _, weight in sets)
     chance, names = {}, len(answer or ())
-    locked = selection.record.inputs.slide is not None
+    locked = selection.record.inputs.slide is not None or selection.record.carried
     kinds = {PAIR: names == 2, THREE: names > 2, BESIDE_UNKNOWN: unknown, LOCKED: locked}
     lapse = max([LAPSE, *(misled for misled, holds in kinds.items() if holds)])
     known = {regressor.effect for regressor in selection.seen.regressors}

@@ -73,7 +73,7 @@ class Lengths:
 
 def by_length(record: Record) -> bool:
     """Whether the length answered, so that it is what a model must predict."""
-    return kind_of(record) == "isotonic"
+    return not record.carried and kind_of(record) == "isotonic"
 
 
 def load_of(record: Record) -> Array:

@@ -14,6 +14,7 @@ from ..core.prose import capital
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..fitting.estimate import impossible
+from ..fitting.length import at_limit, by_length, weights_of
 from ..model import Model
 from ..records import Record
 from ..records.doubt import GRAVE, Doubt, grave
@@ -229,6 +230,8 @@ def _lacking(record: Record, parameters: int) -> str | None:
     different = len(np.unique(np.round(np.column_stack([inputs.pressure, inputs.contraction]), 5), axis=0))
     if different < states:
         return f"{different} different states of pressure and length, and the least for this law is {states}"
+    if by_length(record) and len(np.unique(weights_of(record)[~at_limit(record)])) < 2:
+        return "all samples that tell of the law carry one weight, which scales with it"
     if inputs.time is None:
         return None
     strokes = len(np.unique(record.stroke[record.stroke > 0]))
@@ -249,7 +252,7 @@ def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tupl
     """
     if len(record) >= ROWS:
         _stop(record, doubts_of(record), assume)
-    admit(record)
+    admit(record, length=True)
     require_information(record, model)
     doubts = doubts_about(fit(model, record, detail=False))
     _stop(record, doubts, assume)
