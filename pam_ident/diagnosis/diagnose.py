@@ -170,6 +170,8 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
+    if record.carried:
+        said += " A load was held and the length answered: errors are those of the force at the measured length."
     if merged:
         said += f" One pressure does not tell {', '.join(merged)} from the other parameters: held at 0."
     said += reservations({name: rivals[name] for name in selected}, again, extra)

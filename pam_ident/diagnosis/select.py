@@ -342,7 +342,8 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
         [] if time is None else [period for remainder in remainders for period in beats(time, remainder.view.residual)]
     )
     unsure = selection.following.unsure
-    for effect in patterns(selection.record.inputs, lines, unsure.sensor_mm if unsure else 0.0):
+    error_mm, possible = unsure.sensor_mm if unsure else 0.0, None if time is None else selection.following.possible
+    for effect in patterns(selection.record.inputs, lines, error_mm, possible):
         for scanned in scan(effect, remainders):
             penalty = _pattern_penalty(selection, scanned, fitted)
             scans.append((scanned.onto.criterion - scanned.gain + penalty, penalty, scanned))

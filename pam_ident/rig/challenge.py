@@ -135,8 +135,11 @@ def _forms(name: str, driven: str) -> list[str]:
 
 
 def _secret(name: str, driven: str, textbook: bool, rng: np.random.Generator) -> Secret:
-    others = [f for f in _forms(name, driven) if f != "textbook"]
-    return Secret(name, "textbook" if textbook or not others else str(rng.choice(others)), _ratio(rng))
+    forms = _forms(name, driven)
+    others = [f for f in forms if f != "textbook"]
+    if textbook or not others:
+        return Secret(name, "textbook" if "textbook" in forms else others[0], _ratio(rng))
+    return Secret(name, str(rng.choice(others)), _ratio(rng))
 
 
 class _Drawer:
@@ -185,6 +188,8 @@ class _Drawer:
                 gauges=str(rng.choice(list(GAUGES), p=(0.6, 0.2, 0.2))),
                 fault=str(rng.choice(list(FAULTS))) if rng.random() < 0.4 else None,
             )
+        if plan.fault == "clipped" and plan.driven.kind == "isotonic":
+            plan = replace(plan, fault=None)  # a weight beyond the load cell is not known
         plan = self.kinds[kind](plan, effect)
         if any(s.name == "thermal_softening" for s in plan.secrets):
             plan = replace(plan, warming=True)

@@ -42,6 +42,8 @@ ROWS, ROWS_A_PARAMETER, STATES, ROWS_A_STROKE = 20, 3, 8, 4
 contraction (and two more than free parameters), rows of a stroke on average."""
 SPAN, FORCE_N = 1e-4, 1e-9
 """The same for ranges: contraction, force."""
+NOT_HELD = 0.3
+"""Error of a force about the weights that were held, beside these, both rms, from which none was."""
 STEADY = 0.5
 """Correlation of the pressure with itself one sample later, below which it jumps faster than it is logged."""
 
@@ -212,6 +214,20 @@ def require_information(record: Record, model: Model) -> None:
         raise _refused(TooLittle, record, "too_little", text)
 
 
+def _require_weights(record: Record) -> None:
+    """Raises Refused for an isotonic test whose load was not held."""
+    if not by_length(record):
+        return
+    weight = weights_of(record)
+    off, held = (float(np.sqrt(np.mean(one**2))) for one in (record.force - weight, weight))
+    if off > NOT_HELD * held:
+        text = (
+            f"an isotonic test, and the force is {newtons(off)} rms off a held load of {newtons(held)}: no effect can be "
+            "told from another by it. Hold the load, or say another `kind` in specimen.toml"
+        )
+        raise _refused(Refused, record, "kind", text)
+
+
 def _refused(kind: type[NothingNamed], record: Record, code: str, text: str) -> NothingNamed:
     return kind(f"{_name(record)}: {text}", len(record), (Doubt(code, text),))
 
@@ -253,6 +269,7 @@ def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tupl
     if len(record) >= ROWS:
         _stop(record, doubts_of(record), assume)
     admit(record, length=True)
+    _require_weights(record)
     require_information(record, model)
     doubts = doubts_about(fit(model, record, detail=False))
     _stop(record, doubts, assume)
