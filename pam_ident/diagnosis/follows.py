@@ -361,12 +361,12 @@ def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
     return [tuple(draw.permutation(names).tolist()) for _ in range(ORDERS)]
 
 
-def told(found: Sequence[Follows]) -> str:
-    """The largest shares in one sentence."""
+def told(found: Sequence[Follows], error: str = "squared error") -> str:
+    """The largest shares of an error in one sentence."""
     whole = dict(zip(found, percents([one.share for one in found]), strict=True))
     shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]
     parts = [f"{whole[one]} follows {one.text}" for one in shown]
     noise = next((text for one, text in whole.items() if one.what == "noise"), "0 %")
     if not parts:
-        return "None of the squared error follows anything beyond chance."
-    return f"Of the squared error {', '.join(parts)}; {noise} is noise."
+        return f"None of the {error} follows anything beyond chance."
+    return f"Of the {error} {', '.join(parts)}; {noise} is noise."

@@ -7,6 +7,7 @@ force is, to first order, F(ε̂) = F + F_θ(ε̂) − F_θ(ε), F and ε as mea
 the force at the measured length. Where its own error changes much between ε and ε̂ the sum is off by that change.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,15 +18,15 @@ from .fit import fit
 from .length import at_limit, by_length, equilibrium, weights_of
 
 
-def driven(model: Model, record: Record) -> Record:
-    """The record itself, or an isotonic one along the lengths that a model predicts, which is fitted to it; without the
-    rows at the mechanical limit, and those at which no length is stable.
+def driven(model: Model, record: Record, values: Mapping[str, float] | None = None) -> Record:
+    """The record itself, or an isotonic one along the lengths that a model predicts, with `values` or fitted to it;
+    without the rows at the mechanical limit, and those at which no length is stable.
 
     Raises FitError or DataError as `fit` does.
     """
     if not by_length(record):
         return record
-    values = fit(model, record, detail=False).values
+    values = fit(model, record, detail=False).values if values is None else values
     e, slope = equilibrium(model, record.steady, values, weights_of(record))
     there, here = (model.force(one, values) for one in (replace(record.inputs, contraction=e), record.inputs))
     inputs, steady = (replace(one, contraction=e) for one in (record.inputs, record.steady))

@@ -203,7 +203,9 @@ def _sticking(level: Callable[[RigRun], Array]) -> Form:
 
         return {}, force
 
-    form.__doc__ = "Dry friction under a weight: the length stays while the pull is off the load by less than its level."
+    form.__doc__ = (
+        "Dry friction under a weight: the length stays while the pull is off the load by less than its level."
+    )
     return form
 
 

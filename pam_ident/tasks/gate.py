@@ -222,8 +222,8 @@ def _require_weights(record: Record) -> None:
     off, held = (float(np.sqrt(np.mean(one**2))) for one in (record.force - weight, weight))
     if off > NOT_HELD * held:
         text = (
-            f"an isotonic test, and the force is {newtons(off)} rms off a held load of {newtons(held)}: no effect can be "
-            "told from another by it. Hold the load, or say another `kind` in specimen.toml"
+            f"an isotonic test, and the force is {newtons(off)} rms off a held load of {newtons(held)}: no effect can "
+            "be told from another by it. Hold the load, or say another `kind` in specimen.toml"
         )
         raise _refused(Refused, record, "kind", text)
 

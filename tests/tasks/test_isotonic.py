@@ -76,7 +76,11 @@ def test_compare_says_under_which_weight_the_length_fails(cases):
     weights = told["by"]["load_N"]
     assert [w["rms_N"] for w in weights] == [None] * 3 and sum(w["share"] for w in weights) == pytest.approx(1.0)
     assert min(w["rms_mm"] for w in weights) > NOISE_MM
-    assert told["follows"] == [] and told["map"]["rms_N"] is None and np.nanmax(told["map"]["rms_mm"]) > 0.0
+    assert (
+        sum(part["share"] for part in told["follows"]) == pytest.approx(1.0)
+        and told["map"]["rms_N"] is None
+        and np.nanmax(told["map"]["rms_mm"]) > 0.0
+    )
     assert len(told["by"]["pressure_MPa"]) == 10 and told["rmse_mm"] == found.fit.length_errors.rmse
     with pytest.raises(UsageError, match="--out draws an error of the force"):
         failure_picture(found, ".svg")
@@ -135,8 +139,9 @@ def test_nothing_measured_of_the_length_enters_what_explains_it(cases):
     record = read_record(cases["weight_ramps"])
     along = driven(SETUP.model, record)
     one = fit(SETUP.model, record)
-    assert np.ptp(np.diff(along.inputs.contraction[along.stroke == 3], 2)) < 0.1 * np.ptp(
-        np.diff(record.inputs.contraction[record.stroke == 3], 2)
+    noisy = replace(record.inputs, contraction=record.inputs.contraction + 1e-4 * np.sin(np.arange(len(record))))
+    assert np.array_equal(
+        driven(SETUP.model, replace(record, inputs=noisy), one.values).inputs.contraction, along.inputs.contraction
     )
     left = along.force - SETUP.model.force(along.inputs, one.values)
     assert np.allclose(left, one.residual[one.rows], atol=0.02)  # the error of the force at the measured length
