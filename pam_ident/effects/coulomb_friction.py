@@ -64,7 +64,7 @@ def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _kept(inputs: Inputs, values: Values, force: Array) -> Array:
-    """What holds keep, in motion too, and what motion has beyond it: friction that keeps more than it had would push."""
+    """What holds keep, in motion too, and what motion has beyond it: friction keeps no more than it had."""
     moving, held = _relaxing(inputs, values, force).T
     return inputs.xp.stack([moving + held, moving]).T
 

@@ -27,7 +27,7 @@ def _held(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _kept(inputs: Inputs, values: Values, force: Array) -> Array:
-    """What holds keep, in motion too, and what motion has beyond it: friction that keeps more than it had would push."""
+    """What holds keep, in motion too, and what motion has beyond it: friction keeps no more than it had."""
     moving, held = _held(inputs, values, force).T / 0.3
     return inputs.xp.stack([moving + held, moving]).T
 
