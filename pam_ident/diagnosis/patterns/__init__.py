@@ -4,7 +4,7 @@ A file that defines PATTERN is looked for, fitted and described without further 
 effects, but they carry no physics and are never selected by name: they describe what is left.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -25,11 +25,8 @@ def catalogue() -> dict[str, PatternShape]:
     return {one.name: one for one in instances(__name__, __path__, PatternShape)}
 
 
-def patterns(
-    inputs: Inputs, beats: Sequence[float] = (), error_mm: float = 0.0, possible: Collection[str] | None = None
-) -> tuple[Effect, ...]:
-    """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask; where it
-    is known which drivers are `possible`, none that must follow another.
+def patterns(inputs: Inputs, beats: Sequence[float] = (), error_mm: float = 0.0) -> tuple[Effect, ...]:
+    """The patterns that a record of these inputs can show, with grids as fine as its stroke and duration ask.
 
     `beats` are periods in s that a spectrum shows, tried beside the slow ones; nothing is looked for over displacement
     that is finer than the position's error in mm lets it be seen. A test at few lengths shows no pattern over
@@ -40,8 +37,6 @@ def patterns(
     span = Extent.of(inputs, tuple(beats), error_mm)
     found = []
     for one in catalogue().values():
-        if one.follows and possible is not None and not set(one.follows) & set(possible):
-            continue
         if any(seen.get(along, many) for along in (one.coordinate, *one.elsewhere.values())):
             forms = tuple(f for f in one.forms(span) if seen.get(one.elsewhere.get(f.name, one.coordinate), many))
             found.append(Effect(one.name, one.title, SOURCE, forms, test="", candidate=False))

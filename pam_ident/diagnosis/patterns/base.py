@@ -74,7 +74,7 @@ class Extent:
 class PatternShape:
     """A pattern: its `name`, the `kind` and `coordinate` it has in an answer, its forms over a record's span, and
     `words`, which describes it by its values and the coordinate; `elsewhere` has the coordinate of forms along another,
-    `follows` the drivers of which one at least must be possible, where the surfaces would see the pattern.
+    `follows` the drivers of which one is possible, where surfaces see the pattern.
     """
 
     name: str
