@@ -222,7 +222,11 @@ def title(path: str, record: "Record") -> str:
     if record.inputs.pressure_rate is not None:
         span = f"{p.min():.4g} to {p.max():.4g} MPa"
     else:
-        span = f"{levels[0]:g} MPa" if len(levels) == 1 else f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
+        span = (
+            f"{levels[0]:g} MPa"
+            if len(levels) == 1
+            else f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
+        )
     masked = f" ({record.masked} more masked)" if record.masked else ""
     name = "" if record.name == path else f" ({record.name})"
     return f"{path}{name}: {len(record)} samples{masked}, {span}"

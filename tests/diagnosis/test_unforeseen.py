@@ -121,6 +121,14 @@ def test_an_error_of_the_load_cell_is_no_effect_of_the_muscle(cell, along):
     assert found.base.rmse > 1.3 * NOISE_N
 
 
+@pytest.mark.parametrize("size", [4.0, pytest.param(8.0, marks=pytest.mark.long), 16.0])
+def test_what_is_there_in_motion_alone_and_of_one_sign_is_no_friction(size):
+    """The current of a drive disturbs the load cell. Friction would have to keep more in holds than it had."""
+    found = diagnose(LAW, strokes(lambda p, e, side, v: size * (v != 0.0)))
+    assert found.verdict == "unknown_effect" and not found.selected, found.sentence
+    assert found.base.rmse > 1.5 * NOISE_N and found.follows[0].what == "direction"
+
+
 def test_rubber_that_softens_as_it_warms_is_no_error_of_the_load_cell():
     found = diagnose(LAW, strokes(NOTHING, cell=lambda t, f, T: f * (1.0 - 0.003 * (T - T[0])), warm=oven))
     assert found.selected == ("thermal_softening",), found.sentence
