@@ -121,11 +121,11 @@ def diagnosing(
     known = [*seen, *(term.effect for term in model.terms)]
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
     answer = answer_of(alone, candidates, known, following, tried, odds)
-    if tried and not answer.whole:  # what it leaves is asked what it follows, as the law's error was
-        drivers = following.possible | (answer.lacking.left.drivers if answer.lacking else frozenset())
+    if tried and answer.lacking:  # what it leaves is asked what it follows, as the law's error was
+        drivers = answer.lacking.left.drivers
         further = [e.name for e in seen if e.name not in tried and drivers.issuperset(e.follows[:1])]
         wider = answer_of(alone, candidates, known, following, tried + further, odds) if further else answer
-        answer = wider if wider.whole or (answer.lacking and not wider.lacking) else answer
+        answer = answer if wider.lacking else wider
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
         selection, lacking = standing(answer, candidates, lacking)

@@ -325,7 +325,7 @@ class Following:
 
         The first of them is what tells it from others: friction whose speed does not matter is no Stribeck friction.
         """
-        return not follows or self.record.inputs.time is None or follows[0] in self.drivers
+        return not follows or self.record.inputs.time is None or follows[0] in self.drivers | self.possible
 
     def shares(self) -> tuple[Follows, ...]:
         """As `what_it_follows` gives them."""
