@@ -121,6 +121,18 @@ def test_an_error_of_the_load_cell_is_no_effect_of_the_muscle(cell, along):
     assert found.base.rmse > 1.3 * NOISE_N
 
 
+def test_what_is_larger_in_slow_strokes_is_no_noise():
+    """A muscle that sticks and slips wherever it happens to, below a speed."""
+
+    def sticking(p, e, side, v):
+        way = np.cumsum(STROKE_MM * np.abs(np.diff(e, prepend=e[0]))) / 3.7
+        return -12.0 * side * (way % 1.0 - 0.5) * (np.abs(v) < 10.0) * (v != 0.0)
+
+    found = diagnose(LAW, strokes(sticking))
+    assert found.verdict == "unknown_effect" and not found.selected, found.sentence
+    assert found.pattern is not None and found.base.rmse > 1.3 * NOISE_N
+
+
 @pytest.mark.parametrize("size", [4.0, pytest.param(8.0, marks=pytest.mark.long), 16.0])
 def test_what_is_there_in_motion_alone_and_of_one_sign_is_no_friction(size):
     """The current of a drive disturbs the load cell. Friction would have to keep more in holds than it had."""
