@@ -323,9 +323,12 @@ class Following:
     def supports(self, follows: Sequence[str]) -> bool:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may.
 
-        The first of them is what tells it from others: friction whose speed does not matter is no Stribeck friction.
+        The first of them is what tells it from others: friction whose speed does not matter is no Stribeck friction. So
+        it must be possible, and where another of them is among the drivers be one itself.
         """
-        return not follows or self.record.inputs.time is None or follows[0] in self.drivers | self.possible
+        drivers = self.drivers
+        sought = drivers if drivers.intersection(follows) else self.possible
+        return not follows or self.record.inputs.time is None or follows[0] in sought
 
     def shares(self) -> tuple[Follows, ...]:
         """As `what_it_follows` gives them."""
