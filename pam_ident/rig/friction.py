@@ -192,7 +192,9 @@ def lugre(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, 
 
 def _sticking(level: Callable[[RigRun], Array]) -> Form:
     def form(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-        load, grip = np.zeros(len(c.time)) if c.load is None else c.load, level(c)
+        load, grip = c.load, level(c)
+        if load is None:
+            return {}, scaled(-direction(c, 1.0) * grip)
 
         def force(size: float) -> Array:
             ends = (m.contraction(c.pressure, load + sign * size * grip) for sign in (1.0, -1.0))
