@@ -218,9 +218,15 @@ def equation(model: "Model") -> list[str]:
 
 def title(path: str, record: "Record") -> str:
     """One line that says what record this is."""
-    levels = record.levels
-    count = "" if record.inputs.pressure_rate is not None else f"{len(levels)} pressures, "
-    span = f"{levels[0]:g} MPa" if len(levels) == 1 else f"{count}{levels[0]:g} to {levels[-1]:g} MPa"
+    levels, p = record.levels, record.inputs.pressure
+    if record.inputs.pressure_rate is not None:
+        span = f"{p.min():.4g} to {p.max():.4g} MPa"
+    else:
+        span = (
+            f"{levels[0]:g} MPa"
+            if len(levels) == 1
+            else f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
+        )
     masked = f" ({record.masked} more masked)" if record.masked else ""
     name = "" if record.name == path else f" ({record.name})"
     return f"{path}{name}: {len(record)} samples{masked}, {span}"

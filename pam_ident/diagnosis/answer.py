@@ -22,11 +22,6 @@ class Selected:
     fitted: FittedSet
     lacking: Adequacy | None
 
-    @property
-    def whole(self) -> bool:
-        """Whether it is complete, with known effects alone."""
-        return self.lacking is None and all(t.effect.candidate for t in self.fitted.terms)
-
 
 def answer_of(
     alone: Fit,

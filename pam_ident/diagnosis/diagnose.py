@@ -11,6 +11,7 @@ from ..core import UsageError
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
+from ..fitting.carried import driven
 from ..fitting.identifiability import at_its_pressures
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
@@ -105,6 +106,7 @@ def diagnosing(
         if not 0.0 < chance < math.inf:
             raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
     model, merged = at_its_pressures(model, record)
+    record = driven(model, record)
     base = fit(model, record)
     allowed = _allowed(extra, without, only, also)
     candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
@@ -119,11 +121,11 @@ def diagnosing(
     known = [*seen, *(term.effect for term in model.terms)]
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
     answer = answer_of(alone, candidates, known, following, tried, odds)
-    if tried and not answer.whole:  # what it leaves is asked what it follows, as the law's error was
-        drivers = following.possible | (answer.lacking.left.drivers if answer.lacking else frozenset())
+    if tried and answer.lacking:  # what it leaves is asked what it follows, as the law's error was
+        drivers = answer.lacking.left.drivers
         further = [e.name for e in seen if e.name not in tried and drivers.issuperset(e.follows[:1])]
         wider = answer_of(alone, candidates, known, following, tried + further, odds) if further else answer
-        answer = wider if wider.whole or (answer.lacking and not wider.lacking) else answer
+        answer = answer if wider.lacking else wider
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
         selection, lacking = standing(answer, candidates, lacking)
@@ -168,6 +170,8 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
+    if record.carried:
+        said += " A load was held and the length answered: errors are those of the force at the measured length."
     if merged:
         said += f" One pressure does not tell {', '.join(merged)} from the other parameters: held at 0."
     said += reservations({name: rivals[name] for name in selected}, again, extra)

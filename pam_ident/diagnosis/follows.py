@@ -323,9 +323,12 @@ class Following:
     def supports(self, follows: Sequence[str]) -> bool:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may.
 
-        The first of them is what tells it from others: friction whose speed does not matter is no Stribeck friction.
+        The first of them is what tells it from others: friction whose speed does not matter is no Stribeck friction. So
+        it must be possible, and where another of them is among the drivers be one itself.
         """
-        return not follows or self.record.inputs.time is None or follows[0] in self.drivers
+        drivers = self.drivers
+        sought = drivers if drivers.intersection(follows) else self.possible
+        return not follows or self.record.inputs.time is None or follows[0] in sought
 
     def shares(self) -> tuple[Follows, ...]:
         """As `what_it_follows` gives them."""
@@ -361,12 +364,12 @@ def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
     return [tuple(draw.permutation(names).tolist()) for _ in range(ORDERS)]
 
 
-def told(found: Sequence[Follows]) -> str:
-    """The largest shares in one sentence."""
+def told(found: Sequence[Follows], error: str = "squared error") -> str:
+    """The largest shares of an error in one sentence."""
     whole = dict(zip(found, percents([one.share for one in found]), strict=True))
     shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]
     parts = [f"{whole[one]} follows {one.text}" for one in shown]
     noise = next((text for one, text in whole.items() if one.what == "noise"), "0 %")
     if not parts:
-        return "None of the squared error follows anything beyond chance."
-    return f"Of the squared error {', '.join(parts)}; {noise} is noise."
+        return f"None of the {error} follows anything beyond chance."
+    return f"Of the {error} {', '.join(parts)}; {noise} is noise."

@@ -11,6 +11,7 @@ from ..core.progress import part
 from ..core.prose import capital
 from ..effects import Effect
 from ..fitting import Fit, fit
+from ..fitting.carried import driven
 from ..model import Model, Term
 from ..records import Record
 from .confirmed import fit_onto
@@ -61,6 +62,7 @@ def climb(
         [] 5.8 N
         ['pressure_friction'] 2.1 N
     """
+    record = driven(model, record)
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]
     while True:

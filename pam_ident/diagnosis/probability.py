@@ -8,9 +8,9 @@ from .selection import Selection
 
 LAPSE, PAIR, THREE, BESIDE_UNKNOWN, LOCKED = 0.02, 0.06, 0.5, 0.2, 0.12
 """Chance that the search was misled as a whole, by what it ended with: one name, two, three, names beside something
-that is or may be unknown, any in a locked muscle, of which nobody measures how far the braid slides. Shares of
-near-certain statements that were false on fresh sets, most of them of other hands: 4 of 188, 6 of 103, 7 of 17, 9 of
-42, 6 of 54."""
+that is or may be unknown, any in a locked muscle, of which nobody measures how far the braid slides, or under weights,
+where length and pressure are one line each. Shares of near-certain statements that were false on fresh sets, most of
+them of other hands: 4 of 188, 6 of 103, 7 of 17, 9 of 42, 6 of 54."""
 
 
 def probabilities(
@@ -38,7 +38,7 @@ def probabilities(
     sets = [(v.names, math.exp(-(v.criterion - least) / (2.0 * TEMPER))) for v in fitted]
     total = sum(weight for _, weight in sets)
     chance, names = {}, len(answer or ())
-    locked = selection.record.inputs.slide is not None
+    locked = selection.record.inputs.slide is not None or selection.record.carried
     kinds = {PAIR: names == 2, THREE: names > 2, BESIDE_UNKNOWN: unknown, LOCKED: locked}
     lapse = max([LAPSE, *(misled for misled, holds in kinds.items() if holds)])
     known = {regressor.effect for regressor in selection.seen.regressors}

@@ -24,6 +24,9 @@ pressure."""
 AT_TURNS = 3.0
 """Times the noise that most of what is left at the turns of the motion exceeds where it is none: in 82 records without
 anything hidden it was 1.5 at most."""
+FAR, MEDIAN = 5.0, 2.33
+"""Standard deviations by which chance is ruled out, and that of the logarithm of a squared median of normal samples,
+times the root of their number."""
 APART, NORMAL, GAP = 40, 0.455, 5.0
 """Samples on either side of a moment between whose means what is left jumps; the median square over the mean square of
 what is normal; and the usual times between samples from which a longer one is a break."""
@@ -56,7 +59,11 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     n = len(selection.record)
     left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
     if left < REMAINDER * n or left < OF_ALL * all_of_it:
-        return None if fitted.terms else _at_turns(selection) or _jumps(selection, fitted) or _bursts(selection, fitted)
+        if fitted.terms:
+            return None
+        return (
+            _at_turns(selection) or _jumps(selection, fitted) or _bursts(selection, fitted) or _slow(selection, fitted)
+        )
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
     text = f"about {newtons(size)} rms without a shape of its own{_part(share)}"
@@ -132,3 +139,27 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     share, worst = float(pairs[struck].sum() / pairs.sum()), float(time[window * int(np.argmax(pairs))])
     text = f"bursts: {percent(share)} of what is left in {percent(float(struck.mean()))} of the time, the most at "
     return Pattern("other", "time", worst, "s", share, f"{text}{number(worst)} s")
+
+
+def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """What is larger in slow strokes than in faster ones, where the position is less sure, is no noise: that does not
+    know the speed."""
+    inputs, level = selection.record.inputs, selection.record.level
+    if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
+        return None
+    clean = inputs.moving & ~selection.noise.outlier
+    size, level, pace = np.abs(selection.view(fitted).residual)[clean], level[clean], inputs.stroke_speed[clean]
+    for rows in (level == one for one in np.unique(level)):
+        size[rows] /= max(float(np.median(size[rows])), 1e-9)
+    speed = np.round(np.log2(np.maximum(pace, 1e-9)))
+    groups = [size[speed == one] for one in np.unique(speed)]
+    found = [(len(one), float(np.median(one)) ** 2) for one in groups if len(one) >= 2 * WINDOW]
+    alone = 1.0 + 2.0 * selection.noise.memory_samples(inputs.time)
+    for k, (n, slow) in enumerate(found[:-1]):
+        m, fast = min(found[k + 1 :], key=lambda one: one[1])
+        chance = FAR * MEDIAN * math.sqrt(alone * (1.0 / n + 1.0 / m))
+        if slow > fast * max(BURSTING, math.exp(chance)):
+            times = f"{math.sqrt(slow / fast):.2g} times as large in slow strokes as in faster ones"
+            text = f"what is left is {times}, as where a muscle sticks and slips"
+            return Pattern("other", "speed", None, "", 1.0 - fast / slow, text)
+    return None

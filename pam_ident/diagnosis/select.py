@@ -350,8 +350,19 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
     best = fitted
     for criterion, penalty, scanned in scans[:4]:
         if criterion < best.criterion + NEAR + BENT * selection.excess:
-            best = min(best, _with_pattern(selection, scanned, penalty), key=lambda v: v.criterion)
+            found = _with_pattern(selection, scanned, penalty)
+            if found.criterion < best.criterion and _may_follow(selection, scanned, found):
+                best = found
     return best if best.criterion < fitted.criterion and _outlives_tails(selection, best, fitted) else None
+
+
+def _may_follow(selection: Selection, scanned: Scanned, found: FittedSet) -> bool:
+    """Whether a pattern follows what the error may follow, or explains what no surface over that does: isobars come one
+    after the other, so that a step in time can stand for a map over pressure."""
+    follows = catalogue_of_patterns()[scanned.regressor.term.effect.name].follows
+    if not follows or not selection.following.possible.isdisjoint(follows):
+        return True
+    return FreeModel.of(selection).odds(selection, found) < 0.0
 
 
 def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -> bool:

@@ -63,6 +63,12 @@ def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
     return -inputs.xp.stack([moving, held * fading]).T
 
 
+def _kept(inputs: Inputs, values: Values, force: Array) -> Array:
+    """What holds keep, in motion too, and what motion has beyond it: friction keeps no more than it had."""
+    moving, held = _relaxing(inputs, values, force).T
+    return inputs.xp.stack([moving + held, moving]).T
+
+
 def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
     """Sliding, its gain towards rest, and both as a hold keeps them from the stroke before it, shape (n, 4).
 
@@ -118,13 +124,13 @@ EFFECT = Effect(
             (V_S,),
         ),
         free_form(
-            "−sgn(ε̇), in holds times exp(−t/τ_h)",
-            _relaxing,
+            "−sgn(ε̇), in holds times exp(−t/τ_h), and −sgn(ε̇) in motion alone",
+            _kept,
             2,
             pressure=0,
             nonlinear=(TAU_H,),
             remembers=True,
-            resisting=1,
+            resisting=2,
         ),
     ),
     follows=("direction",),

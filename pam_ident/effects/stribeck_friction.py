@@ -20,6 +20,12 @@ def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
     return inputs.xp.hstack([columns[:, :2], columns[:, 2:] * fading[:, None]])
 
 
+def _kept(inputs: Inputs, values: Values, force: Array) -> Array:
+    """What holds keep, in motion too, and what motion has beyond it: friction keeps no more than it had."""
+    moving, gain, held, held_gain = exponential_dip(inputs, values, force).T
+    return inputs.xp.stack([moving + held, gain + held_gain, moving, gain]).T
+
+
 def bending(inputs: Inputs, values: Values, force: Array) -> Array:
     """Friction per N at speed of a contact that bends before it slides, shape (n, 1)."""
     level = 1.0 + (values["peak"] - 1.0) * inputs.xp.exp(-((speed(inputs) / values["v_s"]) ** 2))
@@ -45,7 +51,14 @@ EFFECT = Effect(
             (PEAK, V_S, WIDTH),
             remembers=True,
         ),
-        free_form("−sgn(ε̇), −exp(−v/v_s) sgn(ε̇)", exponential_dip, 4, contraction=1, nonlinear=(V_S,), resisting=2),
+        free_form(
+            "−sgn(ε̇), −exp(−v/v_s) sgn(ε̇), and both in motion alone",
+            _kept,
+            4,
+            contraction=1,
+            nonlinear=(V_S,),
+            resisting=4,
+        ),
     ),
     follows=("speed", "direction"),
     test="at least four speeds over two decades: the gap narrows with speed",

@@ -12,6 +12,9 @@ ALPHA_E = Param("alpha_e", "1/K", "change of that loss with contraction", -1.0, 
 E_LOSS = Param("E_loss", "MPa/K", "loss of the bladder's modulus per kelvin", 0.0, 20.0, scale=0.01)
 G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvin", 0.0, 1e4, scale=1.0)
 
+COLD = Param(
+    "T_c", "K", "first temperature above that at which the law holds", -10.0, 10.0, start=0.0, grid=(-2.0, 2.0, 6.0)
+)
 TAU = Param("tau", "s", "time in which the wall follows the sensor", 2.0, 600.0, start=60.0, grid=(20.0, 100.0, 400.0))
 
 
@@ -23,6 +26,11 @@ def warming(inputs: Inputs) -> Array:
 
 def _whole(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-warming(inputs))
+
+
+def _from_cold(inputs: Inputs, values: Values, force: Array) -> Array:
+    """A law without free parameters holds at some temperature, which need not be that of the first sample."""
+    return one(-(warming(inputs) + values["T_c"]))
 
 
 def _lagging(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -56,6 +64,7 @@ EFFECT = Effect(
     forms=(
         ScalesForce("textbook", "F (1 − α ΔT)", (ALPHA,), _whole),
         ScalesForce("quadratic", "F (1 − α ΔT − α_2 ΔT²)", (ALPHA, ALPHA_2), _quadratic),
+        ScalesForce("from_cold", "F (1 − α (ΔT + T_c))", (ALPHA,), _from_cold, (COLD,)),
         ScalesForce("lagging", "F (1 − α ΔT_w), τ dT_w/dt = T − T_w", (ALPHA,), _lagging, (TAU,), remembers=True),
         TransformsPressure("pressure", "p → p (1 − (α + α_e ε) ΔT)", (ALPHA, ALPHA_E), _pressure),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),

@@ -73,7 +73,7 @@ class Lengths:
 
 def by_length(record: Record) -> bool:
     """Whether the length answered, so that it is what a model must predict."""
-    return kind_of(record) == "isotonic"
+    return not record.carried and kind_of(record) == "isotonic"
 
 
 def load_of(record: Record) -> Array:
@@ -226,7 +226,7 @@ def solve_length(
     if memory:
         raise DataError(
             f"{record.source or record.name}: {memory[0].label} remembers the way, and in an isotonic test the way is "
-            "what the model must predict; leave the effect out"
+            "what the model must predict; leave the effect out, or let `add` or `diagnose` fit it"
         )
     problem = problem_of(model, inputs, load).holding(**held)
     beginnings = [start] if start and set(start) >= set(model.names) else _beginnings(model, *taken, held)

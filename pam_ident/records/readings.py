@@ -87,7 +87,7 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
         return
     yield from _doubt_pace(record, time)
     steps = np.diff(time)[(np.diff(segment) != 0) & (np.diff(record.level) == 0.0)]
-    if len(steps):
+    if len(steps) and record.inputs.pressure_rate is None:  # else another length or weight may come after a pause
         yield Doubt(
             "clock_jumps",
             f"the time jumps {len(steps)} times within an isobar, by up to {steps.max():.4g} s: samples are lost or "

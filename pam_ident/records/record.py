@@ -49,6 +49,8 @@ class Record:
         said_kind: which kind of test it is said to be, empty where the data must show it (`kind_of`).
         metadata: what else is known of it (rig, calibration, operator, date, licence), as `metadata.toml` says.
         groups: of a record of several files the number of a sample's `run` and the length in mm of its `muscle`, (n,).
+        carried: whether a load was held, the contraction is what a model predicts of it, and the force what the muscle
+            would have there.
 
     Example:
         >>> from pam_ident.records import read_record
@@ -74,6 +76,7 @@ class Record:
     said_kind: str = ""
     metadata: Mapping[str, Any] = field(default_factory=dict)
     groups: Mapping[str, Array] = field(default_factory=dict)
+    carried: bool = False
 
     def __len__(self) -> int:
         return len(self.force)

@@ -12,6 +12,7 @@ import numpy as np
 from ..core.progress import steps
 from .drives import DRIVES, PROTOCOLS
 from .faults import FAULTS
+from .friction import FORMS as FRICTION
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
 from .protocol import TooShort
 from .record import Plan, RigRecord, Secret, make_record, write_case
@@ -98,16 +99,21 @@ SETS = {
     **{drive.kind: tuple(d for d in DRIVES if DRIVES[d].kind == drive.kind) for drive in DRIVES.values()},
 }
 """Protocols that a set is drawn from; those but the plain ones have all sensors and faults."""
+STICKING = {f"{name}/sticking" for name in ("coulomb_friction", "pressure_friction")}
 HIDES = {
     "isometric": {
+        *STICKING,
         *("stribeck_friction", "coulomb_friction/tanh", "dynamics"),
         *(f"screw_ripple/{form}" for form in ("textbook", "loaded", "harmonics")),
         *(f"rub/{form}" for form in UNKNOWNS["rub"] if form != "leaned_on"),
     },
-    "isotonic": {"coulomb_friction", "stribeck_friction", "pressure_friction", "dynamics", "rub/fold"},
+    "isotonic": {
+        *(f"{name}/{form}" for name in ("coulomb_friction", "pressure_friction") for form in FRICTION[name]),
+        *("stribeck_friction", "dynamics", "rub/fold"),
+    }.difference(STICKING),
 }
 """What a kind of test does not show, or the rig cannot make there: a locked braid slides too little for a fall with
-speed, a weight sticks where friction is dry."""
+speed, and where friction is dry a weight sticks, and nothing else does."""
 RATIO = (0.7, 6.0)
 
 
@@ -123,14 +129,17 @@ def _ratio(rng: np.random.Generator, low: float = RATIO[0]) -> float:
 
 def _forms(name: str, driven: str) -> list[str]:
     """Forms of an effect that a kind of test shows."""
-    hidden = HIDES.get(driven, set())
+    hidden = HIDES.get(driven, STICKING)
     forms = {**EFFECTS, **UNKNOWNS}.get(name, {})
     return [form for form in forms if name not in hidden and f"{name}/{form}" not in hidden]
 
 
 def _secret(name: str, driven: str, textbook: bool, rng: np.random.Generator) -> Secret:
-    others = [f for f in _forms(name, driven) if f != "textbook"]
-    return Secret(name, "textbook" if textbook or not others else str(rng.choice(others)), _ratio(rng))
+    forms = _forms(name, driven)
+    others = [f for f in forms if f != "textbook"]
+    if textbook or not others:
+        return Secret(name, "textbook" if "textbook" in forms else others[0], _ratio(rng))
+    return Secret(name, str(rng.choice(others)), _ratio(rng))
 
 
 class _Drawer:
@@ -179,6 +188,8 @@ class _Drawer:
                 gauges=str(rng.choice(list(GAUGES), p=(0.6, 0.2, 0.2))),
                 fault=str(rng.choice(list(FAULTS))) if rng.random() < 0.4 else None,
             )
+        if plan.fault == "clipped" and plan.driven.kind == "isotonic":
+            plan = replace(plan, fault=None)  # a weight beyond the load cell is not known
         plan = self.kinds[kind](plan, effect)
         if any(s.name == "thermal_softening" for s in plan.secrets):
             plan = replace(plan, warming=True)

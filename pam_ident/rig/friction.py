@@ -190,12 +190,38 @@ def lugre(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, 
     return {"reach": reach, "peak": peak, "vs_mm_s": vs}, scaled(-shape)
 
 
+def _sticking(level: Callable[[RigRun], Array]) -> Form:
+    def form(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+        load, grip = c.load, level(c)
+        if load is None:
+            return {}, scaled(-direction(c, 1.0) * grip)
+
+        def force(size: float) -> Array:
+            ends = (m.contraction(c.pressure, load + sign * size * grip) for sign in (1.0, -1.0))
+            stuck, now = np.empty_like(c.eps), 0.0
+            for i, (low, high) in enumerate(zip(*(end.tolist() for end in ends), strict=True)):
+                stuck[i] = now = min(max(now, low), high)
+            return load - m.force(c.pressure, stuck)
+
+        return {}, force
+
+    form.__doc__ = (
+        "Dry friction under a weight: the length stays while the pull is off the load by less than its level."
+    )
+    return form
+
+
+sticking = _sticking(lambda c: np.ones_like(c.pressure))
+sticking_pressed = _sticking(lambda c: c.pressure / np.max(c.pressure))
+
+
 FORMS: dict[str, dict[str, Form]] = {
     "coulomb_friction": {
         "textbook": coulomb_sign,
         "tanh": coulomb_tanh,
         "two_levels": coulomb_two_levels,
         "relaxing_hold": coulomb_relaxing,
+        "sticking": sticking,
     },
     "stribeck_friction": {
         "textbook": stribeck_gauss,
@@ -207,6 +233,7 @@ FORMS: dict[str, dict[str, Form]] = {
         "contact_area": pressure_contact_area,
         "radius": pressure_radius,
         "offset": pressure_offset,
+        "sticking": sticking_pressed,
     },
     "viscous_damping": {
         "textbook": viscous_linear,

@@ -6,6 +6,7 @@ from ..core import UsageError
 from ..diagnosis import heldout_rmse
 from ..diagnosis.nested import masks_of
 from ..fitting import Fit, fit
+from ..fitting.carried import driven
 from ..records import Record
 from ..records.doubt import Doubt
 from .gate import admit, computing, warnings_of
@@ -30,9 +31,10 @@ def add_effects(record: Record, setup: Setup) -> Addition:
     """
     if not setup.effects:
         raise UsageError("no effect to add; name one with --effect (see pam-ident effects)")
-    admit(record)
+    admit(record, length=True)
     model, alone = setup.model, setup.law_alone
     with computing(record):
+        record = driven(alone, record)
         after = fit(model, record)
         before = fit(alone, record)
         masks = masks_of(record, setup.held_out) if setup.held_out else None

@@ -9,8 +9,10 @@ import numpy as np
 from ..core import UsageError
 from ..core.digits import millimetres, newtons, percent
 from ..diagnosis.compare import compare
-from ..diagnosis.nouns import Bin, Comparison
+from ..diagnosis.follows import told, what_it_follows
+from ..diagnosis.nouns import Bin, Comparison, Follows
 from ..fitting import Fit, fit
+from ..fitting.carried import driven
 from ..fitting.in_length import InLength
 from ..fitting.length import by_length, weights_of
 from ..records import Record
@@ -23,7 +25,7 @@ PARTS = 10
 
 def compare_record(record: Record, setup: Setup) -> Comparison:
     """Fit `setup.model` to both branches together and split the error by place: where the length answered that of the
-    length, in mm, by the weight, too, and what it follows is left open. Raises FitError or DataError."""
+    length, in mm, by the weight, too. Raises FitError or DataError."""
     admit(record, length=True)
     require_rows(record)
     with computing(record):
@@ -32,13 +34,17 @@ def compare_record(record: Record, setup: Setup) -> Comparison:
 
 
 def _compare_length(one: Fit) -> Comparison:
-    """What an error of the length follows is not asked: under one weight the length is a line over pressure, and all
-    drivers that go with the pressure are one."""
+    """What it follows is that of the force at the measured length. Under one weight it is not asked: the length is a
+    line over pressure, and all drivers that go with the pressure are one."""
+    assert one.lengths is not None
     p = one.record.inputs.pressure
     edges = np.linspace(p.min(), p.max(), PARTS + 1)
     part = np.clip(np.searchsorted(edges, p, side="right") - 1, 0, PARTS - 1)
     record = replace(one.record, level=(0.5 * (edges[1:] + edges[:-1]))[part].round(4))
-    found = compare(InLength.of(replace(one, record=record)), follows=())
+    follows: tuple[Follows, ...] = ()
+    if len(np.unique(one.lengths.weight[one.rows])) > 1:
+        follows = what_it_follows(fit(one.model, driven(one.model, one.record, one.values)))
+    found = compare(InLength.of(replace(one, record=record)), follows)
     by = {"load_N": tuple(_by_weight(one)), **found.by}
     return replace(found, fit=one, by=by, sentence=_sentence(one, replace(found, by=by)))
 
@@ -66,7 +72,7 @@ def _sentence(one: Fit, found: Comparison) -> str:
             f" {percent(found.odd)} of it changes sign with the branch (hysteresis: friction, damping, lag), "
             f"{percent(found.even)} is the same on both."
         )
-    return f"{text} What it follows is not told of an isotonic test."
+    return f"{text} {told(found.follows, 'squared error of the force at that length')}" if found.follows else text
 
 
 def failure_picture(comparison: Comparison, suffix: str) -> str | bytes:

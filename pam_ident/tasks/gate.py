@@ -14,6 +14,7 @@ from ..core.prose import capital
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..fitting.estimate import impossible
+from ..fitting.length import at_limit, by_length, weights_of
 from ..model import Model
 from ..records import Record
 from ..records.doubt import GRAVE, Doubt, grave
@@ -41,6 +42,8 @@ ROWS, ROWS_A_PARAMETER, STATES, ROWS_A_STROKE = 20, 3, 8, 4
 contraction (and two more than free parameters), rows of a stroke on average."""
 SPAN, FORCE_N = 1e-4, 1e-9
 """The same for ranges: contraction, force."""
+NOT_HELD = 0.3
+"""Error of a force about the weights that were held, beside these, both rms, from which none was."""
 STEADY = 0.5
 """Correlation of the pressure with itself one sample later, below which it jumps faster than it is logged."""
 
@@ -211,6 +214,20 @@ def require_information(record: Record, model: Model) -> None:
         raise _refused(TooLittle, record, "too_little", text)
 
 
+def _require_weights(record: Record) -> None:
+    """Raises Refused for an isotonic test whose load was not held."""
+    if not by_length(record):
+        return
+    weight = weights_of(record)
+    off, held = (float(np.sqrt(np.mean(one**2))) for one in (record.force - weight, weight))
+    if off > NOT_HELD * held:
+        text = (
+            f"an isotonic test, and the force is {newtons(off)} rms off a held load of {newtons(held)}: no effect can "
+            "be told from another by it. Hold the load, or say another `kind` in specimen.toml"
+        )
+        raise _refused(Refused, record, "kind", text)
+
+
 def _refused(kind: type[NothingNamed], record: Record, code: str, text: str) -> NothingNamed:
     return kind(f"{_name(record)}: {text}", len(record), (Doubt(code, text),))
 
@@ -229,6 +246,8 @@ def _lacking(record: Record, parameters: int) -> str | None:
     different = len(np.unique(np.round(np.column_stack([inputs.pressure, inputs.contraction]), 5), axis=0))
     if different < states:
         return f"{different} different states of pressure and length, and the least for this law is {states}"
+    if by_length(record) and len(np.unique(weights_of(record)[~at_limit(record)])) < 2:
+        return "all samples that tell of the law carry one weight, which scales with it"
     if inputs.time is None:
         return None
     strokes = len(np.unique(record.stroke[record.stroke > 0]))
@@ -249,7 +268,8 @@ def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tupl
     """
     if len(record) >= ROWS:
         _stop(record, doubts_of(record), assume)
-    admit(record)
+    admit(record, length=True)
+    _require_weights(record)
     require_information(record, model)
     doubts = doubts_about(fit(model, record, detail=False))
     _stop(record, doubts, assume)

@@ -21,7 +21,6 @@ KINDS = {
     "null": "nothing hidden",
     "unknown": "outside the catalogue",
     "blunt": "one speed only",
-    "isotonic": "dead weight",
     "held out": "left out of the catalogue",
 }
 PATTERN = {"screw_ripple": "periodic", "rub": "local", "mount_slip": "step", "wandering_sensor": "trend"}
@@ -35,7 +34,7 @@ class Score:
 
     `right`: the first name, or one it is grouped with, is hidden there; both names of two; the verdict where nothing
     or something unknown is hidden, or an effect that the question left out; the group of friction and damping in a
-    record of one speed; of a dead weight a refusal, too, which elsewhere is no answer. `exact`: no other family is
+    record of one speed; a refusal is no answer. `exact`: no other family is
     named besides; no other effect besides two; the unknown's kind; no name beside what was left out; the test that
     splits the group. `grouped`: right, if each name stands for its whole group. `removed` is the share of the
     removable squared error that was removed, None where nothing known is hidden.
@@ -73,13 +72,7 @@ def family(name: str) -> str:
 
 
 def kind_of(truth: Json) -> str:
-    """The kind of a case, by what is hidden in it; a dead weight is a kind whatever is hidden."""
-    if truth.get("driven") == "isotonic":
-        return "isotonic"
-    return _hidden_kind(truth)
-
-
-def _hidden_kind(truth: Json) -> str:
+    """The kind of a case, by what is hidden in it."""
     if truth["unknown"]:
         return "unknown"
     if any(name in truth["truth"] for name in truth.get("without", ())):
@@ -93,7 +86,7 @@ def _hidden_kind(truth: Json) -> str:
 
 def score(truth: Json, answer: Json) -> Score:
     """One answer against the truth."""
-    kind, hidden, named = _hidden_kind(truth), set(truth["truth"]), list(answer.get("selected") or [])
+    kind, hidden, named = kind_of(truth), set(truth["truth"]), list(answer.get("selected") or [])
     refused = "rmse_N" in answer and answer["rmse_N"] is None
     groups = [set(group) for group in answer.get("groups") or []]
     covered = [_group(name, groups) for name in named]
@@ -118,10 +111,10 @@ def score(truth: Json, answer: Json) -> Score:
         right = bool(first & hidden) and len(first) <= CROWD
         exact = right and {family(n) for n in named} == {family(n) for n in hidden}
     if refused:
-        right = exact = truth.get("driven") == "isotonic"
+        right = exact = False
     return Score(
         str(truth["case"]),
-        kind_of(truth),
+        kind,
         right,
         exact,
         right or (kind == "pair" and each),

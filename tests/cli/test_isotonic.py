@@ -37,7 +37,7 @@ def test_one_weight_ends_with_3_and_what_to_do(ask, weights, tmp_path):
 @pytest.mark.parametrize(
     ("words", "code", "text"),
     [
-        (("diagnose", *LAW), 4, "an isotonic test"),
+        (("diagnose",), 4, "Name one with --law"),
         (("fit",), 4, "Name one with --law"),
         (("fit", *LAW, "--method", "both"), 2, "the length answers"),
         (("fit", *LAW, "--figures", "figures"), 2, "--figures draws isobars"),

@@ -17,7 +17,7 @@ from pam_ident.records import build_record
 from pam_ident.validation.calibration import reliability
 
 
-def selection(criteria, names=("a", "b", "c", "d"), slide=None):
+def selection(criteria, names=("a", "b", "c", "d"), slide=None, carried=False):
     return SimpleNamespace(
         weighed=lambda: [
             SimpleNamespace(names=frozenset(names), candidates=frozenset(names), criterion=criterion)
@@ -26,7 +26,7 @@ def selection(criteria, names=("a", "b", "c", "d"), slide=None):
         candidates=[SimpleNamespace(name=name) for name in names],
         rivals=[],
         seen=SimpleNamespace(regressors=[SimpleNamespace(effect=name) for name in names]),
-        record=SimpleNamespace(inputs=SimpleNamespace(slide=slide)),
+        record=SimpleNamespace(inputs=SimpleNamespace(slide=slide), carried=carried),
     )
 
 

@@ -121,6 +121,27 @@ def test_an_error_of_the_load_cell_is_no_effect_of_the_muscle(cell, along):
     assert found.base.rmse > 1.3 * NOISE_N
 
 
+def test_what_is_larger_in_slow_strokes_is_no_noise():
+    """A muscle that sticks and slips wherever it happens to, below a speed."""
+
+    def sticking(p, e, side, v):
+        stroke = np.cumsum(np.diff(v, prepend=0.0) * (v != 0.0) != 0.0)
+        way = STROKE_MM * e / 3.7 + np.random.default_rng(1).uniform(size=stroke[-1] + 1)[stroke]
+        return -12.0 * side * (way % 1.0 - 0.5) * (np.abs(v) < 10.0) * (v != 0.0)
+
+    found = diagnose(LAW, strokes(sticking, speeds=(3.0, 6.0, 40.0)))
+    assert found.verdict == "unknown_effect" and not found.selected, found.sentence
+    assert found.pattern is not None and found.pattern.coordinate == "speed"
+
+
+@pytest.mark.parametrize("size", [4.0, pytest.param(8.0, marks=pytest.mark.long), 16.0])
+def test_what_is_there_in_motion_alone_and_of_one_sign_is_no_friction(size):
+    """The current of a drive disturbs the load cell. Friction would have to keep more in holds than it had."""
+    found = diagnose(LAW, strokes(lambda p, e, side, v: size * (v != 0.0)))
+    assert found.verdict == "unknown_effect" and not found.selected, found.sentence
+    assert found.base.rmse > 1.5 * NOISE_N and found.follows[0].what == "direction"
+
+
 def test_rubber_that_softens_as_it_warms_is_no_error_of_the_load_cell():
     found = diagnose(LAW, strokes(NOTHING, cell=lambda t, f, T: f * (1.0 - 0.003 * (T - T[0])), warm=oven))
     assert found.selected == ("thermal_softening",), found.sentence

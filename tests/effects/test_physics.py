@@ -245,6 +245,22 @@ def test_coulomb_friction_opposes_the_motion_and_may_keep_another_value_in_holds
     np.testing.assert_allclose(smooth, [-20.0 * math.tanh(2.0), 0.0, 20.0 * math.tanh(0.5), 0.0], atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("name", "shape"),
+    [("coulomb_friction", {"tau_h": 1e3}), ("pressure_friction", {}), ("stribeck_friction", {"v_s": 4.0})],
+)
+def test_free_friction_resists_and_keeps_no_more_than_it_had(name, shape):
+    """Of a stroke and the hold after it at one state, whatever its coefficients are."""
+    _, form = get_effect(f"{name}:free")
+    assert all(p.lower == 0.0 for p in form.linear)
+    given = moved(time=[0.0, 1.0, 2.0, 3.0], stroke_speed=[8.0, 8.0, 2.0, 2.0])
+    given = replace(given, contraction=np.array([0.1, 0.1, 0.03, 0.03]))
+    found = form.columns(given, shape, np.zeros(4))
+    for sign, stroke, hold in ((-1.0, 0, 1), (1.0, 2, 3)):
+        assert np.all(sign * found[stroke] >= 0.0) and np.all(sign * found[hold] >= -1e-12)
+        assert np.all(np.abs(found[hold]) <= np.abs(found[stroke]) + 1e-12) and np.any(found[hold] != 0.0)
+
+
 @pytest.mark.parametrize("name", ["stribeck_friction", "coulomb_friction:stribeck"])
 def test_stribeck_friction_falls_from_breakaway_to_sliding(name):
     got = columns(name, moved(stroke_speed=[8.0, 8.0, 2.0, 2.0]), v_s=4.0) @ [20.0, 10.0, 5.0, 3.0]
@@ -316,6 +332,8 @@ def test_thermal_softening_follows_the_warming_since_the_start():
     given = inputs([0.1, 0.1, 0.1], temperature=[20.0, 25.0, 18.0])
     got = force_with("thermal_softening", {"alpha": 0.01}, given)
     np.testing.assert_allclose(got, ideal(0.1, 0.4) * np.array([1.0, 0.95, 1.02]), rtol=1e-12)
+    colder = force_with("thermal_softening:from_cold", {"alpha": 0.01, "T_c": 4.0}, given)
+    np.testing.assert_allclose(colder, ideal(0.1, 0.4) * np.array([0.96, 0.91, 0.98]), rtol=1e-12)
     np.testing.assert_allclose(columns("thermal_softening:linear", given)[:, 0], [0.0, 0.5, -0.2])
     loss = columns("thermal_softening:elastic", given)[:, 0]
     np.testing.assert_allclose(loss, -columns("bladder_elasticity", given)[:, 0] * [0.0, 5.0, -2.0])

@@ -76,12 +76,10 @@ def test_nothing_an_unknown_and_a_poor_protocol_are_asked_for_by_the_verdict():
     assert grade(score(poor, answer("viscous_damping"))) == (False, False)
 
 
-def test_a_refusal_is_right_of_a_dead_weight_alone():
+def test_a_refusal_is_no_answer():
     refused = answer(verdict="unknown_effect", rmse_N=None)
-    weight = truth("creep") | {"driven": "isotonic"}
-    assert grade(score(weight, refused)) == grade(score(weight, answer("creep"))) == (True, True)
-    assert grade(score(weight, answer("coulomb_friction"))) == (False, False)
-    assert score(weight, refused).kind == "isotonic" and score(weight, refused).named == ("refused",)
+    assert grade(score(truth("creep"), refused)) == (False, False)
+    assert score(truth("creep"), refused).named == ("refused",)
     assert grade(score(truth(unknown="screw_ripple"), refused)) == (False, False)
 
 

@@ -1,0 +1,40 @@
+"""An isotonic record as if the length had been driven, so that all that asks what an error of the force follows can
+ask it there, too.
+
+Held against a force that hardly changes, any law of slope 0 fits to the last digit. So nothing measured of the length
+may enter what explains it: the muscle is taken along the lengths ε̂ at which a model carries the weights, where its
+force is, to first order, F(ε̂) = F + F_θ(ε̂) − F_θ(ε), F and ε as measured. What the model leaves of it is its error of
+the force at the measured length. Where its own error changes much between ε and ε̂ the sum is off by that change.
+
+While the pressure changes and the length stands, a weight sticks, and friction may be anything up to its level. These
+rows tell nothing, and nor do those at the mechanical limit, and those at which no length is stable.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ..model import Model
+from ..records import Record
+from .fit import fit
+from .length import at_limit, by_length, equilibrium, weights_of
+
+
+def driven(model: Model, record: Record, values: Mapping[str, float] | None = None) -> Record:
+    """The record itself, or an isotonic one along the lengths that a model predicts, with `values` or fitted to it,
+    without the rows that tell nothing.
+
+    Raises FitError or DataError as `fit` does.
+    """
+    if not by_length(record):
+        return record
+    values = fit(model, record, detail=False).values if values is None else values
+    e, slope = equilibrium(model, record.steady, values, weights_of(record))
+    there, here = (model.force(one, values) for one in (replace(record.inputs, contraction=e), record.inputs))
+    inputs, steady = (replace(one, contraction=e) for one in (record.inputs, record.steady))
+    along = replace(record, inputs=inputs, steady=steady, force=record.force + there - here, carried=True)
+    kept = ~at_limit(record) & (slope < 0.0)
+    if inputs.moving is not None and inputs.pressure_rate is not None:
+        kept &= inputs.moving | (inputs.pressure_rate == 0.0)
+    return along.take(np.flatnonzero(kept))
