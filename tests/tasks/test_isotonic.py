@@ -19,7 +19,7 @@ from pam_ident.tasks.add import add_effects
 from pam_ident.tasks.compare import compare_record, failure_picture
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.fit import FitOptions, fit_record
-from pam_ident.tasks.gate import Refused
+from pam_ident.tasks.gate import GraveDoubt, Refused
 from pam_ident.tasks.ladder import climb_ladder
 from pam_ident.tasks.law_choice import settle
 from pam_ident.tasks.predict import predict_at, read_fit, validate_fit
@@ -159,6 +159,14 @@ def test_a_ladder_and_an_addition_are_of_the_same_force(tmp_path):
     assert [rung.fit.model.effect_names for rung in found.rungs] == [[], ["creep"]]
     assert added.before.rmse == pytest.approx(found.rungs[0].fit.rmse, rel=1e-6)
     assert added.after.rmse < 0.6 * added.before.rmse
+
+
+def test_a_slip_of_the_lengths_unit_stops_naming(cases, tmp_path):
+    table = pd.read_csv(cases["weight_stairs"])
+    (tmp_path / "specimen.toml").write_text(cases["weight_stairs"].with_name("specimen.toml").read_text(), "utf-8")
+    table.assign(displacement_mm=table["displacement_mm"] / 10.0).to_csv(tmp_path / "cm.csv", index=False)
+    with pytest.raises(GraveDoubt, match=r"under its loads the contraction changes by 0\.0"):
+        diagnose_record(read_record(tmp_path / "cm.csv"), SETUP)
 
 
 def test_a_load_that_was_not_held_is_no_weight(cases):
