@@ -18,6 +18,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from corpus import HEADERS, ROWS, SPECIMEN, as_text, values
 
 from pam_ident.core import PamError
+from pam_ident.core.units import ATMOSPHERE_MPA
 from pam_ident.records import Specimen, read_record
 
 NAMES = ("time", "pressure", "displacement", "force")
@@ -101,6 +102,8 @@ def verdict(record, head, lines, cells):
     """What is wrong with a record read of a damaged file, empty where nothing is: each row must be one of the good
     file's but for the damaged cells, in the unit that the header says, and no more rows lost than were touched."""
     seen = np.column_stack([record.inputs.pressure, record.inputs.displacement_mm, record.force])
+    if re.search(r"(?:pa|bar|psi)a(?![a-z])", head, re.I):  # a letter more, and the pressure counts from vacuum
+        seen[:, 0] += ATMOSPHERE_MPA
     good = values()[:, 1:]
     for j, known in enumerate(SAID.values()):
         said = [f for unit, f in known.items() if re.search(rf"(?<![a-z]){unit}(?![a-z])", head, re.I)]

@@ -3,6 +3,7 @@
 import json
 
 import faults
+import mutations
 import numpy as np
 import pytest
 
@@ -23,6 +24,12 @@ def test_what_was_once_read_wrongly(kind, stream, tmp_path):
     path = tmp_path / f"record.{kind}"
     path.write_bytes(data)
     assert faults.outcome(path, lambda record: "read") == ("refused", "")
+
+
+def test_a_letter_more_may_say_that_a_pressure_counts_from_vacuum(tmp_path):
+    """MPa became MPaa, which is another unit."""
+    (tmp_path / "specimen.toml").write_text(faults.SPECIMEN)
+    assert mutations.one(tmp_path, np.random.default_rng([2326742395, 6934]))[1:] == ("read", "")
 
 
 @pytest.mark.long
