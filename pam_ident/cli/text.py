@@ -218,15 +218,13 @@ def equation(model: "Model") -> list[str]:
 
 def title(path: str, record: "Record") -> str:
     """One line that says what record this is."""
-    levels, p = record.levels, record.inputs.pressure
+    levels, pressure = record.levels, record.inputs.pressure
     if record.inputs.pressure_rate is not None:
-        span = f"{p.min():.4g} to {p.max():.4g} MPa"
+        span = f"{pressure.min():.4g} to {pressure.max():.4g} MPa"
+    elif len(levels) == 1:
+        span = f"{levels[0]:g} MPa"
     else:
-        span = (
-            f"{levels[0]:g} MPa"
-            if len(levels) == 1
-            else f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
-        )
+        span = f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
     masked = f" ({record.masked} more masked)" if record.masked else ""
     name = "" if record.name == path else f" ({record.name})"
     return f"{path}{name}: {len(record)} samples{masked}, {span}"

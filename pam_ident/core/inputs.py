@@ -87,6 +87,13 @@ class Specimen:
         """π r0² p [a(1−ε)² − b] in N, shape (n,), of the ideal braid (Chou & Hannaford 1996) at p in MPa."""
         return math.pi * self.initial_radius_mm**2 * pressure * (self.a * (1.0 - contraction) ** 2 - self.b)
 
+    def ideal_contraction(self, pressure: Array, force: Array) -> Array:
+        """Contraction at which the ideal braid pulls with a force in N at p in MPa, above 0, shape (n,): the inverse of
+        `ideal_force`."""
+        xp = force.__array_namespace__()
+        share = force / (math.pi * self.initial_radius_mm**2 * pressure)
+        return 1.0 - xp.sqrt(xp.maximum(share + self.b, 0.0) / self.a)
+
     def radius_ratio(self, contraction: Array) -> Array:
         """r / r0 of the ideal braid at a contraction ratio (any shape), from cosθ = (1−ε) cosθ0."""
         square = (3.0 * self.b - self.a * (1.0 - contraction) ** 2) / 3.0

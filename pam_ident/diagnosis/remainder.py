@@ -9,6 +9,8 @@ from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .selection import FittedSet, Selection
 
+Array = np.ndarray
+
 REMAINDER = 0.25
 """Excess of the whitened sum of squares over the noise's, as a share, from which a remainder counts as unexplained."""
 OF_ALL = 0.03
@@ -130,8 +132,7 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     count = (len(size) - 1) // window
     if count < WINDOW:
         return None
-    for rows in (level == one for one in np.unique(level)):
-        size[rows] /= max(float(np.median(size[rows])), 1e-9)
+    size = _by_level(size, level)
     pairs = (size[1:] * size[:-1])[: count * window].reshape(-1, window).mean(axis=1)
     if pairs.mean() < BURSTING * np.median(pairs):
         return None
@@ -141,6 +142,14 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     return Pattern("other", "time", worst, "s", share, f"{text}{number(worst)} s")
 
 
+def _by_level(size: Array, level: Array) -> Array:
+    """Sizes (n,) beside the median of their pressure's `level` (n,): noise may be larger at one pressure."""
+    found = size.copy()
+    for rows in (level == one for one in np.unique(level)):
+        found[rows] /= max(float(np.median(size[rows])), 1e-9)
+    return found
+
+
 def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What is larger in slow strokes than in faster ones, where the position is less sure, is no noise: that does not
     know the speed."""
@@ -148,10 +157,8 @@ def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
         return None
     clean = inputs.moving & ~selection.noise.outlier
-    size, level, pace = np.abs(selection.view(fitted).residual)[clean], level[clean], inputs.stroke_speed[clean]
-    for rows in (level == one for one in np.unique(level)):
-        size[rows] /= max(float(np.median(size[rows])), 1e-9)
-    speed = np.round(np.log2(np.maximum(pace, 1e-9)))
+    size = _by_level(np.abs(selection.view(fitted).residual)[clean], level[clean])
+    speed = np.round(np.log2(np.maximum(inputs.stroke_speed[clean], 1e-9)))
     groups = [size[speed == one] for one in np.unique(speed)]
     found = [(len(one), float(np.median(one)) ** 2) for one in groups if len(one) >= 2 * WINDOW]
     alone = 1.0 + 2.0 * selection.noise.memory_samples(inputs.time)

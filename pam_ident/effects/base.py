@@ -178,6 +178,20 @@ def free_form(
     return role(name, formula, linear, columns, nonlinear, uses_force, remembers)
 
 
+def keeping_no_more(columns: Columns) -> Columns:
+    """From columns of motion and then as many of holds: what holds keep, in motion too, and what motion has beyond it.
+
+    With coefficients above 0 friction keeps no more in a hold than it had.
+    """
+
+    def found(inputs: Inputs, values: Values, force: Array) -> Array:
+        both = columns(inputs, values, force)
+        moving, held = both[:, : both.shape[1] // 2], both[:, both.shape[1] // 2 :]
+        return inputs.xp.concat([moving + held, moving], axis=1)
+
+    return found
+
+
 def bernstein(t: Array, k: int, order: int) -> Array:
     """Bernstein polynomial k of an order, at t (n,), which is above 0 from 0 to 1."""
     return math.comb(order, k) * t**k * (1.0 - t) ** (order - k)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from ..core import Inputs, Param
 from ._history import stop_operator, time_held
-from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, one, slip, speed
+from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
 F_IN = Param("F_in", "N", "friction force while the muscle contracts", 0.0, 2000.0, scale=10.0)
@@ -63,12 +63,6 @@ def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
     return -inputs.xp.stack([moving, held * fading]).T
 
 
-def _kept(inputs: Inputs, values: Values, force: Array) -> Array:
-    """What holds keep, in motion too, and what motion has beyond it: friction keeps no more than it had."""
-    moving, held = _relaxing(inputs, values, force).T
-    return inputs.xp.stack([moving + held, moving]).T
-
-
 def stribeck_columns(inputs: Inputs, dip: Callable[[Array], Array]) -> Array:
     """Sliding, its gain towards rest, and both as a hold keeps them from the stroke before it, shape (n, 4).
 
@@ -125,7 +119,7 @@ EFFECT = Effect(
         ),
         free_form(
             "−sgn(ε̇), in holds times exp(−t/τ_h), and −sgn(ε̇) in motion alone",
-            _kept,
+            keeping_no_more(_relaxing),
             2,
             pressure=0,
             nonlinear=(TAU_H,),

@@ -1,7 +1,7 @@
 """Dry friction in proportion to the contact pressure of the braid."""
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, slip
+from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, slip
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
 MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
@@ -26,10 +26,8 @@ def _held(inputs: Inputs, values: Values, force: Array) -> Array:
     return -inputs.xp.stack(slip(inputs)).T * inputs.pressure[:, None]
 
 
-def _kept(inputs: Inputs, values: Values, force: Array) -> Array:
-    """What holds keep, in motion too, and what motion has beyond it: friction keeps no more than it had."""
-    moving, held = _held(inputs, values, force).T / 0.3
-    return inputs.xp.stack([moving + held, moving]).T
+def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _held(inputs, values, force) / 0.3
 
 
 def _area(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -51,7 +49,7 @@ EFFECT = Effect(
         AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
         AddsForce("power", "−μ_f 0.3 MPa (p/0.3 MPa)^n sgn(ε̇)", (MU, MU_HOLD), _power, (POWER,)),
         AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
-        free_form("−p/0.3 MPa sgn(ε̇), and in motion alone", _kept, 2, contraction=2, resisting=2),
+        free_form("−p/0.3 MPa sgn(ε̇), and in motion alone", keeping_no_more(_pressed), 2, contraction=2, resisting=2),
     ),
     follows=("direction",),
     test="pressures over 4:1: the gap between the branches grows in proportion",

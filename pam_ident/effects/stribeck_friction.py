@@ -2,7 +2,7 @@
 
 from ..core import Inputs, Param
 from ._history import lugre_operator, time_held
-from .base import AddsForce, Array, Effect, Values, free_form, one, slip, speed
+from .base import AddsForce, Array, Effect, Values, free_form, keeping_no_more, one, slip, speed
 from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, exponential_dip, gaussian_dip
 
 SIZES = (F_C, F_BREAK, F_HOLD, HOLD_GAIN)
@@ -18,12 +18,6 @@ def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
         return columns
     fading = inputs.xp.exp(-time_held(inputs, slip(inputs)[1] != 0.0) / values["tau_h"])
     return inputs.xp.hstack([columns[:, :2], columns[:, 2:] * fading[:, None]])
-
-
-def _kept(inputs: Inputs, values: Values, force: Array) -> Array:
-    """What holds keep, in motion too, and what motion has beyond it: friction keeps no more than it had."""
-    moving, gain, held, held_gain = exponential_dip(inputs, values, force).T
-    return inputs.xp.stack([moving + held, gain + held_gain, moving, gain]).T
 
 
 def bending(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -53,7 +47,7 @@ EFFECT = Effect(
         ),
         free_form(
             "−sgn(ε̇), −exp(−v/v_s) sgn(ε̇), and both in motion alone",
-            _kept,
+            keeping_no_more(exponential_dip),
             4,
             contraction=1,
             nonlinear=(V_S,),

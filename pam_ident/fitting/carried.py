@@ -31,9 +31,9 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
         return record
     values = fit(model, record, detail=False).values if values is None else values
     e, slope = equilibrium(model, record.steady, values, weights_of(record))
-    there, here = (model.force(one, values) for one in (replace(record.inputs, contraction=e), record.inputs))
     inputs, steady = (replace(one, contraction=e) for one in (record.inputs, record.steady))
-    along = replace(record, inputs=inputs, steady=steady, force=record.force + there - here, carried=True)
+    force = record.force + model.force(inputs, values) - model.force(record.inputs, values)
+    along = replace(record, inputs=inputs, steady=steady, force=force, carried=True)
     kept = ~at_limit(record) & (slope < 0.0)
     if inputs.moving is not None and inputs.pressure_rate is not None:
         kept &= inputs.moving | (inputs.pressure_rate == 0.0)

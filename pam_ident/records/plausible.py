@@ -233,8 +233,7 @@ def _doubt_lift(record: Record) -> Iterator[Doubt]:
     """Under a load a braid shortens by about what an ideal one would."""
     p, specimen = record.inputs.pressure, record.specimen
     inflated = p > LIFTING * p.max()
-    per_N = record.force[inflated] / (np.pi * specimen.initial_radius_mm**2 * np.maximum(p[inflated], LEAST_MPA))
-    ideal = 1.0 - np.sqrt(np.maximum(per_N + specimen.b, 0.0) / specimen.a)
+    ideal = specimen.ideal_contraction(np.maximum(p[inflated], LEAST_MPA), record.force[inflated])
     way, expected = (np.diff(np.quantile(one, ENDS))[0] for one in (record.inputs.contraction[inflated], ideal))
     if expected > LEAST_LIFT and not LIFT[0] < way / expected < LIFT[1]:
         yield Doubt(

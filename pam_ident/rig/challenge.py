@@ -12,7 +12,6 @@ import numpy as np
 from ..core.progress import steps
 from .drives import DRIVES, PROTOCOLS
 from .faults import FAULTS
-from .friction import FORMS as FRICTION
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
 from .protocol import TooShort
 from .record import Plan, RigRecord, Secret, make_record, write_case
@@ -99,7 +98,8 @@ SETS = {
     **{drive.kind: tuple(d for d in DRIVES if DRIVES[d].kind == drive.kind) for drive in DRIVES.values()},
 }
 """Protocols that a set is drawn from; those but the plain ones have all sensors and faults."""
-STICKING = {f"{name}/sticking" for name in ("coulomb_friction", "pressure_friction")}
+DRY = ("coulomb_friction", "pressure_friction")
+STICKING = {f"{name}/sticking" for name in DRY}
 HIDES = {
     "isometric": {
         *STICKING,
@@ -108,7 +108,7 @@ HIDES = {
         *(f"rub/{form}" for form in UNKNOWNS["rub"] if form != "leaned_on"),
     },
     "isotonic": {
-        *(f"{name}/{form}" for name in ("coulomb_friction", "pressure_friction") for form in FRICTION[name]),
+        *(f"{name}/{form}" for name in DRY for form in EFFECTS[name]),
         *("stribeck_friction", "dynamics", "rub/fold"),
     }.difference(STICKING),
 }

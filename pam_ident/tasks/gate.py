@@ -192,9 +192,8 @@ def admit(record: Record, length: bool = False) -> None:
     if kind in FITTING or (length and kind == "isotonic"):
         return
     text = (
-        f"an {kind} test, {KINDS[kind]}: no effect can be told from another in it, only `fit`, `compare` and "
-        '`validate` answer. Give an isobaric record, or say `kind = "isobaric"` at the top of specimen.toml if '
-        "this is one"
+        f"an {kind} test, {KINDS[kind]}: it is answered by itself alone, by `fit`, `compare`, `diagnose` and "
+        '`validate`. Give an isobaric record, or say `kind = "isobaric"` at the top of specimen.toml if this is one'
     )
     raise _refused(Refused, record, "kind", text)
 

@@ -34,10 +34,10 @@ class Score:
 
     `right`: the first name, or one it is grouped with, is hidden there; both names of two; the verdict where nothing
     or something unknown is hidden, or an effect that the question left out; the group of friction and damping in a
-    record of one speed; a refusal is no answer. `exact`: no other family is
-    named besides; no other effect besides two; the unknown's kind; no name beside what was left out; the test that
-    splits the group. `grouped`: right, if each name stands for its whole group. `removed` is the share of the
-    removable squared error that was removed, None where nothing known is hidden.
+    record of one speed; a refusal is no answer. `exact`: no other family is named besides; no other effect besides two;
+    the unknown's kind; no name beside what was left out; the test that splits the group. `grouped`: right, if each
+    name stands for its whole group. `removed` is the share of the removable squared error that was removed, None where
+    nothing known is hidden.
     `statements` are probabilities with whether they were true.
     """
 
