@@ -79,7 +79,7 @@ def test_it_opens_with_the_answer_and_nothing_else(opened, width):
     told = opened.locator(".opening").first.locator("h3, .lead, figcaption").all_inner_texts()
     assert len(told) > 3 and not any("_" in one for one in told), "no names of the code"
     assert opened.evaluate("document.documentElement.scrollHeight") < 6000, "the details are folded"
-    assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    opened.wait_for_function("document.documentElement.scrollWidth <= window.innerWidth")
 
 
 def test_it_unfolds_every_figure_and_part(unfolded, diagnosis):
@@ -91,7 +91,7 @@ def test_it_unfolds_every_figure_and_part(unfolded, diagnosis):
     for k in range(figures.count()):
         box = figures.nth(k).bounding_box()
         assert box is not None and box["width"] > 200 and box["height"] > 80
-    assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    opened.wait_for_function("document.documentElement.scrollWidth <= window.innerWidth")
     for link in opened.locator("nav a").all():
         link.click()
         assert opened.locator(f"[id='{opened.url.partition('#')[2]}']").is_visible()
@@ -111,7 +111,7 @@ def test_at_500_px_no_figure_of_any_fold_or_rung_is_cut_or_scrolls(opened):
     opened.evaluate(OPENED)
     for rung in opened.locator(".steps").first.get_by_role("radio").all():
         rung.click()
-        assert opened.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+        opened.wait_for_function("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
         drawings = [one for one in opened.locator(".drawing").all() if one.is_visible()]
         assert len(drawings) >= 10 and [one.get_attribute("aria-label") for one in drawings if one.evaluate(CUT)] == []
 
@@ -228,7 +228,7 @@ def test_axe_finds_no_fault_of_weight(opened, width, rungs, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
     opened.emulate_media(color_scheme=scheme)
     opened.set_viewport_size({"width": width, "height": 900})
-    assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    opened.wait_for_function("document.documentElement.scrollWidth <= window.innerWidth")
     opened.evaluate(OPENED)
     for rung in rungs:
         opened.get_by_role("radio").nth(rung).click()
@@ -247,7 +247,7 @@ def test_two_records_beside_each_other_open_with_what_differs_and_no_figure_is_c
     assert page.get_by_role("button", name="Zoom in").count() == 2, "the trace of each is zoomed into"
     for drawing in page.locator(".drawing").all():
         assert not drawing.evaluate(CUT)
-    assert page.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+    page.wait_for_function("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
     assert all(one.bounding_box()["width"] <= 468 for one in page.locator("caption").all()), "a table may scroll"
     page.set_viewport_size({"width": 1400, "height": 900})
     assert page.locator(".drawing svg").last.bounding_box()["width"] < 700, "words no larger than those of the text"

@@ -136,7 +136,7 @@ def test_a_narrow_dark_page_holds_the_figures(opened):
             "(k) => Bokeh.documents[0].roots()[k].children.map((one) => one.left[0].major_label_text_color)", k
         )
         assert set(inks) == {"#e6e9ed"}
-    assert opened.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    opened.wait_for_function("document.documentElement.scrollWidth <= window.innerWidth")
 
 
 def test_a_figure_that_changes_its_size_leaves_nothing_where_it_was(opened):
