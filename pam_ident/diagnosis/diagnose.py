@@ -33,7 +33,8 @@ from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
 BY_FORM = 0.5
-"""Chance that a name is right which follows the same as a larger one: 4 of 7 were false (docs/validation.md)."""
+"""Chance that a name is right which follows the same as a larger one, or nothing that is likely: 4 of 7 and 5 of 10 were
+false (docs/validation.md)."""
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
 leaves no more."""
@@ -174,7 +175,7 @@ def diagnosing(
         said += " A load was held and the length answered: errors are those of the force at the measured length."
     if merged:
         said += f" One pressure does not tell {', '.join(merged)} from the other parameters: held at 0."
-    said += reservations({name: rivals[name] for name in selected}, again, extra)
+    said += reservations({name: rivals[name] for name in selected}, again, follows[0].text, extra)
     found = Diagnosis(
         base,
         best,
@@ -204,14 +205,19 @@ def diagnosing(
 
 
 def _followed_again(named: list[Term], following: Following) -> dict[str, str]:
-    """Of names, largest first, those that follow first what larger ones could, and the largest of these."""
+    """Of names, largest first, those of which no driver is likely, and those that follow first what larger ones could,
+    with the largest of these, else with nothing."""
     found: dict[str, str] = {}
+    timed = following.record.inputs.time is not None
     for k, term in enumerate(named):
-        first, larger = term.effect.follows[:1], named[:k]
+        effect, larger = term.effect, named[:k]
+        first = effect.follows[:1]
         alike = [t.effect.name for t in larger if t.effect.follows[:1] == first != ()]
         if larger and first and following.enough({f for t in larger for f in t.effect.follows}, first[0]):
             alike.append(larger[0].effect.name)
-        found |= {term.effect.name: alike[0]} if alike else {}
+        aside = effect.follows and timed and following.likely.isdisjoint(effect.follows)
+        if alike or aside:
+            found[effect.name] = alike[0] if alike else ""
     return found
 
 
