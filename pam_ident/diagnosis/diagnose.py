@@ -155,7 +155,7 @@ def diagnosing(
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
-    again = _followed_again(named, following)
+    again = by_form_alone(named, following)
     chance = {name: chance[name] * (BY_FORM if name in again else 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
@@ -163,8 +163,8 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     error = float(np.sqrt(np.mean(left**2)))
     floor = _as_measured(min(noise.whole, error), best)
-    if lacking and (between := repeat_noise(best)):  # the noise was estimated beside names that are not all there are
-        floor = min(floor, between.sigma)
+    if lacking and (between := repeat_noise(best)):  # which the names that are not all there are do not touch
+        floor = min(between.sigma, best.rmse)
     extra = (*extra, *model.own)
     said = sentence(base, best, labels, classes, pattern, floor, error > 2.0 * noise.whole, extra)
     if outcome == "adequate" and noise.coloured:
@@ -204,7 +204,7 @@ def diagnosing(
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
-def _followed_again(named: list[Term], following: Following) -> dict[str, str]:
+def by_form_alone(named: list[Term], following: Following) -> dict[str, str]:
     """Of names, largest first, those of which no driver is likely, and those that follow first what larger ones could,
     with the largest of these, else with nothing."""
     found: dict[str, str] = {}

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from pam_ident.core import Param
 from pam_ident.diagnosis import climb, diagnose, heldout_rmse
@@ -222,6 +223,17 @@ def test_a_position_that_is_unsure_in_some_strokes_alone_is_no_effect(tmp_path):
 def with_force(record: Record, added) -> Record:
     """The record with a force in N (n,) added."""
     return replace(record, force=record.force + added)
+
+
+@pytest.mark.parametrize(("radius", "verdict"), [(0.97, "unknown_effect"), (0.0, "adequate")])
+def test_a_swing_whose_phase_wanders_is_no_noise_and_slow_noise_of_its_size_is(tmp_path, radius, verdict):
+    """A process of the second order that swings in 5.5 samples, beside one of the first."""
+    record = rig_record(tmp_path, seed=54, law=EXPONENTIAL, sigma_N=1.0)
+    steps = np.random.default_rng(11).standard_normal(len(record))
+    swing = lfilter([1.0], [1.0, -2.0 * radius * np.cos(2.0 * np.pi / 5.5), radius**2] if radius else [1.0, -0.9], steps)
+    answer = diagnose(Model.build(EXPONENTIAL), with_force(record, 2.0 * swing / swing.std()))
+    assert answer.verdict == verdict and answer.selected == ()
+    assert (answer.pattern is not None and "foretold" in answer.pattern.text) == bool(radius)
 
 
 @LONG
