@@ -299,6 +299,22 @@ def test_what_loses_by_a_hair_is_heard_against_the_noise_that_it_leaves(tmp_path
     assert "mullins_softening" in diagnose(Model.build(EXPONENTIAL), record).selected
 
 
+@LONG
+@pytest.mark.parametrize(
+    ("seed", "friction", "times"),
+    [
+        (320, Secret("presliding_hysteresis", "textbook", 7.6), 2.2),
+        (332, Secret("pressure_friction", "radius", 6.0), 2.0),
+    ],
+)
+def test_a_softening_over_the_way_beside_friction_has_its_name(tmp_path, seed, friction, times):
+    """What friction leaves of it follows the clock as well, or passes for noise, three times as large as there is."""
+    secrets = (friction, Secret("mullins_softening", "travel", times))
+    record = rig_record(tmp_path, seed=seed, law=EXPONENTIAL, secrets=secrets, sigma_N=1.0)
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert set(answer.selected) == {friction.name, "mullins_softening"} and answer.noise_floor < 1.5
+
+
 def test_a_stop_hit_hard_is_no_stiffening_bladder(tmp_path):
     """A bladder follows all but 2 % of it, which is more than twice the noise."""
     record = rig_record(tmp_path, seed=63, law=EXPONENTIAL, sigma_N=4.0)
