@@ -33,8 +33,8 @@ from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
 BY_FORM = 0.5
-"""Chance that a name is right which follows the same as a larger one, or nothing that is likely: 4 of 7 and 5 of 10 were
-false (docs/validation.md)."""
+"""Chance that a name is right which follows the same as a larger one, or nothing that is likely: 4 of 7 were false, and
+5 of 9 (docs/validation.md)."""
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
 leaves no more."""

@@ -31,10 +31,11 @@ FAR, MEDIAN = 5.0, 2.33
 """Standard deviations by which chance is ruled out, and that of the logarithm of a squared median of normal samples,
 times the root of their number."""
 JUMPING = 1.8
-"""How many times as large as in the middle steps of what is left may be in the mean: 1.32 at most in the same records."""
+"""How many times as large as in the middle steps of what is left may be in the mean: 1.32 at most in 107 records with
+nothing hidden."""
 LAGS, FORETOLD = 16, 0.07
 """Samples before that are looked at, and the share of the noise's innovations that they may foretell: 0.04 at most in
-107 records without anything hidden."""
+the same records."""
 APART, NORMAL, GAP = 20, 0.455, 5.0
 """Samples on either side of a moment between whose means what is left jumps; the median square over the mean square of
 what is normal; and the usual times between samples from which a longer one is a break."""
@@ -89,8 +90,11 @@ def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 
 def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What the samples before foretell is no noise: a beat, a swing, what comes and goes. Noise is foretold by its
-    colour and no further, so a longer linear prediction (Makhoul 1975, Proceedings of the IEEE 63, 561–580) adds nothing."""
+    """What the samples before foretell is no noise: a beat, a swing, what comes and goes.
+
+    Noise is foretold by its colour and no further: a longer linear prediction (Makhoul 1975, Proceedings of the IEEE
+    63, 561–580) adds nothing.
+    """
     if selection.record.inputs.time is None:
         return None
     own = selection.noise_left_by(fitted)

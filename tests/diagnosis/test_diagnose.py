@@ -230,7 +230,8 @@ def test_a_swing_whose_phase_wanders_is_no_noise_and_slow_noise_of_its_size_is(t
     """A process of the second order that swings in 5.5 samples, beside one of the first."""
     record = rig_record(tmp_path, seed=54, law=EXPONENTIAL, sigma_N=1.0)
     steps = np.random.default_rng(11).standard_normal(len(record))
-    swing = lfilter([1.0], [1.0, -2.0 * radius * np.cos(2.0 * np.pi / 5.5), radius**2] if radius else [1.0, -0.9], steps)
+    memory = [1.0, -2.0 * radius * np.cos(2.0 * np.pi / 5.5), radius**2] if radius else [1.0, -0.9]
+    swing = lfilter([1.0], memory, steps)
     answer = diagnose(Model.build(EXPONENTIAL), with_force(record, 2.0 * swing / swing.std()))
     assert answer.verdict == verdict and answer.selected == ()
     assert (answer.pattern is not None and "foretold" in answer.pattern.text) == bool(radius)
