@@ -104,11 +104,17 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if n < WINDOW * LAGS:
         return None
     before, now = white[:, :-1], white[:, -1]
-    left = now - before @ np.linalg.lstsq(before, now)[0]
+    weights = np.linalg.lstsq(before, now)[0]
+    left = now - before @ weights
     share = 1.0 - float(left @ left) / n / float(np.mean(now**2))
     if share < FORETOLD:
         return None
+    flat = np.abs(np.fft.rfft(np.r_[1.0, -weights[::-1]], 64 * LAGS))  # least where its spectrum is highest
+    beat = int(np.argmin(flat))
     text = f"{percent(share)} of what is left is foretold by the samples before it, beyond any slow noise"
+    if 0 < beat < len(flat) - 1:
+        period = 64 * LAGS / beat * float(np.median(np.diff(selection.record.inputs.time)))
+        text += f"; it swings with a period of about {number(period, 2)} s"
     return Pattern("other", "time", None, "", share, text)
 
 
