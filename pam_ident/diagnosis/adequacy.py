@@ -151,16 +151,15 @@ class Adequacy:
         must be there, whatever else is, and what is left must not follow it.
         """
         following = self.selection.following
-        for alone in (True, False):
-            kept = self._following(following.possible, alone)
-            if kept.unexplained[1] < 1.0 - NEARLY_ALL:
-                return kept
+        kept = self._following(following.possible)
+        if kept.unexplained[1] < 1.0 - NEARLY_ALL:
+            return kept
         return self._following(frozenset(following.needed) - self.left.drivers)
 
-    def _following(self, drivers: frozenset[str], alone: bool = True) -> "Adequacy":
+    def _following(self, drivers: frozenset[str]) -> "Adequacy":
         """The same with the names that are the only ones to follow theirs, first one of some drivers."""
         followed = Counter(name for term in self.fitted.terms for name in term.effect.follows)
-        sure = {name for name in drivers if followed[name] == 1 or not alone}
+        sure = {name for name in drivers if followed[name] == 1}
         kept = [t for t in self.fitted.terms if not t.effect.candidate or sure.issuperset(t.effect.follows[:1])]
         return replace(self, fitted=self.selection.refit(kept, self.fitted.values))
 
