@@ -181,12 +181,12 @@ def _left_by(selection: Selection, fitted: FittedSet) -> Following:
 
 
 def needless(selection: Selection, effect: Effect, others: FittedSet) -> bool:
-    """Whether nothing speaks for an effect beside others: what they leave does not follow what it does first; or the
-    free model does not beat them, and they follow that, too, or their drivers explain as much without it."""
+    """Whether nothing speaks for an effect beside others that are complete without it: they follow what it does first,
+    or their drivers explain as much; or what they leave does not follow that."""
     if not effect.follows or selection.record.inputs.time is None:
         return False
+    rest = Adequacy(selection, others, FreeModel.of(selection))
+    if not rest.complete:
+        return False
     first, followed = effect.follows[0], {name for term in others.terms for name in term.effect.follows}
-    may = first in followed or selection.following.enough(followed, first)
-    if may and FreeModel.of(selection).odds(selection, others) < EQUAL:
-        return True
-    return first not in followed and first not in _left_by(selection, others).likely
+    return first in followed or selection.following.enough(followed, first) or first not in rest.left.likely

@@ -33,7 +33,8 @@ from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
 BY_FORM = 0.5
-"""Chance that a name is right which follows the same as a larger one: 4 of 7 were false (docs/validation.md)."""
+"""Chance that a name is right which follows the same as a larger one, or nothing that is likely: 4 of 7 were false, and
+5 of 9 (docs/validation.md)."""
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
 leaves no more."""
@@ -154,7 +155,7 @@ def diagnosing(
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
-    again = _followed_again(named, following)
+    again = by_form_alone(named, following)
     chance = {name: chance[name] * (BY_FORM if name in again else 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
@@ -162,8 +163,8 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     error = float(np.sqrt(np.mean(left**2)))
     floor = _as_measured(min(noise.whole, error), best)
-    if lacking and (between := repeat_noise(best)):  # the noise was estimated beside names that are not all there are
-        floor = min(floor, between.sigma)
+    if lacking and (between := repeat_noise(best)):  # which the names that are not all there are do not touch
+        floor = min(between.sigma, best.rmse)
     extra = (*extra, *model.own)
     said = sentence(base, best, labels, classes, pattern, floor, error > 2.0 * noise.whole, extra)
     if outcome == "adequate" and noise.coloured:
@@ -174,7 +175,7 @@ def diagnosing(
         said += " A load was held and the length answered: errors are those of the force at the measured length."
     if merged:
         said += f" One pressure does not tell {', '.join(merged)} from the other parameters: held at 0."
-    said += reservations({name: rivals[name] for name in selected}, again, extra)
+    said += reservations({name: rivals[name] for name in selected}, again, follows[0].text, extra)
     found = Diagnosis(
         base,
         best,
@@ -203,15 +204,20 @@ def diagnosing(
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
-def _followed_again(named: list[Term], following: Following) -> dict[str, str]:
-    """Of names, largest first, those that follow first what larger ones could, and the largest of these."""
+def by_form_alone(named: list[Term], following: Following) -> dict[str, str]:
+    """Of names, largest first, those of which no driver is likely, and those that follow first what larger ones could,
+    with the largest of these, else with nothing."""
     found: dict[str, str] = {}
+    timed = following.record.inputs.time is not None
     for k, term in enumerate(named):
-        first, larger = term.effect.follows[:1], named[:k]
+        effect, larger = term.effect, named[:k]
+        first = effect.follows[:1]
         alike = [t.effect.name for t in larger if t.effect.follows[:1] == first != ()]
         if larger and first and following.enough({f for t in larger for f in t.effect.follows}, first[0]):
             alike.append(larger[0].effect.name)
-        found |= {term.effect.name: alike[0]} if alike else {}
+        aside = effect.follows and timed and following.likely.isdisjoint(effect.follows)
+        if alike or aside:
+            found[effect.name] = alike[0] if alike else ""
     return found
 
 

@@ -59,13 +59,17 @@ def investigate(
     new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
     by their full likelihood, each with its own noise. The noise that a close rival of other names leaves is tried as
     well, where none was like it. Nothing of this where no noise could take the place of any name: a little
-    colour is what a form leaves that is not exactly right.
+    colour is what a form leaves that is not exactly right. Nor where the free model is likelier than every part of the
+    answer with the noise that it leaves: noise is then what the free model leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection, most)
     doubtful = selection.noise_left_by(fitted).coloured or _may_be_noise(selection, fitted)
-    if not selection.noise.coloured and (not doubtful or _no_colour(selection, fitted) or _sure(selection, fitted)):
+    if not selection.noise.coloured and (not doubtful or _sure(selection, fitted)):
         return selection, _without_small(selection, fitted)
+    least, _, likeliest = _compared([(selection, fitted)])[0]
+    if selection.record.inputs.time is not None and FreeModel.of(selection).criterion + EQUAL < least:
+        return selection, _without_small(selection, selection.refit(likeliest.terms, likeliest.values))
     selections = [(selection, fitted)]
 
     def tried_against(noise: Noise) -> bool:
@@ -134,14 +138,6 @@ def _may_be_noise(selection: Selection, fitted: FittedSet) -> bool:
     if not selection.noise_left_by(selection.empty).coloured:
         return False
     return full_criterion(selection, selection.empty)[0] < full_criterion(selection, fitted)[0] + SURE
-
-
-def _no_colour(selection: Selection, fitted: FittedSet) -> bool:
-    """Whether what a set, or the law alone, leaves is no slow noise: the free model is far likelier than either."""
-    if selection.record.inputs.time is None:
-        return False
-    free = FreeModel.of(selection)
-    return all(free.criterion + SURE < full_criterion(selection, v)[0] for v in (fitted, selection.empty))
 
 
 def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[float, Noise, FittedSet]]:

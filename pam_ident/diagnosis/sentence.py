@@ -49,19 +49,18 @@ def sentence(
     return " ".join(parts)
 
 
-def reservations(rivals: Mapping[str, float], again: Mapping[str, str], extra: tuple[Effect, ...]) -> str:
+def reservations(rivals: Mapping[str, float], again: Mapping[str, str], follows: str, extra: tuple[Effect, ...]) -> str:
     """What makes named effects less sure, each sentence with a blank before it: the chance that one is something
-    unknown, and a larger one that follows the same."""
+    unknown, a larger one that follows the same, or where there is none that the error rather `follows` another."""
     said = [
         f" With a chance of {probability(chance)} it is not {in_words(name, extra)} but something unknown."
         for name, chance in rivals.items()
         if chance >= TOLD
     ]
     for name, other in again.items():
-        larger = capital(in_words(other, extra))
-        said.append(
-            f" Less sure: {in_words(name, extra)}. {larger} could follow the same; only the form tells the two apart."
-        )
+        larger = f"{capital(in_words(other, extra))} could follow the same"
+        why = larger if other else f"The error rather follows {follows}"
+        said.append(f" Less sure: {in_words(name, extra)}. {why}; only the form tells the two apart.")
     return "".join(said)
 
 

@@ -5,11 +5,12 @@ from dataclasses import replace
 import pytest
 
 from pam_ident.diagnosis import diagnose
+from pam_ident.diagnosis.diagnose import by_form_alone
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.follows import Following
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
-from pam_ident.model import Model
+from pam_ident.model import Model, Term
 from pam_ident.records import read_record
 from pam_ident.records.datasets import dataset_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
@@ -43,6 +44,17 @@ def test_only_what_the_error_follows_is_supported(hidden_effect):
     assert not following.supports(catalogue()["thermal_softening"].follows)
     assert not following.supports(catalogue()["stribeck_friction"].follows), "one whose first driver is not followed"
     assert following.supports(()), "an effect of the user's own may follow anything"
+
+
+def test_a_name_is_by_its_form_alone_where_a_larger_one_or_nothing_likely_follows_the_same(hidden_effect):
+    following = Following.of(fit(Model.build(EXPONENTIAL), hidden_effect))
+    pressed, dry, worn = (
+        Term(catalogue()[name], catalogue()[name].forms[0])
+        for name in ("pressure_friction", "coulomb_friction", "mullins_softening")
+    )
+    assert by_form_alone([pressed], following) == {}, "the error follows the direction"
+    assert by_form_alone([worn], following) == {"mullins_softening": ""}
+    assert by_form_alone([pressed, dry], following) == {"coulomb_friction": "pressure_friction"}
 
 
 def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):

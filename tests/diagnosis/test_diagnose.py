@@ -1,9 +1,11 @@
 """Hidden effects of the virtual rig, whose physics is written apart from the effects, are named; others are not."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from pam_ident.core import Param
 from pam_ident.diagnosis import climb, diagnose, heldout_rmse
@@ -224,6 +226,20 @@ def with_force(record: Record, added) -> Record:
     return replace(record, force=record.force + added)
 
 
+@pytest.mark.parametrize(("radius", "verdict"), [(0.97, "unknown_effect"), (0.0, "adequate")])
+def test_a_swing_whose_phase_wanders_is_no_noise_and_slow_noise_of_its_size_is(tmp_path, radius, verdict):
+    """A process of the second order that swings in 5.5 samples, beside one of the first."""
+    record = rig_record(tmp_path, seed=54, law=EXPONENTIAL, sigma_N=1.0)
+    steps = np.random.default_rng(11).standard_normal(len(record))
+    memory = [1.0, -2.0 * radius * np.cos(2.0 * np.pi / 5.5), radius**2] if radius else [1.0, -0.9]
+    swing = lfilter([1.0], memory, steps)
+    answer = diagnose(Model.build(EXPONENTIAL), with_force(record, 2.0 * swing / swing.std()))
+    assert answer.verdict == verdict and answer.selected == ()
+    told = re.findall(r"it swings with a period of about (\S+) s", answer.pattern.text if answer.pattern else "")
+    period = 5.5 * np.median(np.diff(record.inputs.time))
+    assert [float(one) for one in told] == pytest.approx([period] if radius else [], rel=0.05)
+
+
 @LONG
 def test_bursts_over_the_noise_are_no_noise(tmp_path):
     record = rig_record(tmp_path, seed=45, law=CHOU, noise="ar1")
@@ -285,6 +301,22 @@ def test_what_loses_by_a_hair_is_heard_against_the_noise_that_it_leaves(tmp_path
     plan = {"sigma_N": 1.0, "tier": 2, "protocol": "six_pressures"}
     record = rig_record(tmp_path, seed=208, law=EXPONENTIAL, secrets=secrets, **plan)
     assert "mullins_softening" in diagnose(Model.build(EXPONENTIAL), record).selected
+
+
+@LONG
+@pytest.mark.parametrize(
+    ("seed", "friction", "times"),
+    [
+        (320, Secret("presliding_hysteresis", "textbook", 7.6), 2.2),
+        (332, Secret("pressure_friction", "radius", 6.0), 2.0),
+    ],
+)
+def test_a_softening_over_the_way_beside_friction_has_its_name(tmp_path, seed, friction, times):
+    """What friction leaves of it follows the clock as well, or passes for noise, three times as large as there is."""
+    secrets = (friction, Secret("mullins_softening", "travel", times))
+    record = rig_record(tmp_path, seed=seed, law=EXPONENTIAL, secrets=secrets, sigma_N=1.0)
+    answer = diagnose(Model.build(EXPONENTIAL), record)
+    assert set(answer.selected) == {friction.name, "mullins_softening"} and answer.noise_floor < 1.5
 
 
 def test_a_stop_hit_hard_is_no_stiffening_bladder(tmp_path):
