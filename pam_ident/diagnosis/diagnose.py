@@ -163,7 +163,7 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     error = float(np.sqrt(np.mean(left**2)))
     floor = _as_measured(min(noise.whole, error), best)
-    between = [noise.sigma for one in (base, best) if lacking and (noise := repeat_noise(one))]
+    between = [seen.sigma for one in (base, best) if lacking and (seen := repeat_noise(one))]
     if between:  # the names that are not all there are do not touch it
         floor = min(*between, best.rmse)
     extra = (*extra, *model.own)
