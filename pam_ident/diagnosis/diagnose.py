@@ -34,7 +34,7 @@ from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 Array = np.ndarray
 BY_FORM = 0.5
 """Chance that a name is right which follows the same as a larger one, or nothing that is likely: 4 of 7 were false, and
-5 of 9 (docs/validation.md)."""
+5 of 10 (docs/validation.md)."""
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
 leaves no more."""
@@ -163,8 +163,9 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     error = float(np.sqrt(np.mean(left**2)))
     floor = _as_measured(min(noise.whole, error), best)
-    if lacking and (between := repeat_noise(best)):  # which the names that are not all there are do not touch
-        floor = min(between.sigma, best.rmse)
+    between = [seen.sigma for one in (base, best) if lacking and (seen := repeat_noise(one))]
+    if between:  # the names that are not all there are do not touch it
+        floor = min(*between, best.rmse)
     extra = (*extra, *model.own)
     said = sentence(base, best, labels, classes, pattern, floor, error > 2.0 * noise.whole, extra)
     if outcome == "adequate" and noise.coloured:

@@ -59,17 +59,19 @@ def investigate(
     new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
     by their full likelihood, each with its own noise. The noise that a close rival of other names leaves is tried as
     well, where none was like it. Nothing of this where no noise could take the place of any name: a little
-    colour is what a form leaves that is not exactly right. Nor where the free model is likelier than every part of the
-    answer with the noise that it leaves: noise is then what the free model leaves.
+    colour is what a form leaves that is not exactly right. Nor where the answer is no noise, and the free model is
+    likelier than each of its parts with the noise that it leaves: noise is then what the free model leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection, most)
-    doubtful = selection.noise_left_by(fitted).coloured or _may_be_noise(selection, fitted)
+    may_be_noise = _may_be_noise(selection, fitted)
+    doubtful = may_be_noise or selection.noise_left_by(fitted).coloured
     if not selection.noise.coloured and (not doubtful or _sure(selection, fitted)):
         return selection, _without_small(selection, fitted)
-    least, _, likeliest = _compared([(selection, fitted)])[0]
-    if selection.record.inputs.time is not None and FreeModel.of(selection).criterion + EQUAL < least:
-        return selection, _without_small(selection, selection.refit(likeliest.terms, likeliest.values))
+    if selection.record.inputs.time is not None and not may_be_noise:
+        least, _, likeliest = _compared([(selection, fitted)])[0]
+        if FreeModel.of(selection).criterion + EQUAL < least:
+            return selection, _without_small(selection, selection.refit(likeliest.terms, likeliest.values))
     selections = [(selection, fitted)]
 
     def tried_against(noise: Noise) -> bool:

@@ -58,9 +58,9 @@ def reservations(rivals: Mapping[str, float], again: Mapping[str, str], follows:
         if chance >= TOLD
     ]
     for name, other in again.items():
-        larger = f"{capital(in_words(other, extra))} could follow the same"
-        why = larger if other else f"The error rather follows {follows}"
-        said.append(f" Less sure: {in_words(name, extra)}. {why}; only the form tells the two apart.")
+        larger = f"{capital(in_words(other, extra))} could follow the same; only the form tells the two apart."
+        why = larger if other else f"The error rather follows {follows}; only its form speaks for it."
+        said.append(f" Less sure: {in_words(name, extra)}. {why}")
     return "".join(said)
 
 
