@@ -71,6 +71,7 @@ def _plain(record: Record) -> Strokes:
     x = inputs.displacement_mm
     bottom = round(float(np.quantile(x, 0.01)), 1) + 0.0
     levels = [p for p in record.levels if x[record.level == p].max() - bottom > SHORTEST * (x.max() - bottom)]
+    levels = levels or list(record.levels)  # where noise alone moves the length
     speeds = np.array([USUAL_MM_S])
     if inputs.stroke_speed is not None and inputs.moving is not None and inputs.moving.any():
         speeds = inputs.stroke_speed[inputs.moving]
