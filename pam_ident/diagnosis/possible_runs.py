@@ -39,9 +39,12 @@ class PossibleRun:
 def possible_runs(record: Record, model: Model, values: dict[str, float]) -> list[PossibleRun]:
     """Runs built from a record's own pressures, stroke and speeds; `model` (a law alone) tells where a stroke ends.
 
-    All have two speeds at least, so that what depends on speed stays apart from what does not in each by itself.
+    All have two speeds at least, so that what depends on speed stays apart from what does not in each by itself. There
+    are none where noise alone moves the length.
     """
     plain = _plain(record)
+    if plain is None:
+        return []
     fast = plain.speeds_mm_s[-1]
     few, spread = _pressures(record, 3), _pressures(record, 5)
     speed, pressure, hold, loops = ("speed",), ("pressure",), ("hold",), ("reversal",)
@@ -65,12 +68,15 @@ def possible_runs(record: Record, model: Model, values: dict[str, float]) -> lis
     return [replace(c, strokes=s) for c in found if (s := _within_reach(c.strokes, record, model, values)).tops_mm]
 
 
-def _plain(record: Record) -> Strokes:
-    """The least run that stands by itself: at most three of the record's pressures, two speeds a factor of 20 apart."""
+def _plain(record: Record) -> Strokes | None:
+    """The least run that stands by itself: at most three of the record's pressures, two speeds a factor of 20 apart;
+    None where no pressure has a stroke."""
     inputs = record.inputs
     x = inputs.displacement_mm
     bottom = round(float(np.quantile(x, 0.01)), 1) + 0.0
     levels = [p for p in record.levels if x[record.level == p].max() - bottom > SHORTEST * (x.max() - bottom)]
+    if not levels:
+        return None
     speeds = np.array([USUAL_MM_S])
     if inputs.stroke_speed is not None and inputs.moving is not None and inputs.moving.any():
         speeds = inputs.stroke_speed[inputs.moving]

@@ -82,10 +82,10 @@ def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What is left where the muscle turns, in samples that are looked at nowhere else: noise does not grow there."""
     unsure, residual = selection.following.unsure, selection.view(fitted).residual
     turns = residual[unsure.unread] if unsure else residual[:0]
-    if len(turns) < WINDOW or float(np.median(np.abs(turns))) < AT_TURNS * selection.calm.whole:
+    if len(turns) < WINDOW or float(np.median(np.abs(turns))) < AT_TURNS * selection.noise.whole:
         return None
     size = float(np.sqrt(np.mean(turns**2)))
-    text = f"about {newtons(size)} rms at the turns of the motion, where noise is {newtons(selection.calm.whole)}"
+    text = f"about {newtons(size)} rms at the turns of the motion, where noise is {newtons(selection.noise.whole)}"
     return Pattern("other", "direction", None, "", float(np.sum(turns**2) / np.sum(residual**2)), text)
 
 

@@ -114,7 +114,6 @@ class Selection:
             view, regressors = before.law, before.regressors
         self.law, self.regressors = view, regressors
         self.noise: Noise = noise or self._noise(view)
-        self.calm: Noise = before.calm if before else self.noise
         data = view.compress(regressors, self.noise)
         self._drop_unseen(data)
         absorbed = [e for e in self.candidates if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
