@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,7 @@ class Cards(JSComponent):
     def _handle_msg(self, data: Any) -> None:
         key = str(data.get("key")) if isinstance(data, dict) else ""
         if any(item["key"] == key and not item.get("disabled") for item in self.items):
-            self._chosen(key)
+            in_turn(partial(self._chosen, key))
 
 
 class Tabs(pn.Column):
@@ -40,7 +41,7 @@ class Tabs(pn.Column):
 
     def __init__(self, parts: Mapping[str, pn.viewable.Viewable], **options: Any) -> None:
         self._parts = parts
-        self.buttons = Cards("Parts", lambda name: in_turn(lambda: self.turn_to(name)), css_classes=["strip"])
+        self.buttons = Cards("Parts", self.turn_to, css_classes=["strip"])
         self.turn_to(next(iter(parts)))
         super().__init__(self.buttons, *parts.values(), **options)
 
@@ -71,7 +72,8 @@ class Sliders(JSComponent):
         name, value = (data.get("name"), data.get("value")) if isinstance(data, dict) else (None, None)
         item = next((item for item in self.items if item["name"] == name), None)
         if item is not None and (value is None or (isinstance(value, int | float) and math.isfinite(value))):
-            self._told(item["name"], None if value is None else min(max(float(value), item["low"]), item["high"]))
+            kept = None if value is None else min(max(float(value), item["low"]), item["high"])
+            in_turn(partial(self._told, item["name"], kept))
 
 
 def _slider(fit: Fit, name: str, value: float) -> dict[str, Any]:

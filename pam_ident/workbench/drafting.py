@@ -11,7 +11,7 @@ from ..records.guess import units_of
 from ..records.quantities import QUANTITIES
 from . import words
 from .draft import Draft
-from .parts import LOOK, html
+from .parts import LOOK, html, on_press
 from .specimen import SpecimenForm
 
 WORDS = {"": "not used", "pressure_set": "pressure, set point", "displacement": "displacement (shortening > 0)",
@@ -29,8 +29,8 @@ class Drafting:
         self.table, self.head = pn.Column(sizing_mode="stretch_width"), html()
         self.open = pn.widgets.Button(label="Open with these columns", color="primary", **LOOK)
         self.close = pn.widgets.Button(label="Leave it", **LOOK)
-        self.open.on_click(lambda _: opened())
-        self.close.on_click(lambda _: closed())
+        on_press(self.open, opened)
+        on_press(self.close, closed)
         self.muscle = pn.Column(html("<h3>The muscle at rest</h3>"), self.form.row, sizing_mode="stretch_width")
         self.panel = pn.Column(self.head, self.table, self.muscle, pn.Row(self.open, self.close), visible=False,
                                sizing_mode="stretch_width", css_classes=["draft"], **LOOK)  # fmt: skip

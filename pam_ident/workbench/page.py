@@ -24,7 +24,7 @@ from .cards import Cards, Tabs
 from .draft import Draft
 from .drafting import Drafting
 from .history import History
-from .parts import LOOK, Page, html, in_turn
+from .parts import LOOK, Page, html, on_press
 from .side import Side
 from .view import Views
 from .work import Work
@@ -91,9 +91,9 @@ class Workbench(Viewer):
         side.example.param.watch(self._on_example, "value")
         for choice in (side.law, side.geometry):
             choice.param.watch(self._on_law, "value")
-        side.columns.on_click(lambda _: self._ask(True))
-        side.use_specimen.on_click(lambda _: self._on_specimen())
-        side.add_other.on_click(lambda _: self._change(lambda bench: bench.adding(side.other)))
+        on_press(side.columns, lambda: self._ask(True))
+        on_press(side.use_specimen, self._on_specimen)
+        on_press(side.add_other, lambda: self._change(lambda bench: bench.adding(side.other)))
         side.save.callback = partial(self._kept, lambda bench: bench.report())
         side.save_specimen.callback = partial(self._kept, lambda bench: specimen_toml(bench.record.specimen))
         side.save_columns.callback = partial(
@@ -113,13 +113,13 @@ class Workbench(Viewer):
                 ("Answer all the same", "default"),
             )
         )
-        self.stop.on_click(lambda _: self._halt())
-        self.find.on_click(lambda _: self._begin(lambda: _found(self.bench)) if self.bench else None)
-        self.anyway.on_click(lambda _: self._change(lambda bench: bench.all_the_same()))
+        on_press(self.stop, self._halt)
+        on_press(self.find, lambda: self._begin(lambda: _found(self.bench)))
+        on_press(self.anyway, lambda: self._change(lambda bench: bench.all_the_same()))
         self.draft = Drafting(self._on_open, lambda: self._ask(False))
         self.steps = Cards("Steps taken", self._on_step, css_classes=["strip"])
         self.pin = pn.widgets.Button(label="Pin this model as A", **LOOK)
-        self.pin.on_click(lambda _: self._on_pin())
+        on_press(self.pin, self._on_pin)
         self.view = Views()
         self.texts = {name: html() for name in ("where", "parameters", "against", "model")}
         self.tabs = Tabs(
@@ -312,11 +312,11 @@ class Workbench(Viewer):
         if self.history.go(int(key) if at is None else at) and self.bench is not None:
             self.setup = self.bench.setup
             self.error.visible = False
-            in_turn(self._show)
+            self._show()
 
     def _on_pin(self) -> None:
         self.history.pinned = self.bench
-        in_turn(self._show)
+        self._show()
 
     def _kept(self, make: Callable[[Bench], str]) -> io.BytesIO | None:
         try:

@@ -18,9 +18,14 @@ def html(text: str = "", **options: Any) -> pn.pane.HTML:
 
 
 def in_turn(change: Callable[[], None]) -> None:
-    """Change figures after a click. Where other clicks wait to be heard, Bokeh's lock on them is not held before the
-    next turn; without a server at once."""
+    """Change the page after a click. Where a click is heard before a change that waits, Bokeh's lock on the page is
+    not held before the next turn, and what is changed may never reach the browser; without a server at once."""
     pn.state.execute(change, schedule=True)
+
+
+def on_press(button: pn.widgets.Button, change: Callable[[], None]) -> None:
+    """Change the page, in its turn, when a button is pressed."""
+    button.on_click(lambda _: in_turn(change))
 
 
 class Page(pn.Column):
