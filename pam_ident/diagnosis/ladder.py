@@ -12,6 +12,7 @@ from ..core.prose import capital
 from ..effects import Effect
 from ..fitting import Fit, fit
 from ..fitting.carried import driven
+from ..fitting.identifiability import at_its_pressures
 from ..model import Model, Term
 from ..records import Record
 from .confirmed import fit_onto
@@ -62,6 +63,7 @@ def climb(
         [] 5.8 N
         ['pressure_friction'] 2.1 N
     """
+    model, _ = at_its_pressures(model, record)
     record = driven(model, record)
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]

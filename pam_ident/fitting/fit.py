@@ -15,7 +15,7 @@ from ..records import Record
 from . import readings
 from .covariance import Covariance, Sums, clusters, student, sums
 from .estimate import Estimate, estimates_of
-from .identifiability import StandIn, levels_of, stand_ins
+from .identifiability import StandIn, at_its_pressures, stand_ins
 from .length import Lengths, at_limit, by_length, solve_length, sums_of
 from .readings import Errors, in_memory, least, on_disk, with_memory
 from .solve import Solution, jacobian, solve, table
@@ -222,7 +222,8 @@ def fit(
     solver: Solver | None = None,
 ) -> Fit:
     """Least-squares fit of a model to a record, with the errors of its parameters: of the force, or of the length where
-    that answered (an isotonic test), without the rows at its mechanical limit.
+    that answered (an isotonic test), without the rows at its mechanical limit. Parameters of the law that one pressure
+    does not tell from others are held at 0.
 
     Args:
         model, record: what to fit to what.
@@ -253,6 +254,7 @@ def fit(
     if answered:
         rows = rows & ~at_limit(record)
     check(model, record, rows, held)
+    held = untold(model, record, rows) | held
     tell("fitting")
     if answered:
         if weighing != PLAIN:
@@ -288,6 +290,7 @@ def fit_long(model: Model, record: "LongRecord", branch: str, held: Mapping[str,
     held, sample = dict(held or {}), record.sample(readings.SAMPLES[-1])
     rows = sample.branch_rows(branch)
     check(model, sample, rows, held)
+    held = untold(model, sample, rows) | held
     memory = with_memory(model, sample.inputs, sample.force)
     if memory:
         raise UsageError(
@@ -349,18 +352,18 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
     """
     check_held(model, held)
     where = record.source or record.name
-    levels = levels_of(record, rows)
-    if levels < model.law.min_levels:
-        raise FitError(
-            f"{where}: {levels:.0f} pressure level ({record.level[rows][0]:g} MPa), but {model.law.name} needs at "
-            f"least {model.law.min_levels} to tell its parameters apart; add isobars or choose another law"
-        )
     if np.count_nonzero(rows) <= len(model.params):
         raise FitError(
             f"{where}: {int(rows.sum())} samples for {len(model.params)} parameters of {model.law.name}; "
             "measure more samples or choose a law with fewer parameters"
         )
     check_needs(model, record)
+
+
+def untold(model: Model, record: Record, rows: Array) -> dict[str, float]:
+    """The law's parameters that `rows` (mask, shape (n,)) at one pressure do not tell from others, and the 0 at which
+    they are held."""
+    return dict.fromkeys(at_its_pressures(model, record, rows)[1], 0.0)
 
 
 def check_held(model: Model, held: Mapping[str, float]) -> None:

@@ -66,7 +66,8 @@ class Law:
         kept: list[int] = []
         for k in reversed(range(len(self.linear))):
             kept = [k, *kept] if np.linalg.matrix_rank(columns[:, [k, *kept]]) > len(kept) else kept
-        told = tuple(p if k in kept else replace(p, lower=0.0, upper=0.0) for k, p in enumerate(self.linear))
+        gone = {"lower": 0.0, "upper": 0.0, "start": 0.0, "range": None}
+        told = tuple(p if k in kept else replace(p, **gone) for k, p in enumerate(self.linear))
         return replace(self, linear=told, min_levels=1)
 
     def force(self, pressure: Array, contraction: Array, specimen: Specimen, values: Values) -> Array:

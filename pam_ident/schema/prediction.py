@@ -8,7 +8,7 @@ from .versions import schema, warnings_json
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..tasks.law_choice import LawChoice
+    from ..tasks.law_choice import LawChoice, LawTrial
     from ..tasks.predict import ErrorsThere, SavedFit, Validation
 
 
@@ -16,17 +16,19 @@ def law_choice_json(choice: "LawChoice | None") -> Json:
     """What is added to an answer whose law was chosen; nothing where it was named."""
     if choice is None:
         return {}
-    trials = [
-        {
-            "law": one.law,
-            "parameters": one.parameters,
-            "rmse_N": one.rmse,
-            "heldout_rmse_N": one.heldout_rmse,
-            "problem": one.problem or None,
-        }
-        for one in choice.trials
-    ]
-    return {"law_choice": {"why": choice.why, "laws": trials}}
+    return {"law_choice": {"why": choice.why, "laws": [_law_json(one) for one in choice.trials]}}
+
+
+def _law_json(one: "LawTrial") -> Json:
+    force, length = (None, one) if one.in_mm else (one, None)
+    return {
+        "law": one.law,
+        "parameters": one.parameters,
+        "rmse_N": force and force.rmse,
+        "heldout_rmse_N": force and force.heldout_rmse,
+        **({"rmse_mm": length.rmse, "heldout_rmse_mm": length.heldout_rmse} if length else {}),
+        "problem": one.problem or None,
+    }
 
 
 def validation_json(fit: str, record: str, found: "Validation") -> Json:

@@ -14,6 +14,7 @@ from ..core.prose import capital
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..fitting.estimate import impossible
+from ..fitting.fit import untold
 from ..fitting.length import at_limit, by_length, weights_of
 from ..model import Model
 from ..records import Record
@@ -97,7 +98,7 @@ def check_codes(assume: Iterable[str]) -> None:
 
 def doubts_about(one: Fit) -> tuple[Doubt, ...]:
     """What looks wrong in the record of a fit, and in its law on it, the grave first."""
-    found = (*doubts_of(one.record), *_doubt_outliers(one), *doubt_values(one))
+    found = (*doubts_of(one.record), *_doubt_pressures(one), *_doubt_outliers(one), *doubt_values(one))
     if one.lengths is not None:
         return _grave_first((*_doubt_length(one), *found))
     force = one.record.force[one.rows]
@@ -115,6 +116,17 @@ def doubts_about(one: Fit) -> tuple[Doubt, ...]:
         True,
     )
     return _grave_first((law, *found))
+
+
+def _doubt_pressures(one: Fit) -> Iterator[Doubt]:
+    """What of the law one pressure does not tell."""
+    names = [name for name in untold(one.model, one.record, one.rows) if one.held.get(name) == 0.0]
+    if names:
+        text = (
+            f"one pressure, {one.record.level[one.rows][0]:g} MPa, does not tell {', '.join(names)} from the other "
+            "parameters: held at 0. The law stands for that pressure alone; measure at others."
+        )
+        yield Doubt("one_pressure", text, "pressure")
 
 
 def _doubt_length(one: Fit) -> Iterator[Doubt]:

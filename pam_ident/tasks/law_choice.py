@@ -7,18 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core import DataError, FitError
-from ..core.digits import newtons
+from ..core import DataError, FitError, UsageError
+from ..core.digits import millimetres, newtons
 from ..core.progress import steps
 from ..core.prose import capital
 from ..fitting import fit
-from ..fitting.length import by_length
+from ..fitting.fit import picker
+from ..fitting.length import Lengths, by_length, solve_length
 from ..fitting.solve import solve
 from ..laws import get_law, listed
 from ..model import Model
 from ..records import Record, thinned
 from ..records.doubt import Doubt
-from .gate import Refused, TooLittle, admit, computing
+from .gate import TooLittle, admit, computing
 from .setup import AUTO, Setup
 
 if TYPE_CHECKING:
@@ -31,19 +32,20 @@ FOLDS = 5
 ALIKE = 1.01
 """Ratio of mean errors up to which laws predict several records alike."""
 EXACT = 1e-6
-"""Error over the largest force that is as good as none."""
+"""Error over the largest force, or over the muscle's length, that is as good as none."""
 
 
 @dataclass(frozen=True)
 class LawTrial:
-    """A law on trial: how many parameters it has, its errors in N, on the rows it was fitted to and on those it was
-    not; NaN, with the `problem`, where this record cannot fit it."""
+    """A law on trial: how many parameters it has, its errors in N (of the length, `in_mm`, where that answered), on the
+    rows it was fitted to and on those it was not; NaN, with the `problem`, where this record cannot fit it."""
 
     law: str
     parameters: int
     rmse: float = math.nan
     heldout_rmse: float = math.nan
     problem: str = ""
+    in_mm: bool = False
 
 
 @dataclass(frozen=True)
@@ -63,9 +65,6 @@ def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
     if setup.law != AUTO:
         return setup, None
     admit(record, length=True)
-    if by_length(record):
-        text = "an isotonic test: laws are compared by their force, and here the length answers. Name one with --law"
-        raise Refused(f"{record.source or record.name}: {text}", len(record), (Doubt("kind", text),))
     with computing(record):
         choice = choose_law(record, setup)
     return replace(setup, law=choice.law, chosen=True), choice
@@ -75,9 +74,9 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
     """The law of the fewest parameters that predicts the rows it has not seen as well as any does.
 
     Every law, with the effects of `setup`, is fitted to four fifths of the record in turn, whole cycles (of a table:
-    lengths or isobars) left out, and held against the fifth. As well as the best is what is worse by less than one
-    standard error of the difference between the folds. A law with a parameter that the record does not determine, or
-    at a bound, is taken only where all are like that.
+    lengths or isobars) left out, and held against the fifth, by the force, or by the length where that answered. As
+    well as the best is what is worse by less than one standard error of the difference between the folds. A law with a
+    parameter that the record does not determine, or at a bound, is taken only where all are like that.
 
     Args:
         record: what the laws are held against; of a long one some thousand rows.
@@ -94,6 +93,7 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
         martens_boblan
     """
     record = thinned(record, ROWS)
+    in_mm = by_length(record)
     masks = _folds(record)
     trials: list[LawTrial] = []
     squares: dict[str, Array] = {}
@@ -103,30 +103,35 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
             one = fit(model, record)
             squares[law.name] = _heldout(one, masks)
         except (FitError, DataError) as error:
-            trials.append(LawTrial(law.name, len(model.params), problem=str(error)))
+            trials.append(LawTrial(law.name, len(model.params), problem=str(error), in_mm=in_mm))
             continue
-        heldout = math.sqrt(squares[law.name].sum() / len(record)) if masks else math.nan
-        trials.append(LawTrial(law.name, len(model.params), one.rmse, heldout, _problem(one)))
+        heldout = math.sqrt(squares[law.name].sum() / one.n) if masks else math.nan
+        rmse = (one.length_errors or one.errors).rmse
+        trials.append(LawTrial(law.name, len(model.params), rmse, heldout, _problem(one), in_mm))
     if not squares:
         text = f"no law can be fitted. {trials[0].problem}"
         raise TooLittle(f"{record.source or record.name}: {text}", len(record), (Doubt("too_little", text),))
     trials.sort(key=lambda t: (math.isnan(t.rmse), t.heldout_rmse if masks else t.rmse))
-    return _chosen(tuple(trials), squares, masks, float(np.max(np.abs(record.force))))
+    scale = record.specimen.initial_length_mm if in_mm else float(np.max(np.abs(record.force)))
+    return _chosen(tuple(trials), squares, masks, scale)
 
 
 def choose_for_all(records: Sequence[Record], setup: Setup) -> LawChoice:
     """One law for several records: that of the least error on held-out data, in the geometric mean over the records.
 
     Errors in the trials are such means. Of laws within a hundredth the one with the fewest parameters is taken, and one
-    with a problem only where all have one. Raises FitError where no law can be fitted to all of them.
+    with a problem only where all have one. Raises FitError where no law can be fitted to all of them, UsageError where
+    the length answered in some.
     """
+    if len({by_length(record) for record in records}) > 1:
+        raise UsageError("laws are compared by force in one record and by length in the other; name one with --law")
     found = [{t.law: t for t in choose_law(record, setup).trials} for record in records]
     trials = []
     for law in found[0]:
         mine = [one[law] for one in found]
         rmse, heldout = (math.exp(sum(map(_log, each)) / len(mine)) for each in zip(*map(_errors, mine), strict=True))
         problem = next((t.problem for t in mine if t.problem), "")
-        trials.append(LawTrial(law, mine[0].parameters, rmse, heldout, problem))
+        trials.append(LawTrial(law, mine[0].parameters, rmse, heldout, problem, mine[0].in_mm))
     trials.sort(key=lambda t: (math.isnan(t.heldout_rmse), t.heldout_rmse))
     fitted = [t for t in trials if not math.isnan(t.heldout_rmse)]
     if not fitted:
@@ -142,11 +147,15 @@ def choose_for_all(records: Sequence[Record], setup: Setup) -> LawChoice:
 def _errs(trial: LawTrial) -> str:
     """What a law leaves of held-out data, with what is typed to take it."""
     title = capital(get_law(trial.law).title)
-    return f"{title} ({trial.law}, {trial.parameters} parameters) errs by {newtons(trial.heldout_rmse)}"
+    return f"{title} ({trial.law}, {trial.parameters} parameters) errs by {_error(trial)}"
 
 
 def _next(trial: LawTrial | None) -> str:
-    return f"; the next, the {get_law(trial.law).title}, by {newtons(trial.heldout_rmse)}" if trial else ""
+    return f"; the next, the {get_law(trial.law).title}, by {_error(trial)}" if trial else ""
+
+
+def _error(trial: LawTrial) -> str:
+    return (millimetres if trial.in_mm else newtons)(trial.heldout_rmse)
 
 
 def _errors(trial: LawTrial) -> tuple[float, float]:
@@ -158,8 +167,8 @@ def _log(error: float) -> float:
     return math.log(max(error, 1e-9)) if not math.isnan(error) else math.nan
 
 
-def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array], largest: float) -> LawChoice:
-    """`squares` (folds,) in N² by law; `largest` force in N."""
+def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array], scale: float) -> LawChoice:
+    """`squares` (folds,) in N² or mm² by law; `scale` in N or mm."""
     fitted = [t for t in trials if t.law in squares]
     able = [t for t in fitted if not t.problem] or fitted
     best = able[0]
@@ -168,7 +177,7 @@ def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list
         why = f"{title} ({best.law}) leaves the least; the record has too few cycles to hold any out"
         return LawChoice(best.law, why, trials)
     counts = np.array([mask.sum() for mask in masks])
-    nothing = (EXACT * largest) ** 2
+    nothing = (EXACT * scale) ** 2
 
     def alike(trial: LawTrial) -> bool:
         gap = (squares[trial.law] - squares[best.law]) / counts
@@ -180,7 +189,7 @@ def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list
         second = next((t for t in able if t is not best), None)
         why = said + _next(second)
     else:
-        other = f"the {get_law(best.law).title} ({best.parameters}, {newtons(best.heldout_rmse)})"
+        other = f"the {get_law(best.law).title} ({best.parameters}, {_error(best)})"
         why = f"{said}, as little as {other} to its standard error"
     return LawChoice(simplest.law, why, trials)
 
@@ -193,17 +202,26 @@ def _folds(record: Record) -> list[Array]:
 
 
 def _heldout(one: "Fit", masks: list[Array]) -> Array:
-    """Sum of squares in N² of the rows of each mask, by the model fitted to the others, shape (folds,)."""
-    record, model = one.record, one.model
+    """Sum of squares of the rows of each mask, by the model fitted to the others, shape (folds,): of the force in N²,
+    of a length that answered in mm²."""
+    record, model, in_mm = one.record, one.model, one.lengths is not None
     found = []
     for mask in masks:
-        if np.count_nonzero(~mask) <= len(model.params):
+        rest = one.rows & ~mask
+        if np.count_nonzero(rest) <= len(model.params):
             raise FitError(f"too few samples to hold a {record.block_kind} out for {len(model.params)} parameters")
-        values = solve(model, record.inputs, record.force, lambda m, rows=~mask: m[rows], one.values, quick=True).values
-        found.append(float(np.sum((record.force - model.force(record.inputs, values))[mask] ** 2)))
+        if in_mm:
+            values = solve_length(model, record, rest, one.values, {})[0].values
+            error = Lengths.of(model, record, values).residual
+        else:
+            pick = picker(rest, None)
+            values = solve(model, record.inputs, record.force, pick, one.values, quick=True).values
+            error = record.force - model.force(record.inputs, values)
+        found.append(float(np.sum(error[one.rows & mask] ** 2)))
     return np.array(found)
 
 
 def _problem(one: "Fit") -> str:
     stuck = [e.name for e in one.estimates if e.at_bound and "." not in e.name]
-    return "; ".join([*one.problems, *([f"{', '.join(stuck)} at a bound"] if stuck else [])])
+    untold = [f"one pressure does not tell {', '.join(one.held)} from the others"] if one.held else []
+    return "; ".join([*one.problems, *untold, *([f"{', '.join(stuck)} at a bound"] if stuck else [])])

@@ -75,11 +75,14 @@ def test_bounded_least_squares_agrees_with_scipy():
     assert hit > 5
 
 
-def test_one_pressure_cannot_identify_a_law_that_needs_several():
-    record = table(lambda p, e: 1000.0 * p - 500.0 * e, pressures=(0.3,))
-    with pytest.raises(FitError, match=r"1 pressure level \(0\.3 MPa\).*at least 2") as caught:
-        fit(Model.build("exponential_law"), record)
-    assert caught.value.exit_code == 3
+def test_what_one_pressure_does_not_tell_is_held_at_0():
+    record = table(lambda p, e: 1000.0 * p - 500.0 * e + 40.0 * np.exp(-45.0 * e), pressures=(0.3,))
+    one = fit(Model.build("exponential_law"), record)
+    assert one.held == {"a0": 0.0, "b0": 0.0, "c0": 0.0} and one.rmse < 1e-6 and one.valid
+    assert one.values["a1"] == pytest.approx(1000.0) and one.values["mu"] == pytest.approx(45.0)
+    several = table(lambda p, e: 1000.0 * p - 500.0 * e + 40.0 * np.exp(-45.0 * e))
+    here = fit(Model.build("exponential_law"), several, several.level == several.levels[0])
+    assert set(here.held) == {"a0", "b0", "c0"} and here.rmse < 1e-6 and not fit(here.model, several).held
 
 
 def test_fewer_samples_than_parameters_is_refused():

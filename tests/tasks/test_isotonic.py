@@ -14,14 +14,14 @@ from pam_ident.records import read_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
 from pam_ident.schema.diagnosis import comparison_json
 from pam_ident.schema.fit import fit_json
-from pam_ident.schema.prediction import validation_json
+from pam_ident.schema.prediction import law_choice_json, validation_json
 from pam_ident.tasks.add import add_effects
 from pam_ident.tasks.compare import compare_record, failure_picture
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.fit import FitOptions, fit_record
 from pam_ident.tasks.gate import GraveDoubt, Refused
 from pam_ident.tasks.ladder import climb_ladder
-from pam_ident.tasks.law_choice import settle
+from pam_ident.tasks.law_choice import choose_for_all, settle
 from pam_ident.tasks.predict import predict_at, read_fit, validate_fit
 from pam_ident.tasks.setup import AUTO, Setup
 
@@ -175,10 +175,18 @@ def test_a_load_that_was_not_held_is_no_weight(cases):
         diagnose_record(told, SETUP)
 
 
+@pytest.mark.parametrize("name", ["weight_ramps", "weight_stairs"])
+def test_laws_are_compared_by_the_length_that_they_predict(cases, name):
+    setup, choice = settle(read_record(cases[name]), Setup(AUTO))
+    taken = next(trial for trial in choice.trials if trial.law == setup.law)
+    assert " mm on held-out data" in choice.why and taken.heldout_rmse < 2 * NOISE_MM
+    assert {"rmse_mm", "heldout_rmse_mm"} < law_choice_json(choice)["law_choice"]["laws"][0].keys()
+
+
 def test_what_cannot_be_answered_is_refused_in_one_sentence(cases):
     record = read_record(cases["weight_ramps"])
-    with pytest.raises(Refused, match="Name one with --law"):
-        settle(record, Setup(AUTO))
+    with pytest.raises(UsageError, match="by length in the other"):
+        choose_for_all((record, read_record(cases["standard"])), Setup(AUTO))
     for wish in ({"method": "two-stage"}, {"intervals": "profile"}, {"loss": "huber"}):
         with pytest.raises(UsageError, match="the length answers"):
             fit_record(record, SETUP, FitOptions(**wish))
