@@ -12,7 +12,6 @@ from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
 from ..fitting.carried import driven
-from ..fitting.identifiability import at_its_pressures
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
@@ -106,9 +105,9 @@ def diagnosing(
         get_effect(name, extra)
         if not 0.0 < chance < math.inf:
             raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
-    model, merged = at_its_pressures(model, record)
     record = driven(model, record)
     base = fit(model, record)
+    model = base.model
     allowed = _allowed(extra, without, only, also)
     candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
     if record.inputs.time is None:
@@ -174,8 +173,6 @@ def diagnosing(
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
     if record.carried:
         said += " A load was held and the length answered: errors are those of the force at the measured length."
-    if merged:
-        said += f" One pressure does not tell {', '.join(merged)} from the other parameters: held at 0."
     said += reservations({name: rivals[name] for name in selected}, again, follows[0].text, extra)
     found = Diagnosis(
         base,

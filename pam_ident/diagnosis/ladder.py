@@ -12,7 +12,6 @@ from ..core.prose import capital
 from ..effects import Effect
 from ..fitting import Fit, fit
 from ..fitting.carried import driven
-from ..fitting.identifiability import at_its_pressures
 from ..model import Model, Term
 from ..records import Record
 from .confirmed import fit_onto
@@ -63,10 +62,9 @@ def climb(
         [] 5.8 N
         ['pressure_friction'] 2.1 N
     """
-    model, _ = at_its_pressures(model, record)
     record = driven(model, record)
     first = fit(model, record)
-    rungs = [Rung(first, heldout_rmse(model, record, first), "the law alone")]
+    rungs = [Rung(first, heldout_rmse(first.model, record, first), "the law alone")]
     while True:
         with part(f"step {len(rungs)}"):
             found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, also, detail)

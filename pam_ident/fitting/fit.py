@@ -254,7 +254,8 @@ def fit(
     if answered:
         rows = rows & ~at_limit(record)
     check(model, record, rows, held)
-    held = untold(model, record, rows) | held
+    model = at_its_pressures(model, record, rows)
+    held = model.law.pinned | held
     tell("fitting")
     if answered:
         if weighing != PLAIN:
@@ -290,7 +291,8 @@ def fit_long(model: Model, record: "LongRecord", branch: str, held: Mapping[str,
     held, sample = dict(held or {}), record.sample(readings.SAMPLES[-1])
     rows = sample.branch_rows(branch)
     check(model, sample, rows, held)
-    held = untold(model, sample, rows) | held
+    model = at_its_pressures(model, sample, rows)
+    held = model.law.pinned | held
     memory = with_memory(model, sample.inputs, sample.force)
     if memory:
         raise UsageError(
@@ -358,12 +360,6 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
             "measure more samples or choose a law with fewer parameters"
         )
     check_needs(model, record)
-
-
-def untold(model: Model, record: Record, rows: Array) -> dict[str, float]:
-    """The law's parameters that `rows` (mask, shape (n,)) at one pressure do not tell from others, and the 0 at which
-    they are held."""
-    return dict.fromkeys(at_its_pressures(model, record, rows)[1], 0.0)
 
 
 def check_held(model: Model, held: Mapping[str, float]) -> None:

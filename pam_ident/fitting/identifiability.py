@@ -169,12 +169,11 @@ def levels_of(record: Record, rows: Array) -> float:
     return math.inf if varied else len(record.levels if rows.all() else np.unique(record.level[rows]))
 
 
-def at_its_pressures(model: Model, record: Record, rows: Array | None = None) -> tuple[Model, list[str]]:
-    """The model with those parameters of its law held at 0 that `rows` (mask (n,); by default all) at one pressure do
-    not tell from others, and their names."""
-    law, rows = model.law, np.ones(len(record), bool) if rows is None else rows
+def at_its_pressures(model: Model, record: Record, rows: Array) -> Model:
+    """The model with those parameters of its law pinned at 0 that `rows` (mask (n,)) at one pressure do not tell from
+    others."""
+    law = model.law
     levels = np.unique(record.level[rows])
     if len(levels) != 1 or levels_of(record, rows) >= law.min_levels:
-        return model, []
-    law = law.at_one(float(levels[0]), record.inputs.contraction[rows], record.specimen)
-    return replace(model, law=law), [p.name for p, q in zip(model.law.linear, law.linear, strict=True) if p != q]
+        return model
+    return replace(model, law=law.at_one(float(levels[0]), record.inputs.contraction[rows], record.specimen))

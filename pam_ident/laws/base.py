@@ -57,9 +57,14 @@ class Law:
         """Linear, then nonlinear."""
         return self.linear + self.nonlinear
 
+    @property
+    def pinned(self) -> dict[str, float]:
+        """The parameters that `at_one` has pinned, and the 0 at which they are."""
+        return {p.name: 0.0 for p in self.linear if p.lower == p.upper == 0.0}
+
     def at_one(self, pressure: float, contraction: Array, specimen: Specimen) -> "Law":
-        """The law with those parameters held at 0 whose part others can take at one `pressure` in MPa, by their columns
-        over `contraction` (n,): of such the last stays free, with which the force grows with the pressure."""
+        """The law with those parameters pinned at 0 whose part others can take at one `pressure` in MPa, by their
+        columns over `contraction` (n,): of such the last stays free, with which the force grows with the pressure."""
         values = {p.name: p.start for p in self.nonlinear}
         columns = self.columns(np.full(len(contraction), pressure), contraction, specimen, values)
         columns = columns / np.linalg.norm(columns, axis=0)

@@ -12,7 +12,6 @@ from ..diagnosis.follows import told
 from ..diagnosis.nested import anew, masks_of
 from ..diagnosis.nouns import Diagnosis
 from ..fitting import Fit
-from ..fitting.identifiability import at_its_pressures
 from ..parallel.executor import Executor, WorkerLost
 from ..records import Record
 from ..schema.diagnosis import candidates
@@ -54,7 +53,7 @@ def diagnosing_record(record: Record, setup: Setup) -> Iterator[Diagnosis]:
     Raises FitError or DataError, NothingNamed among them.
     """
     with computing(record):
-        may_name(record, at_its_pressures(setup.model, record)[0], setup.assume)
+        may_name(record, setup.model, setup.assume)
         for found in diagnosing(setup.model, record, *setup.tried):
             check_completed(found.best, setup.assume)
             yield found

@@ -14,7 +14,6 @@ from ..core.prose import capital
 from ..core.threads import one_blas_thread
 from ..fitting import Fit, fit
 from ..fitting.estimate import impossible
-from ..fitting.fit import untold
 from ..fitting.length import at_limit, by_length, weights_of
 from ..model import Model
 from ..records import Record
@@ -120,7 +119,7 @@ def doubts_about(one: Fit) -> tuple[Doubt, ...]:
 
 def _doubt_pressures(one: Fit) -> Iterator[Doubt]:
     """What of the law one pressure does not tell."""
-    names = [name for name in untold(one.model, one.record, one.rows) if one.held.get(name) == 0.0]
+    names = one.model.law.pinned
     if names:
         text = (
             f"one pressure, {one.record.level[one.rows][0]:g} MPa, does not tell {', '.join(names)} from the other "

@@ -46,7 +46,7 @@ def test_the_kind_of_test_can_be_said(frame, tmp_path):
     lines = [f"{key} = {value!r}" for key, value in SPECIMEN.items()]
     (tmp_path / "muscle.toml").write_text("\n".join(['kind = "isotonic"', "[specimen]", *lines]), encoding="utf-8")
     with pytest.raises(Refused, match="an isotonic test"):
-        pam.fit(pam.read(frame, specimen=tmp_path / "muscle.toml"))
+        pam.diagnose(pam.read(frame, specimen=tmp_path / "muscle.toml"), LAW)
 
 
 def test_what_was_left_out_is_a_warning(frame):

@@ -20,6 +20,8 @@ def test_a_length_is_fitted_compared_and_predicted(ask, weights, tmp_path):
     assert fitted.exit_code == 0 and "length: rmse 0.0" in fitted.stdout and "energy of a cycle" not in fitted.stdout
     compared = ask("compare", weights, *LAW)
     assert compared.exit_code == 0 and "by weight" in compared.stdout and "rms [mm]" in compared.stdout
+    chosen = ask("fit", weights)
+    assert chosen.exit_code == 0 and " mm on held-out data" in chosen.stdout
     judged = ask("validate", tmp_path / "fit.json", weights)
     assert judged.exit_code == 0 and "predicts the length of" in judged.stdout and "rmse [mm]" in judged.stdout
 
@@ -37,8 +39,6 @@ def test_one_weight_ends_with_3_and_what_to_do(ask, weights, tmp_path):
 @pytest.mark.parametrize(
     ("words", "code", "text"),
     [
-        (("diagnose",), 4, "Name one with --law"),
-        (("fit",), 4, "Name one with --law"),
         (("fit", *LAW, "--method", "both"), 2, "the length answers"),
         (("fit", *LAW, "--figures", "figures"), 2, "--figures draws isobars"),
         (("compare", *LAW, "--out", "map.svg"), 2, "--out draws an error of the force"),

@@ -87,7 +87,7 @@ def written(tmp_path_factory, one_process):
     (folder / "loads.csv").write_text("pressure_MPa,force_N\n0.3,100\n", encoding="utf-8")
     asked = [
         ("fit", weights, *law),
-        ("compare", weights, *law),
+        ("compare", weights),
         ("validate", folder / "weights.json", weights),
         ("predict", folder / "weights.json", "--at", folder / "loads.csv"),
         ("fit", rubbing, "--method", "both"),
@@ -205,16 +205,19 @@ def made_up_track():
 
 
 def keys_of(answers, documented):
-    """Leaves of all answers, those of a parameter apart."""
-    found, parameter = {}, set()
+    """Leaves of all answers, those of a parameter and of a choice of a law apart."""
+    found, parameter, choice = {}, set(), set()
     for answer in answers:
         for path, value in leaves(answer):
+            if path.startswith("law_choice."):
+                choice.add(path.partition(".")[2])
+                path = "law_choice"
             head, inside, rest = path.partition("parameters.NAME")
             if inside and rest and head + inside not in PLAIN:
                 parameter.add(rest[1:])
                 path = head + inside
             found.setdefault(path, []).append(value)
-    return found, parameter
+    return found, parameter, choice
 
 
 def test_every_command_is_named(page):
@@ -226,12 +229,13 @@ def test_every_command_is_named(page):
 
 
 def test_every_schema_has_a_table(written, documented):
-    assert set(written) == set(documented) - {"A parameter"}
+    assert set(written) == set(documented) - {"A parameter", "A choice of a law"}
 
 
 def test_every_written_key_is_documented_and_every_documented_key_is_written(written, documented):
+    chosen = set()
     for schema, answers in written.items():
-        found, parameter = keys_of(answers, documented)
+        found, parameter, choice = keys_of(answers, documented)
         listed = documented[schema]
         missing = {
             path
@@ -242,6 +246,8 @@ def test_every_written_key_is_documented_and_every_documented_key_is_written(wri
         assert not missing, f"{schema}: written, but not in docs/contract.md"
         assert not listed - set(found), f"{schema}: in docs/contract.md, but not written"
         assert parameter in (set(), documented["A parameter"]), schema
+        chosen |= choice
+    assert chosen == documented["A choice of a law"]
 
 
 def test_exit_codes_are_those_of_the_errors(page):
