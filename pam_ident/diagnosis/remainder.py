@@ -98,8 +98,11 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if selection.record.inputs.time is None:
         return None
     own = selection.noise_left_by(fitted)
-    white = sliding_window_view(own.whiten(selection.view(fitted).residual), LAGS + 1)
-    white = white[sliding_window_view(~own.outlier, LAGS + 1).all(axis=1)]
+    white, seen = own.whiten(selection.view(fitted).residual), ~own.outlier
+    whole = sliding_window_view(seen, LAGS + 1).all(axis=1)
+    if np.count_nonzero(whole) < (WINDOW + 1) * LAGS:  # where the motion turns every few samples, gaps foretell nothing
+        white, whole = np.where(seen, white, 0.0), seen[LAGS:]
+    white = sliding_window_view(white, LAGS + 1)[whole]
     n = len(white) - LAGS
     if n < WINDOW * LAGS:
         return None
