@@ -64,13 +64,12 @@ def _part(share: float) -> str:
 
 
 def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What a set leaves, where that is too much for noise, or strikes in bursts; else None."""
+    """What a set leaves, where that is too much for noise, or foretold beyond noise's colour; what the law alone does,
+    where noise does not look like it in another way, too; else None."""
     n = len(selection.record)
     left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
     if left < REMAINDER * n or left < OF_ALL * all_of_it:
-        if fitted.terms:
-            return None
-        looks = (_foretold, _jumps, _at_turns, _bursts, _slow)
+        looks = (foretold,) if fitted.terms else (foretold, _jumps, _at_turns, _bursts, _slow)
         return next((found for look in looks if (found := look(selection, fitted))), None)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
@@ -89,7 +88,7 @@ def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
     return Pattern("other", "direction", None, "", float(np.sum(turns**2) / np.sum(residual**2)), text)
 
 
-def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
+def foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What the samples before foretell is no noise: a beat, a swing, what comes and goes.
 
     Noise is foretold by its colour and no further: a longer linear prediction (Makhoul 1975, Proceedings of the IEEE
