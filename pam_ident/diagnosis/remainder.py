@@ -64,17 +64,21 @@ def _part(share: float) -> str:
 
 
 def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What a set leaves, where that is too much for noise, or foretold beyond noise's colour; what the law alone does,
-    where noise does not look like it in another way, too; else None."""
+    """What a set leaves, where that is too much for noise or does not look like it; else None."""
     n = len(selection.record)
     left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
     if left < REMAINDER * n or left < OF_ALL * all_of_it:
-        looks = (foretold,) if fitted.terms else (foretold, _jumps, _at_turns, _bursts, _slow)
-        return next((found for look in looks if (found := look(selection, fitted))), None)
+        return unlike_noise(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
     text = f"about {newtons(size)} rms without a shape of its own{_part(share)}"
     return Pattern("other", "contraction", None, "", share, text)
+
+
+def unlike_noise(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """What a set leaves, where noise does not look like it; beside names not at the turns, where forms err most."""
+    looks = (_foretold, _jumps, _bursts, _slow, *(() if fitted.terms else (_at_turns,)))
+    return next((found for look in looks if (found := look(selection, fitted))), None)
 
 
 def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -88,7 +92,7 @@ def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
     return Pattern("other", "direction", None, "", float(np.sum(turns**2) / np.sum(residual**2)), text)
 
 
-def foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
+def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What the samples before foretell is no noise: a beat, a swing, what comes and goes.
 
     Noise is foretold by its colour and no further: a longer linear prediction (Makhoul 1975, Proceedings of the IEEE
