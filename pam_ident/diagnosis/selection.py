@@ -235,7 +235,8 @@ class Selection:
 
     def part(self, fitted: FittedSet, term: Term) -> float:
         """Share of the squares that a set explains which only a term does, all others in their best forms."""
-        rest = self.in_best_forms(self.refit(fitted.without(term), fitted.values))
+        others = [t for t in fitted.terms if t.effect is not term.effect]
+        rest = self.in_best_forms(self.refit(others, fitted.values))
         clean = ~self.noise.outlier
         sets = (rest, fitted, self.empty)
         fewer, whole, alone = (np.mean(self.plain_residual(v.terms, v.values)[clean] ** 2) for v in sets)
