@@ -33,7 +33,7 @@ from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
 """Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
-which explains no more beside others, or follows nothing likely: 9 of 18 were false, and 5 of 8 (docs/validation.md)."""
+which explains no more beside others, or follows nothing likely: 9 of 19 were false, and 5 of 8 (docs/validation.md)."""
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
 leaves no more."""
