@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from ..effects import Effect
 from ..fitting import Fit
-from .adequacy import NEARLY_ALL, Adequacy, needless
+from .adequacy import MAY_LEAVE, Adequacy, needless
 from .confounding import groups
 from .follows import Following
 from .probability import probabilities
@@ -56,7 +56,7 @@ def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> t
         heaviest = {t.effect.follows[:1]: t for t in sorted(fitted.terms, key=lambda t: selection.weight(fitted, t))}
         fitted = selection.refit(list(heaviest.values()), fitted.values)
         firm = replace(lacking, fitted=fitted)
-        if all(t.effect.candidate for t in fitted.terms) and firm.unexplained[1] < 1.0 - NEARLY_ALL:
+        if all(t.effect.candidate for t in fitted.terms) and firm.unexplained[1] < MAY_LEAVE[-1]:
             return selection, firm
     return answer.selection, lacking.standing()
 

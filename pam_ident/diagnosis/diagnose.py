@@ -24,16 +24,16 @@ from .experiment import after_pattern, next_experiment
 from .follows import ROWS, Following, steadied
 from .heldout import heldout_nearby, heldout_rmse
 from .nouns import Candidate, Diagnosis
-from .probability import probabilities
-from .remainder import pattern_of
+from .probability import BESIDE_UNKNOWN, LAPSE, MAY_BE_NOISE, probabilities
+from .remainder import pattern_of, unlike_noise
 from .select import EXACT
 from .selection import FittedSet, Selection
 from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
-BY_FORM = 0.5
-"""Chance that a name is right which follows the same as a larger one, or nothing that is likely: 4 of 7 were false, and
-5 of 10 (docs/validation.md)."""
+LITTLE, BY_FORM = 0.035, 0.5
+"""Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
+which explains no more beside others, or follows nothing likely: 9 of 19 were false, and 5 of 8 (docs/validation.md)."""
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
 leaves no more."""
@@ -139,7 +139,8 @@ def diagnosing(
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     patterns = [t for t in fitted.terms if not t.effect.candidate]
     if lacking and not patterns:
-        pattern = lacking.pattern()
+        odd = unlike_noise(answer.selection, answer.fitted) if answer.lacking and answer.lacking.complete else None
+        pattern = odd or lacking.pattern()
     else:
         pattern = pattern_of(selection, fitted if patterns else selection.refit(named, fitted.values))
     wrong = impossible_alone(base, best, fitted, ruled_out)
@@ -149,13 +150,14 @@ def diagnosing(
     classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
     timed = bool(selected) and record.inputs.time is not None
     slow = timed and not pattern and Adequacy(selection, fitted, FreeModel.of(selection)).wanders
-    chance = probabilities(selection, classes, selected, slow or pattern is not None)
+    lapse = BESIDE_UNKNOWN if pattern else MAY_BE_NOISE if slow else LAPSE
+    chance = probabilities(selection, classes, selected, lapse)
     if lacking:
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
-    again = by_form_alone(named, following)
-    chance = {name: chance[name] * (BY_FORM if name in again else 1.0) for name in chance}
+    by_form = by_form_alone(selection, fitted, named)
+    chance = {name: chance[name] * (BY_FORM if name in by_form else 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
@@ -173,7 +175,7 @@ def diagnosing(
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
     if record.carried:
         said += " A load was held and the length answered: errors are those of the force at the measured length."
-    said += reservations({name: rivals[name] for name in selected}, again, follows[0].text, extra)
+    said += reservations({name: rivals[name] for name in selected}, by_form, follows[0].text, extra)
     found = Diagnosis(
         base,
         best,
@@ -202,21 +204,16 @@ def diagnosing(
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
-def by_form_alone(named: list[Term], following: Following) -> dict[str, str]:
-    """Of names, largest first, those of which no driver is likely, and those that follow first what larger ones could,
-    with the largest of these, else with nothing."""
-    found: dict[str, str] = {}
-    timed = following.record.inputs.time is not None
-    for k, term in enumerate(named):
-        effect, larger = term.effect, named[:k]
-        first = effect.follows[:1]
-        alike = [t.effect.name for t in larger if t.effect.follows[:1] == first != ()]
-        if larger and first and following.enough({f for t in larger for f in t.effect.follows}, first[0]):
-            alike.append(larger[0].effect.name)
-        aside = effect.follows and timed and following.likely.isdisjoint(effect.follows)
-        if alike or aside:
-            found[effect.name] = alike[0] if alike else ""
-    return found
+def by_form_alone(selection: Selection, fitted: FittedSet, named: list[Term]) -> dict[str, str]:
+    """Of names, largest first, those for which only a form speaks, each with the largest of the others whose form may
+    leave what it explains; a single one of which no driver is likely with nothing."""
+    if len(named) == 1:
+        effect, timed = named[0].effect, selection.record.inputs.time is not None
+        aside = effect.follows and timed and selection.following.likely.isdisjoint(effect.follows)
+        return {effect.name: ""} if aside else {}
+    others = [next(t for t in named if t is not term) for term in named]
+    little = [selection.part(fitted, term) < LITTLE for term in named]
+    return {t.effect.name: other.effect.name for t, other, of in zip(named, others, little, strict=True) if of}
 
 
 def _allowed(

@@ -64,18 +64,21 @@ def _part(share: float) -> str:
 
 
 def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What a set leaves, where that is too much for noise, or strikes in bursts; else None."""
+    """What a set leaves, where that is too much for noise or does not look like it; else None."""
     n = len(selection.record)
     left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
     if left < REMAINDER * n or left < OF_ALL * all_of_it:
-        if fitted.terms:
-            return None
-        looks = (_foretold, _jumps, _at_turns, _bursts, _slow)
-        return next((found for look in looks if (found := look(selection, fitted))), None)
+        return unlike_noise(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
     text = f"about {newtons(size)} rms without a shape of its own{_part(share)}"
     return Pattern("other", "contraction", None, "", share, text)
+
+
+def unlike_noise(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """What a set leaves, where noise does not look like it; beside names not at the turns, where forms err most."""
+    looks = (_foretold, _jumps, _bursts, _slow, *(() if fitted.terms else (_at_turns,)))
+    return next((found for look in looks if (found := look(selection, fitted))), None)
 
 
 def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -98,8 +101,11 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if selection.record.inputs.time is None:
         return None
     own = selection.noise_left_by(fitted)
-    white = sliding_window_view(own.whiten(selection.view(fitted).residual), LAGS + 1)
-    white = white[sliding_window_view(~own.outlier, LAGS + 1).all(axis=1)]
+    white, seen = own.whiten(selection.view(fitted).residual), ~own.outlier
+    whole = sliding_window_view(seen, LAGS + 1).all(axis=1)
+    if np.count_nonzero(whole) < (WINDOW + 1) * LAGS:  # where the motion turns every few samples, gaps foretell nothing
+        white, whole = np.where(seen, white, 0.0), seen[LAGS:]
+    white = sliding_window_view(white, LAGS + 1)[whole]
     n = len(white) - LAGS
     if n < WINDOW * LAGS:
         return None

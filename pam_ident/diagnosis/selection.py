@@ -233,6 +233,15 @@ class Selection:
         whole, fewer = (np.mean(self.plain_residual(terms, fitted.values)[clean] ** 2) for terms in sets)
         return float((fewer - whole) / max(whole, 1e-18))
 
+    def part(self, fitted: FittedSet, term: Term) -> float:
+        """Share of the squares that a set explains which only a term does, all others in their best forms."""
+        others = [t for t in fitted.terms if t.effect is not term.effect]
+        rest = self.in_best_forms(self.refit(others, fitted.values))
+        clean = ~self.noise.outlier
+        sets = (rest, fitted, self.empty)
+        fewer, whole, alone = (np.mean(self.plain_residual(v.terms, v.values)[clean] ** 2) for v in sets)
+        return float((fewer - whole) / max(alone - whole, 1e-18))
+
     def plain_residual(self, terms: Sequence[Term], start: Mapping[str, float]) -> Array:
         """What a set leaves, in N (n,), fitted without whitening."""
         key = (labels(terms), *sorted(start.items()))

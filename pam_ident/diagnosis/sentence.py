@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 from ..core.digits import newtons, percent, probability
-from ..core.prose import capital
 from ..effects import Effect, in_words, named
 from ..fitting import Fit
 from .nouns import Follows, Pattern
@@ -49,16 +48,19 @@ def sentence(
     return " ".join(parts)
 
 
-def reservations(rivals: Mapping[str, float], again: Mapping[str, str], follows: str, extra: tuple[Effect, ...]) -> str:
+def reservations(
+    rivals: Mapping[str, float], by_form: Mapping[str, str], follows: str, extra: tuple[Effect, ...]
+) -> str:
     """What makes named effects less sure, each sentence with a blank before it: the chance that one is something
-    unknown, a larger one that follows the same, or where there is none that the error rather `follows` another."""
+    unknown, `by_form` another that may leave as much, or where there is none that the error rather `follows` another.
+    """
     said = [
         f" With a chance of {probability(chance)} it is not {in_words(name, extra)} but something unknown."
         for name, chance in rivals.items()
         if chance >= TOLD
     ]
-    for name, other in again.items():
-        larger = f"{capital(in_words(other, extra))} could follow the same; only the form tells the two apart."
+    for name, other in by_form.items():
+        larger = f"It explains little; {in_words(other, extra)} of another form could leave as much."
         why = larger if other else f"The error rather follows {follows}; only its form speaks for it."
         said.append(f" Less sure: {in_words(name, extra)}. {why}")
     return "".join(said)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core import UsageError
+from ..core import FitError, UsageError
 from ..model import Model
 from ..records import Record
 from .fit import branch_names, fit
@@ -64,7 +64,10 @@ def _values(
     held = {} if mu is None else {"mu": mu}
     if method == "global":
         return fit(model, record, rows, detail=False, held=held).values
-    return fit_isobars(model, record, (branch,), held, rows).two_stage[branch]
+    lines = fit_isobars(model, record, (branch,), held, rows).two_stage
+    if branch not in lines:
+        raise FitError(f"{record.source or record.name}: a line over pressure needs two isobars, and {branch} has one")
+    return lines[branch]
 
 
 def _square(record: Record, model: Model, values: Mapping[str, float], rows: np.ndarray) -> float:

@@ -67,7 +67,8 @@ class Law:
         columns over `contraction` (n,): of such the last stays free, with which the force grows with the pressure."""
         values = {p.name: p.start for p in self.nonlinear}
         columns = self.columns(np.full(len(contraction), pressure), contraction, specimen, values)
-        columns = columns / np.linalg.norm(columns, axis=0)
+        size = np.linalg.norm(columns, axis=0)
+        columns = columns / np.where(size > 0.0, size, 1.0)
         kept: list[int] = []
         for k in reversed(range(len(self.linear))):
             kept = [k, *kept] if np.linalg.matrix_rank(columns[:, [k, *kept]]) > len(kept) else kept

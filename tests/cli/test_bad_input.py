@@ -91,6 +91,11 @@ def test_what_one_pressure_does_not_tell_of_a_law_is_said(ask, write_record, ver
     assert result.exit_code == 0 and "does not tell a0, b0, c0 from" in result.output
 
 
+def test_one_isobar_has_no_line_over_pressure(ask, write_record):
+    asked = ("fit", write_record(pressures=(0.3,)), "--law", "exponential_law", "--method", "both")
+    one_message(ask(*asked), 3, "a line over pressure needs two isobars")
+
+
 def test_what_does_not_exist(ask, tmp_path):
     one_message(ask("fit", tmp_path / "none.csv", "--law", "sarosi"), 4, "none.csv: no such file")
     one_message(ask("fit", tmp_path, "--law", "sarosi"), 4, "folder")

@@ -8,6 +8,7 @@ from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.diagnose import by_form_alone
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.follows import Following
+from pam_ident.diagnosis.selection import Selection
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.model import Model, Term
@@ -46,15 +47,17 @@ def test_only_what_the_error_follows_is_supported(hidden_effect):
     assert following.supports(()), "an effect of the user's own may follow anything"
 
 
-def test_a_name_is_by_its_form_alone_where_a_larger_one_or_nothing_likely_follows_the_same(hidden_effect):
-    following = Following.of(fit(Model.build(EXPONENTIAL), hidden_effect))
-    pressed, dry, worn = (
-        Term(catalogue()[name], catalogue()[name].forms[0])
-        for name in ("pressure_friction", "coulomb_friction", "mullins_softening")
-    )
-    assert by_form_alone([pressed], following) == {}, "the error follows the direction"
-    assert by_form_alone([worn], following) == {"mullins_softening": ""}
-    assert by_form_alone([pressed, dry], following) == {"coulomb_friction": "pressure_friction"}
+def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_explains_little_beside_another(
+    hidden_effect,
+):
+    names = ("pressure_friction", "series_compliance", "mullins_softening")
+    pressed, soft, worn = (Term(catalogue()[name], catalogue()[name].forms[0]) for name in names)
+    selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [t.effect for t in (pressed, soft, worn)])
+    alone, both = selection.refit([pressed]), selection.refit([pressed, soft])
+    assert by_form_alone(selection, alone, [pressed]) == {}, "the error follows the direction"
+    assert by_form_alone(selection, selection.refit([worn]), [worn]) == {"mullins_softening": ""}
+    assert selection.part(both, pressed) > 0.9 and selection.part(both, soft) < 0.01
+    assert by_form_alone(selection, both, [pressed, soft]) == {"series_compliance": "pressure_friction"}
 
 
 def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):

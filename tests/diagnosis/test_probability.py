@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.probability import BESIDE_UNKNOWN, LAPSE, LOCKED, PAIR, TEMPER, THREE, probabilities
+from pam_ident.diagnosis.probability import (
+    BESIDE_UNKNOWN,
+    LAPSE,
+    LOCKED,
+    MAY_BE_NOISE,
+    PAIR,
+    TEMPER,
+    THREE,
+    probabilities,
+)
 from pam_ident.diagnosis.selection import Selection
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
@@ -59,10 +68,11 @@ def test_nothing_is_ever_certain_nor_ruled_out():
 
 def test_the_more_names_and_what_is_unknown_beside_them_the_less_sure_they_are():
     sets = selection({("a", "b", "c"): 0.0})
-    for answer, unknown, misled in (("a", False, LAPSE), ("ab", False, PAIR), ("abc", False, THREE), ("ab", True, 0.2)):
-        found = probabilities(sets, [("a", "b", "c")], set(answer), unknown)
+    kinds = (("a", LAPSE, LAPSE), ("ab", LAPSE, PAIR), ("abc", LAPSE, THREE), ("ab", BESIDE_UNKNOWN, 0.2))
+    for answer, lapse, misled in kinds:
+        found = probabilities(sets, [("a", "b", "c")], set(answer), lapse)
         assert found["a"] == pytest.approx(1.0 - misled + misled / 4)
-    assert LAPSE < PAIR < BESIDE_UNKNOWN == 0.2 < THREE
+    assert LAPSE < PAIR < BESIDE_UNKNOWN < THREE < MAY_BE_NOISE
 
 
 def test_no_name_is_near_certain_in_a_locked_muscle():

@@ -290,6 +290,21 @@ def test_noise_does_not_know_the_run(hidden, cell):
     assert ("at the turns" in found.sentence) == (hidden is kick)
 
 
+def ringing(time, force, temperature):
+    """A frame that rings, whenever something hits it: 12 samples a period, and forgotten after two."""
+    kicks, found = np.random.default_rng(9).standard_normal(len(time)), np.zeros(len(time))
+    for k in range(2, len(time)):
+        found[k] = 1.65 * found[k - 1] - 0.92 * found[k - 2] + kicks[k]
+    return force + 4.0 * found / found.std()
+
+
+@pytest.mark.parametrize(("friction_N", "names"), [(0.0, ()), (12.0, ("coulomb_friction",))])
+def test_noise_is_foretold_by_its_colour_and_no_further_with_a_name_and_without(friction_N, names):
+    found = diagnose(LAW, strokes(lambda p, x, side, v: -friction_N * side, cell=ringing))
+    assert (found.verdict, found.selected) == ("unknown_effect", names), found.sentence
+    assert "it swings with a period of about" in found.sentence
+
+
 @pytest.mark.long
 def test_parts_of_a_drift_may_be_larger_than_nature_allows_the_whole():
     """A parabola in time is the difference of a slow settling and a line, each of thousands of newtons."""

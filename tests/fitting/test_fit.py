@@ -84,6 +84,8 @@ def test_what_one_pressure_does_not_tell_is_held_at_0():
     here = fit(Model.build("exponential_law"), several, several.level == several.levels[0])
     assert set(here.held) == {"a0", "b0", "c0"} and here.rmse < 1e-6
     assert not fit(Model.build("exponential_law"), several).held
+    slack = table(lambda p, e: -500.0 * e, pressures=(0.0,))
+    assert fit(Model.build("polynomial"), slack).values["a1"] == 0.0, "no pressure tells nothing of what grows with it"
 
 
 def test_fewer_samples_than_parameters_is_refused():
