@@ -242,9 +242,8 @@ def refined(selection: Selection, leaders: Sequence[FittedSet], most: int) -> Fi
     best = _refine(selection, first, most)
     rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + RIVAL]
     for rival in rivals[:RIVALS]:
-        if (
-            not first.terms or not first.exclusion_groups <= rival.exclusion_groups
-        ):  # what it has beyond the first is tried on the first, too
+        # What a rival has beyond the first is tried on the first, too.
+        if not first.terms or not first.exclusion_groups <= rival.exclusion_groups:
             best = min(best, _refine(selection, rival, most), key=lambda v: v.criterion)
     return best
 
@@ -395,9 +394,8 @@ def _with_pattern(selection: Selection, scanned: Scanned, penalty: float) -> Fit
     fitted = selection.refit([*terms, scanned.regressor.term], scanned.start, penalty + selection.penalty.total(terms))
     for gone in list(terms):
         fewer = [t for t in terms if t is not gone]
-        rival = selection.refit(
-            [*fewer, scanned.regressor.term], fitted.values, penalty + selection.penalty.total(fewer)
-        )
+        paid = penalty + selection.penalty.total(fewer)
+        rival = selection.refit([*fewer, scanned.regressor.term], fitted.values, paid)
         if rival.criterion < fitted.criterion + PATTERN_TOLERANCE * selection.excess:
             terms, fitted = fewer, rival
     return fitted
