@@ -86,7 +86,7 @@ def investigate(
     select_again(selection.noise_left_by(fitted, white=True))
     select_again(selection.noise_left_by(selection.empty))
     last, answer = selections[-1]
-    if not any(answer.labels == found.labels for selection, found in selections if selection is not last):
+    if all(answer.labels != found.labels for _, found in selections[:-1]):
         select_again(last.noise_left_by(answer))
     compared = _compared(selections)
     (least, _, found), *others = compared
@@ -159,9 +159,8 @@ def _told_from_noise(
     noise it is not, where the free model is likelier."""
     least, noise, best = compared[0]
     most = math.inf if selection.record.inputs.time is None else FreeModel.of(selection).criterion + EQUAL
-    close = [
-        (own, v) for criterion, own, v in compared if criterion < min(least + CLOSE, most) and v.labels <= best.labels
-    ]
+    most = min(least + CLOSE, most)
+    close = [(own, v) for criterion, own, v in compared if criterion < most and v.labels <= best.labels]
     return min(close, key=lambda item: len(item[1].terms), default=(noise, best))
 
 
