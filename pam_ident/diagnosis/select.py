@@ -86,7 +86,7 @@ def investigate(
     select_again(selection.noise_left_by(fitted, white=True))
     select_again(selection.noise_left_by(selection.empty))
     last, answer = selections[-1]
-    if not any(answer.labels == found.labels for selection, found in selections if selection is not last):
+    if all(answer.labels != found.labels for _, found in selections[:-1]):
         select_again(last.noise_left_by(answer))
     compared = _compared(selections)
     (least, _, found), *others = compared
@@ -159,9 +159,8 @@ def _told_from_noise(
     noise it is not, where the free model is likelier."""
     least, noise, best = compared[0]
     most = math.inf if selection.record.inputs.time is None else FreeModel.of(selection).criterion + EQUAL
-    close = [
-        (own, v) for criterion, own, v in compared if criterion < min(least + CLOSE, most) and v.labels <= best.labels
-    ]
+    most = min(least + CLOSE, most)
+    close = [(own, v) for criterion, own, v in compared if criterion < most and v.labels <= best.labels]
     return min(close, key=lambda item: len(item[1].terms), default=(noise, best))
 
 
@@ -242,9 +241,8 @@ def refined(selection: Selection, leaders: Sequence[FittedSet], most: int) -> Fi
     best = _refine(selection, first, most)
     rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + RIVAL]
     for rival in rivals[:RIVALS]:
-        if (
-            not first.terms or not first.exclusion_groups <= rival.exclusion_groups
-        ):  # what it has beyond the first is tried on the first, too
+        # What a rival has beyond the first is tried on the first, too.
+        if not first.terms or not first.exclusion_groups <= rival.exclusion_groups:
             best = min(best, _refine(selection, rival, most), key=lambda v: v.criterion)
     return best
 
@@ -395,9 +393,8 @@ def _with_pattern(selection: Selection, scanned: Scanned, penalty: float) -> Fit
     fitted = selection.refit([*terms, scanned.regressor.term], scanned.start, penalty + selection.penalty.total(terms))
     for gone in list(terms):
         fewer = [t for t in terms if t is not gone]
-        rival = selection.refit(
-            [*fewer, scanned.regressor.term], fitted.values, penalty + selection.penalty.total(fewer)
-        )
+        paid = penalty + selection.penalty.total(fewer)
+        rival = selection.refit([*fewer, scanned.regressor.term], fitted.values, paid)
         if rival.criterion < fitted.criterion + PATTERN_TOLERANCE * selection.excess:
             terms, fitted = fewer, rival
     return fitted
