@@ -173,7 +173,7 @@ def at_its_pressures(model: Model, record: Record, rows: Array) -> Model:
     """The model with those parameters of its law pinned at 0 that `rows` (mask (n,)) at one pressure do not tell from
     others."""
     law = model.law
-    levels = np.unique(record.level[rows])
-    if len(levels) != 1 or levels_of(record, rows) >= law.min_levels:
+    if law.min_levels == 1 or levels_of(record, rows) != 1:
         return model
-    return replace(model, law=law.at_one(float(levels[0]), record.inputs.contraction[rows], record.specimen))
+    pressure, contraction = float(record.level[rows][0]), record.inputs.contraction[rows]
+    return replace(model, law=law.at_one(pressure, contraction, record.specimen))

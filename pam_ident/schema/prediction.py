@@ -20,13 +20,13 @@ def law_choice_json(choice: "LawChoice | None") -> Json:
 
 
 def _law_json(one: "LawTrial") -> Json:
-    force, length = (None, one) if one.in_mm else (one, None)
+    force = None if one.in_mm else one
     return {
         "law": one.law,
         "parameters": one.parameters,
         "rmse_N": force and force.rmse,
         "heldout_rmse_N": force and force.heldout_rmse,
-        **({"rmse_mm": length.rmse, "heldout_rmse_mm": length.heldout_rmse} if length else {}),
+        **({"rmse_mm": one.rmse, "heldout_rmse_mm": one.heldout_rmse} if one.in_mm else {}),
         "problem": one.problem or None,
     }
 
