@@ -179,7 +179,7 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
 def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -> FitAnswer:
     branches = branch_names(wishes.branch)
     if isinstance(record, Record):
-        admit(record, length=True)
+        admit(record)
         _check_length(record, wishes)
         fits = {
             name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
@@ -190,7 +190,7 @@ def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -
         with open_long(record, setup.specimen) as on_disk:
             fits = {name: fit_long(setup.model, on_disk, name, wishes.held) for name in branches}
         record = fits[branches[0]].record
-        admit(record)
+        admit(record, by_force=True)
     isobars, straight = None, ()
     if wishes.method == "two-stage":
         isobars = fit_isobars(setup.model, record, branches, wishes.held)

@@ -14,7 +14,7 @@ from ..fitting import Fit, fit
 from ..model import Model, steps
 from ..parallel.executor import Executor
 from ..records import Record
-from .gate import admit, check_completed, computing, may_name
+from .gate import check_completed, computing, may_name
 from .law_choice import settle
 from .setup import AUTO, REFIT, Setup
 
@@ -80,7 +80,6 @@ def ladder_by_hand(
     record: Record, setup: Setup, known: Mapping[tuple[str, ...], Rung], latest: Diagnosis | None
 ) -> tuple[Rung, ...]:
     """A rung for the law and for each effect more, those that are known taken over; `latest` led to a new one."""
-    admit(record)
     whole = setup.model
     rungs: list[Rung] = []
     for count in range(len(whole.terms) + 1):

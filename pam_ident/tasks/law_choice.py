@@ -64,7 +64,7 @@ def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
     """
     if setup.law != AUTO:
         return setup, None
-    admit(record, length=True)
+    admit(record)
     with computing(record):
         choice = choose_law(record, setup)
     return replace(setup, law=choice.law, chosen=True), choice
