@@ -40,7 +40,13 @@ def ladder(
         raise
     doubts = warnings_of(found.rungs[-1].fit)
     options.give_json(asked.json, lambda: ladder_json(record, found, doubts) | law_choice_json(choice))
-    text.say(text.title(record, measured), *text.chosen(choice), *text.equation(setup.model), "", *text.banner(doubts))
+    text.say(
+        text.title(record, measured),
+        *text.chosen(choice),
+        *text.equation(found.rungs[0].fit.model),
+        "",
+        *text.banner(doubts),
+    )
     last = found.rungs[-1].fit
     text.say(found.last.sentence, *last.at_bounds, "", *rungs(found))
     text.say("", "parameters of the last step:", *text.parameters(last))

@@ -5,10 +5,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from ..core.digits import newtons, percent, probability
 from ..effects import Effect, in_words, named
 from ..fitting import Fit
-from .nouns import Follows, Pattern
+from .nouns import Diagnosis, Follows, Pattern
 
 WORTH_TRYING = 0.1
 """Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
+SURE = 0.9
+"""Probability of a name from which a headline states it without a word of doubt."""
 TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
 
@@ -46,6 +48,21 @@ def sentence(
     if pattern:
         parts.append(f"Something is left that no known effect explains: {pattern.text}.")
     return " ".join(parts)
+
+
+def headline(names: Sequence[str], diagnoses: Iterable[Diagnosis], extra: tuple[Effect, ...]) -> str:
+    """What is missing in a few words: each of some effects with those that the record cannot tell from it, as sure as
+    the least sure of them. `diagnoses` named them."""
+    rivals: dict[str, Sequence[str]] = {}
+    chances: dict[str, float] = {}
+    for one in diagnoses:
+        rivals |= {first: others for first, *others in one.groups}
+        chances |= {each.effect: each.probability for each in one.ranking if each.effect in one.selected}
+    told = [" or ".join(in_words(each, extra) for each in (name, *rivals.get(name, ()))) for name in names]
+    least = min(chances.get(name, 1.0) for name in names)
+    lead = "Missing" if least >= SURE else "Probably missing" if least >= 0.5 else "Perhaps missing"
+    joint = ", and " if any(map(rivals.get, names)) else " and "
+    return f"{lead}: {joint.join(filter(None, (', '.join(told[:-1]), told[-1])))}."
 
 
 def reservations(
