@@ -18,7 +18,7 @@ from ..model import Model
 from ..records import Record
 from ..records.kind import kind_of
 from ..records.roughness import position_noise
-from ..records.run_constants import GRAVITY
+from ..records.run_constants import GRAVITY, MASSES
 from ..records.smoothing import calmed
 from .covariance import Sums, sums
 from .problem import Problem, Solution, Whiten, all_rows
@@ -80,7 +80,7 @@ def load_of(record: Record) -> Array:
     """What the muscle carries in N, (n,): the measured force, less what of it is a load cell's white noise; of a mass
     that was given (`load_kg`) m (g + ẍ), x the shortening."""
     force, inputs = record.force, record.inputs
-    if "load_kg" in record.columns.get("force", "") and inputs.time is not None:
+    if any(mass in record.columns.get("force", "").lower() for mass in MASSES) and inputs.time is not None:
         return force * (1.0 + 1e-3 * acceleration(inputs) / GRAVITY)
     return force if inputs.segment is None else calmed(force, inputs.segment)
 

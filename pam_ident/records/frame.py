@@ -6,8 +6,8 @@ from ..core import DataError, Specimen
 from .columns import join_runs, read_columns
 from .load import build_loaded
 from .notes import Notes
-from .quantities import find_sources
 from .record import Record
+from .sources import find_sources
 from .table import table_in_memory
 
 if TYPE_CHECKING:

@@ -14,10 +14,11 @@ from .files import Files, find_files, read_tables
 from .mapping import Mapping, read_mapping
 from .notes import Notes
 from .package import read_metadata
-from .quantities import Source, find_sources
+from .quantities import Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
+from .sources import find_sources
 from .specimen_file import read_kind, read_specimen
 from .table import Table
 
@@ -171,7 +172,8 @@ def build_loaded(
 
 
 def _chosen(tables: list[Table], mapping: Mapping | None, run: str) -> list[tuple[Table, dict[str, Source]]]:
-    """The tables of a file that hold a record, with their columns. Raises what is wrong with the first if none does."""
+    """The tables of a file that hold a record, with their columns; where some do by name, those alone. Raises what is
+    wrong with the first if none does."""
     found, wrong = [], []
     for table in tables:
         try:
@@ -180,7 +182,8 @@ def _chosen(tables: list[Table], mapping: Mapping | None, run: str) -> list[tupl
             wrong.append(error)
     if not found:
         raise wrong[0]
-    return found
+    by_name = [one for one in found if not any(s.guessed for key, s in one[1].items() if key != "time")]
+    return by_name or found
 
 
 def file_sha256(path: str | Path) -> str:

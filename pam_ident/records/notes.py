@@ -36,6 +36,10 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
         f"{n} runs have an initial length of their own ({where}); their contraction is by it, and ways in mm are told "
         "of the specimen's"
     ),
+    "guessed_columns": lambda _, __, where: (
+        f"by word and unit, as no header is the quantity's name: {where}. Where that is wrong, say in a columns.toml "
+        "beside the file which column it is"
+    ),
     "lever": lambda _, column, where: f"{column} and shape are from torque and angle by the lever: {where}",
     "rows_chosen": lambda n, column, where: f"{_rows(n)} left out: {where} does not hold there",
 }
