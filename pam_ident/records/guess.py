@@ -90,13 +90,18 @@ def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Gue
 
 def guess_table(table: Table) -> tuple[Guess, ...]:
     """A guess for each column of a table, by its first rows."""
-    block = next(iter(table.read(range(len(table.names)))), None)
-    cells = [[] if block is None else block.cells[k][:FIRST] for k in range(len(table.names))]
-    return guess_columns(table.headers, [np.array([number_of(one, table.decimal) for one in c]) for c in cells])
+    return guess_columns(table.headers, numbers_of(table, range(len(table.names))))
+
+
+def numbers_of(table: Table, positions: Sequence[int]) -> list[Array]:
+    """The first numbers of some of a table's columns, (n,) each, NaN where a cell holds none."""
+    block = next(iter(table.read(positions)), None)
+    cells = [[] if block is None else block.cells[k][:FIRST] for k in positions]
+    return [np.array([number_of(cell, table.decimal) for cell in column]) for column in cells]
 
 
 def rises(column: Array) -> bool:
-    """Whether a column's numbers grow without end, as a clock's do."""
+    """Whether a column (n,) grows without end, as a clock does."""
     return _varies(column) and bool(np.all(np.diff(column) > 0))
 
 
