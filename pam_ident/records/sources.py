@@ -108,7 +108,9 @@ def _ready(table: Table) -> str:
         guesses = guess_table(table)
     except DataError:  # of a row: what is wrong with the header is told first
         return ""
-    lines = [told_by(table.names, k, guess) for k, guess in enumerate(guesses) if guess.quantity]
+    shape = next((k for k, header in enumerate(table.headers) if by_name(header) in SHAPES), None)
+    held = [k for k, g in enumerate(guesses) if g.quantity and (g.quantity not in SHAPES or shape in (None, k))]
+    lines = [told_by(table.names, k, guesses[k]) for k in held]
     lines += [f'{NAMES[what]} = "?"' for what in _lacking([guess.quantity for guess in guesses])]
     return f"\nIf the guess is right, the columns.toml is: columns = {{{', '.join(lines)}}}"
 
