@@ -55,7 +55,7 @@ def _columns(found: "Inspection") -> list[str]:
         f"columns     {', '.join(f'{key} from {column!r}' for key, column in record.columns.items())}",
     ]
     if record.passed:
-        lines.append(f"passed over {', '.join(map(repr, record.passed))}")
+        lines.append(f"passed over {', '.join(map(repr, record.passed))[:300]}")
     if record.masked:
         lines.append(f"masked      {record.masked} rows marked as slack")
     lines += [f"known       {words}: {value}" for words, value in told(record.metadata)]
