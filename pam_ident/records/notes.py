@@ -37,8 +37,8 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
         "of the specimen's"
     ),
     "guessed_columns": lambda _, __, where: (
-        f"by word and unit, as no header is the quantity's name: {where}. Where that is wrong, say in a columns.toml "
-        "beside the file which column it is"
+        f"columns are taken by word and unit, not by name: {where}. Where that is wrong, say in a columns.toml beside "
+        "the file which column it is"
     ),
     "no_clock": lambda _, column, where: (
         "the rows look like a log, one after another, but no column was read as its time: damping, lag, creep and "
