@@ -1,13 +1,14 @@
 """A record from a table of pandas."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..core import DataError, Specimen
 from .columns import join_runs, read_columns
-from .load import build_loaded
+from .load import build_loaded, left_out, note_clock
 from .notes import Notes
-from .quantities import find_sources
 from .record import Record
+from .sources import find_sources
 from .table import table_in_memory
 
 if TYPE_CHECKING:
@@ -43,4 +44,7 @@ def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "")
     notes = Notes()
     values = join_runs(read_columns(table, sources, specimen.initial_length_mm, notes), place)
     where = {key: source.header for key, source in sources.items()}
-    return build_loaded(name or specimen.name, name or "table", "", specimen, values, where, notes)
+    passed, clock = left_out(table, sources)
+    note_clock(notes, values, specimen, passed, clock)
+    found = build_loaded(name or specimen.name, name or "table", "", specimen, values, where, notes)
+    return replace(found, passed=passed)

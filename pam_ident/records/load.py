@@ -11,13 +11,15 @@ from ..core import DataError, Specimen
 from .clipped import clipped_rows
 from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
+from .logged import is_log, likely_clock
 from .mapping import Mapping, read_mapping
 from .notes import Notes
 from .package import read_metadata
-from .quantities import Source, find_sources
+from .quantities import Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
+from .sources import find_sources, passed_over
 from .specimen_file import read_kind, read_specimen
 from .table import Table
 
@@ -51,6 +53,8 @@ def read_record(
     where: dict[str, str] = {}
     runs: list[Values] = []
     notes = Notes()
+    passed: tuple[str, ...] = ()
+    clock = ""
     for table, sources, length_mm in tables_of(files, columns, muscle, notes):
         for values in read_columns(table, sources, length_mm, notes):
             values |= {
@@ -58,12 +62,28 @@ def read_record(
                 "muscle": np.full(len(values["force"]), length_mm),
             }
             runs.append(on_length(values, length_mm, muscle.initial_length_mm))
-        where = where or headers(sources)
+        if not where:
+            where = headers(sources)
+            passed, clock = left_out(table, sources)
     values = join_runs(runs, str(path))
     del runs
     names = record_name(files, muscle), files.given, files_sha256(files)
+    note_clock(notes, values, muscle, passed, clock)
     found = build_loaded(*names, muscle, values, where, notes, said_kind(files, specimen, columns))
-    return replace(found, metadata=read_metadata(files.folder))
+    return replace(found, metadata=read_metadata(files.folder), passed=passed)
+
+
+def left_out(table: Table, sources: dict[str, Source]) -> tuple[tuple[str, ...], str]:
+    """The headers of the columns of a table that are passed over, and the one that looks like a clock where none is
+    read, empty for none."""
+    at = passed_over(table, sources)
+    return tuple(table.headers[k] for k in at), "" if "time" in sources else likely_clock(table, at)
+
+
+def note_clock(notes: Notes, values: Values, specimen: Specimen, passed: tuple[str, ...], clock: str) -> None:
+    """Note where the rows of a record without a time look like a log."""
+    if "time" not in values and is_log(values, contraction_of(values, specimen.initial_length_mm), clock):
+        notes.add("no_clock", clock or None, ", ".join(map(repr, passed))[:200])
 
 
 def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
@@ -171,7 +191,8 @@ def build_loaded(
 
 
 def _chosen(tables: list[Table], mapping: Mapping | None, run: str) -> list[tuple[Table, dict[str, Source]]]:
-    """The tables of a file that hold a record, with their columns. Raises what is wrong with the first if none does."""
+    """The tables of a file that hold a record, with their columns; where some do by name, those alone. Raises what is
+    wrong with the first if none does."""
     found, wrong = [], []
     for table in tables:
         try:
@@ -180,7 +201,8 @@ def _chosen(tables: list[Table], mapping: Mapping | None, run: str) -> list[tupl
             wrong.append(error)
     if not found:
         raise wrong[0]
-    return found
+    by_name = [one for one in found if not any(s.guessed for key, s in one[1].items() if key != "time")]
+    return by_name or found
 
 
 def file_sha256(path: str | Path) -> str:
