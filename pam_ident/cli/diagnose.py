@@ -52,7 +52,7 @@ def diagnose(
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json, stopped_json
     from ..schema.prediction import law_choice_json
-    from ..tasks.diagnose import diagnose_records
+    from ..tasks.diagnose import diagnose_records, fit_command
     from ..tasks.gate import warnings_of
 
     answers, code = [], 0
@@ -64,9 +64,10 @@ def diagnose(
             answers.append(stopped_json(path, taken, n, options.reasons(found)) | law_choice_json(choice))
             continue
         doubts = warnings_of(found.base)
-        answers.append(diagnosis_json(path, found, doubts) | law_choice_json(choice))
+        command = fit_command(found, path, setup)
+        answers.append(diagnosis_json(path, found, doubts, command) | law_choice_json(choice))
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *text.chosen(choice))
-        text.say(*text.banner(doubts), *describe(found))
+        text.say(*text.banner(doubts), *describe(found), *([f"fit it: {command}"] if found.selected else []))
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
     if asked.json is not None and len(record) == 1:

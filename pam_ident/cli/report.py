@@ -24,6 +24,7 @@ def report(
     from ..report.opening import answer
     from ..schema.diagnosis import diagnosis_json
     from ..schema.prediction import law_choice_json
+    from ..tasks.diagnose import fit_command
     from ..tasks.gate import warnings_of
     from ..tasks.law_choice import settle
     from ..tasks.report import check_report, report_record
@@ -40,6 +41,7 @@ def report(
         raise
     diagnosis = story.sections[0].diagnosis
     doubts = warnings_of(diagnosis.base)
-    options.give_json(asked.json, lambda: diagnosis_json(record, diagnosis, doubts) | law_choice_json(choice))
+    command = fit_command(diagnosis, record, setup)
+    options.give_json(asked.json, lambda: diagnosis_json(record, diagnosis, doubts, command) | law_choice_json(choice))
     text.say(*text.chosen(choice))
     text.say(*text.banner(doubts), answer(story.sections[0]), f"report: {out}")

@@ -7,7 +7,12 @@ import typer
 from . import options, text
 
 FitFile = Annotated[
-    str, typer.Argument(metavar="FIT.json", help="What `pam-ident fit --json` wrote.", show_default=False)
+    str,
+    typer.Argument(
+        metavar="FIT.json",
+        help="What `fit --json`, `add --json` or `ladder --json` wrote; of a ladder the last step.",
+        show_default=False,
+    ),
 ]
 NAMES = {
     "mean_over_pressure": "mean force over pressure",

@@ -32,7 +32,7 @@ def check_export(to: str, out: str) -> Path:
 def export_fit(
     source: str, to: str, out: str, effect_files: tuple[str, ...] = (), specimen: str | None = None
 ) -> Exported:
-    """Write the model in a file of `fit --json` or `ladder --json`, of a ladder the last rung.
+    """Write the model in a file of `fit --json`, `add --json` or `ladder --json`, of a ladder the last rung.
 
     `effect_files` hold effects of a user's own that the file names; `specimen` stands in for the file's. Raises
     UsageError for what cannot be exported, DataError for a file that cannot be read.

@@ -30,7 +30,8 @@ AS_WELL = 1.05
 
 @dataclass(frozen=True)
 class SavedFit:
-    """What a file of `fit --json` predicts, by branch; `simpler` is empty in files of earlier versions."""
+    """What a file with a fitted model predicts, by branch; `simpler` is empty in those of a ladder, of `add` and of
+    earlier versions."""
 
     path: str
     law: str
@@ -110,13 +111,12 @@ class Validation:
 
 
 def read_fit(path: str | Path, effect_files: tuple[str, ...] = (), specimen: Specimen | None = None) -> SavedFit:
-    """A file of `pam-ident fit --json`. Raises DataError for any other, UsageError for an unknown effect."""
-    found = read_answer(path, "fit")
-    model = found.model(found.effects, load_effect_files(effect_files))
+    """A file of `pam-ident fit --json` or `add --json`, or the last rung of `ladder --json`. Raises DataError for any
+    other, UsageError for an unknown effect."""
+    found = read_answer(path)
+    effects, holders = found.stages[-1]
+    model = found.model(effects, load_effect_files(effect_files))
     specimen = specimen or read_specimen_of(found)
-    holders = found.get("branches", dict)
-    if not holders:
-        raise DataError(f"{path}: holds no branch; fit again with --json")
     return SavedFit(
         str(path),
         model.law.name,
@@ -135,12 +135,16 @@ def _predictor(found: Answer, holder: Mapping[str, Any], model: Model, specimen:
     free, matrix = (spread.names, spread.matrix) if spread else ((), None)
     dofs = [one.get("freedom") for name, one in holder["parameters"].items() if name in free]
     dof = min((float(d) for d in dofs if isinstance(d, int | float)), default=math.nan)
-    return Predictor(model, specimen, values, free, matrix, dof, _reading(holder.get("reading")))
+    return Predictor(model, specimen, values, free, matrix, dof, _reading(holder.get("reading"), found.seen))
 
 
-def _reading(table: Any) -> ReadingSpread | None:
+def _reading(table: Any, seen: Mapping[str, list[float]]) -> ReadingSpread | None:
+    """How far readings lie off; of a ladder or of `add`, which leave nothing out to learn it, only what was `seen`."""
     if not isinstance(table, dict):
-        return None
+        if not {"pressure_MPa", "contraction"} <= set(seen):
+            return None
+        low, high = seen["contraction"]
+        return ReadingSpread(*[math.nan] * 4, tuple(seen["pressure_MPa"]), (), (low, high))
     same, between, beyond, speed, noise = (
         math.nan if table.get(f"{key}_N") is None else float(table[f"{key}_N"]) for key in READING
     )

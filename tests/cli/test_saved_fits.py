@@ -80,6 +80,30 @@ def test_a_saved_fit_with_a_branch_each_asks_for_the_branch(ask, clean, tmp_path
     assert ask("predict", tmp_path / "fit.json", "--at", states).exit_code == 0
 
 
+def test_add_and_ladder_are_asked_like_a_fit_and_a_diagnosis_says_how_to_get_one(answer, ask, rubbing, tmp_path):
+    states = tmp_path / "states.csv"
+    states.write_text("time_s,pressure_MPa,displacement_mm\n0,0.25,10\n1,0.25,20\n2,0.9,24\n", encoding="utf-8")
+    effect = ("--effect", "coulomb_friction:held")
+    added, climbed, diagnosed = (tmp_path / f"{name}.json" for name in ("add", "ladder", "diagnosis"))
+    assert ask("add", rubbing, *LAW, *effect, "--json", added).exit_code == 0
+    assert ask("ladder", rubbing, *LAW, "--heldout", "refit", "--json", climbed).exit_code == 0
+    result = ask("diagnose", rubbing, *LAW, "--only", "coulomb_friction", "--json", diagnosed)
+    command = json.loads(diagnosed.read_text(encoding="utf-8"))["fit_command"]
+    assert f"fit it: {command}" in result.stdout
+    words = command.replace("fit.json", str(tmp_path / "fit.json")).split()
+    assert words[:2] == ["pam-ident", "fit"] and ask(*words[1:]).exit_code == 0, "the line does what it says"
+    forces = []
+    for path in (tmp_path / "fit.json", added, climbed):
+        _, found = answer("predict", path, "--at", states)
+        forces.append(found["columns"]["force_N"])
+        assert found["columns"]["outside"] == [False, False, True] and found["effects"] == [effect[1]]
+        assert answer("validate", path, rubbing)[1]["rmse_N"] == pytest.approx(1.0, abs=0.1)
+        assert ask("export", path, "--to", "python", "--out", tmp_path / "arm.py").exit_code == 0
+    assert forces[1] == pytest.approx(forces[0], rel=1e-3) == forces[2]
+    refused = ask_error(ask, "predict", diagnosed, "--at", states)
+    assert refused.exit_code == 4 and command in refused.stderr
+
+
 def ask_error(ask, *words):
     return ask(*words)
 
