@@ -1,7 +1,7 @@
 """What a record is made of, and which column holds it."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,8 @@ QUANTITIES = {
 }
 """Quantity → dimension of its unit."""
 SHAPES = ("displacement", "contraction", "length")
+Finder = Callable[[Table], "dict[str, Source]"]
+"""Finds the columns of a table without a columns.toml. Raises DataError."""
 _LETTER = re.compile(r"[^\W\d_]")
 _CLOCK = re.compile(r"[hms:.,0fdyYMDHTZ \-]*:[hms:.,0fzTZ ]*", re.IGNORECASE)
 """What stands for a unit above clock times: `hh:mm:ss.000`, `YYYY-MM-DD hh:mm:ss`."""
@@ -97,6 +99,19 @@ def find_sources(table: Table, constants: Mapping[str, Source] | None = None) ->
         if name in sources:
             raise DataError(f"{table.head}: {name} is a column, and {source.header}; keep one")
     return check_shape(sources | dict(constants), table.head)
+
+
+def find_states(table: Table) -> dict[str, Source]:
+    """The same of a table of states, which need no force, or no shape where a force is what is carried. What is not
+    there is 0, by a source without a header; of loads the motion is not known, and no time is taken."""
+    given = {quantity_of(header) for header in table.headers}
+    lacking = Source("", None)
+    if "force" not in given:
+        return find_sources(table, {"force": lacking})
+    if given & {*SHAPES}:
+        return find_sources(table)
+    found = find_sources(table, {"contraction": lacking})
+    return {name: one for name, one in found.items() if name not in ("time", "cycle", "pressure_set")}
 
 
 def check_shape(sources: dict[str, Source], head: str) -> dict[str, Source]:

@@ -214,6 +214,13 @@ def test_30_predict_beyond_the_record_says_so(fitted):
     assert fitted.predict([0.3, 0.9], 0.05)["outside"].tolist() == [False, True]
 
 
+def test_30b_predict_where_no_muscle_is_is_refused_as_the_command_does(fitted):
+    with pytest.raises(DataError, match="contraction, element 1: contraction ratio 10; expected within"):
+        fitted.predict(0.3, [0.05, 10])
+    with pytest.raises(DataError, match="pressure: 30 MPa; expected a gauge pressure below 10 MPa"):
+        fitted.predict(30, 0.1)
+
+
 def test_31_plot(fitted):
     axes = fitted.plot()
     assert isinstance(axes, Axes) and axes.get_ylabel() == "force (N)"

@@ -47,6 +47,20 @@ def test_predict_writes_a_table(ask, answer, saved, tmp_path):
     assert pd.read_csv(tmp_path / "force.csv").shape == (3, 10)
 
 
+def test_states_are_read_as_records_are_and_what_is_odd_is_said(ask, saved, tmp_path):
+    states = tmp_path / "states.csv"
+    states.write_text("pressure_bar;contraction;speed\n2,5;0,1;3\n30;0,05;3\n", encoding="utf-8")
+    (tmp_path / "columns.toml").write_text("[columns]\npressure_bar = 'P'\nlength_mm = 'L'\nforce_N = 'F'\n")
+    result = ask("predict", saved, "--at", states)
+    table = pd.read_csv(io.StringIO(result.stdout))
+    assert table["pressure_MPa"].tolist() == [0.25, 3.0] and table["contraction"].tolist() == [0.1, 0.05]
+    assert "column 'speed' is none of" in result.stderr and "Furthest: 3 MPa, where 0.2 to 0.4" in result.stderr
+    states.write_text("pressure_MPa,contraction\n0.25,0.1\n0.25,10\n", encoding="utf-8")
+    refused = ask_error(ask, "predict", saved, "--at", states)
+    assert refused.exit_code == 4 and "states.csv, row 3, column 'contraction': contraction ratio 10" in refused.stderr
+    assert "branch" in ask("predict", "--help").stdout
+
+
 def test_states_of_a_locked_muscle_need_no_force(ask, tmp_path):
     """Taken as under no load, their friction had the sign of another motion: 11.9 N off where 2.4 N are left."""
     secrets = (Secret("coulomb_friction", "textbook", 4.0),)
