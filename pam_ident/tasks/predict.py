@@ -281,8 +281,8 @@ def _beyond(saved: SavedFit, frame: "pd.DataFrame") -> str:
     }
     far = []
     for column, (words, seen) in spans.items():
-        low, high = float(frame[column].min()), float(frame[column].max())
-        ends = [*([low] if low < min(seen) else []), *([high] if high > max(seen) else [])]
+        asked = frame[column].to_numpy(float)
+        ends = [end for end in (asked.min(), asked.max()) if end < min(seen) or end > max(seen)]
         far += [f"{words.format(end)}, where {min(seen):.3g} to {max(seen):.3g} was fitted" for end in ends]
     count = int(frame["outside"].to_numpy().sum())
     furthest = f". Furthest: {'; '.join(far)}" if far else ""
