@@ -22,13 +22,8 @@ def diagnose(
     ],
     law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
-    without: Annotated[
-        list[str] | None,
-        options.option("--without", "NAME", "Effect that is not tried, because the rig cannot have it; repeatable."),
-    ] = None,
-    only: Annotated[
-        list[str] | None, options.option("--only", "NAME", "The only effect that is tried; repeatable.")
-    ] = None,
+    without: options.Without = None,
+    only: options.Only = None,
     also: options.Also = None,
     prior: Annotated[
         str | None, options.option("--prior", "FILE.toml", "Prior odds of effects, lines such as `creep = 10`.")
@@ -47,8 +42,8 @@ def diagnose(
     """
     if protocol is not None:
         check_protocol(protocol, record)
-    names = {"without": tuple(without or ()), "only": tuple(only or ()), "also": tuple(also or ())}
-    setup = replace(asked.setup(law), prior=prior, heldout=options.held_out(heldout), **names)
+    tried = options.tried(without, only, also)
+    setup = replace(asked.setup(law), prior=prior, heldout=options.held_out(heldout), **tried)
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json, stopped_json
     from ..schema.prediction import law_choice_json

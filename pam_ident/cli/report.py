@@ -12,6 +12,8 @@ def report(
     law: options.Law = "auto",
     format: Annotated[str | None, options.option("--format", "html|md|pdf", "Default: what FILE ends in.")] = None,
     asked: options.Asked = options.NOTHING,
+    without: options.Without = None,
+    only: options.Only = None,
     also: options.Also = None,
     heldout: options.Heldout = None,
 ) -> None:
@@ -29,7 +31,7 @@ def report(
     from ..tasks.law_choice import settle
     from ..tasks.report import check_report, report_record
 
-    setup = replace(asked.setup(law), also=tuple(also or ()), heldout=options.held_out(heldout))
+    setup = replace(asked.setup(law), heldout=options.held_out(heldout), **options.tried(without, only, also))
     check_report(out, format)
     choice = None
     try:

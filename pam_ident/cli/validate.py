@@ -27,6 +27,7 @@ def validate(
     effect_file: options.EffectFiles = None,
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
+    where: options.Where = None,
 ) -> None:
     """Test a saved fit on another record, beside simpler models.
 
@@ -37,7 +38,7 @@ def validate(
     from ..tasks.setup import load
 
     saved = read_fit(fit, tuple(effect_file or ()))
-    measured = load(record, specimen)
+    measured = load(record, specimen, where)
     found = validate_fit(saved, measured)
     options.give_json(json, lambda: validation_json(fit, record, found))
     text.say(text.title(record, measured), *text.equation(saved.model), "", *text.banner(found.warnings))

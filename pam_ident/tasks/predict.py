@@ -282,7 +282,7 @@ def _beyond(saved: SavedFit, frame: "pd.DataFrame") -> str:
     far = []
     for column, (words, seen) in spans.items():
         asked = frame[column].to_numpy(float)
-        ends = [end for end in (asked.min(), asked.max()) if end < min(seen) or end > max(seen)]
+        ends = [end for end in sorted({asked.min(), asked.max()}) if end < min(seen) or end > max(seen)]
         far += [f"{words.format(end)}, where {min(seen):.3g} to {max(seen):.3g} was fitted" for end in ends]
     count = int(frame["outside"].to_numpy().sum())
     furthest = f". Furthest: {'; '.join(far)}" if far else ""

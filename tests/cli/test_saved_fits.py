@@ -25,6 +25,8 @@ def test_validate_on_another_record(answer, saved, clean, rubbing):
     assert result.exit_code == 0 and found["schema"] == "pam-ident/validation/1"
     assert found["rmse_N"] == pytest.approx(np.hypot(12.0, 1.0), abs=0.3) and found["coverage"] < 0.1
     assert "No simpler model does as well" in result.stdout
+    _, part = answer("validate", saved, rubbing, "--where", "pressure_MPa > 0.25")
+    assert 0 < part["n"] < found["n"]
     _, same = answer("validate", saved, clean)
     assert same["rmse_N"] == pytest.approx(1.0, abs=0.1) and 0.93 < same["coverage"] < 0.98
     assert [one["name"] for one in same["simpler"]] == ["mean_over_pressure", "polynomial"]
