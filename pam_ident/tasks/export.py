@@ -61,8 +61,14 @@ def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "t
 
 
 def _write(fitted: Fitted, to: str, path: Path) -> Exported:
-    """The file's name without its ending names the function in it."""
+    """The file's name without its ending names the function in it; a file beside it that nobody named replaces only an
+    earlier one of its kind. Raises UsageError where another is there."""
     made = get_target(to).write(fitted, path.stem)
-    texts = {path: made.text} | {check_target(path.with_suffix(end)): text for end, text in made.beside.items()}
+    beside = {check_target(path.with_suffix(end)): text for end, text in made.beside.items()}
+    for one in beside:
+        if one.exists() and made.mark not in one.read_text(encoding="utf-8", errors="replace"):
+            other = path.with_stem(f"{path.stem}_{to}")
+            raise UsageError(f"{one}: is there already, and not from --to {to}, which writes it, too; --out {other}")
+    texts = {path: made.text} | beside
     paths = tuple(write_whole(where, text) for where, text in texts.items())
     return Exported(paths, made.notes, fitted.problems)
