@@ -11,6 +11,7 @@ from ..core.digits import millimetres, newtons
 from ..core.files import check_target, write_json
 from ..fitting.prediction import Predictor
 from ..records import Record
+from ..tasks.export import export_fit
 from ..tasks.predict import (
     SavedFit,
     Validation,
@@ -128,6 +129,10 @@ class SavedResult(Predicting):
     def validate(self, record: Any, specimen: Any = None) -> Validation:
         """How the fit does on another record. Raises DataError."""
         return validate_fit(self.details, read(record, specimen))
+
+    def export(self, to: str, out: str | Path) -> tuple[Path, ...]:
+        """As `FitResult.export`."""
+        return export_fit(self.details.path, to, str(out)).paths
 
     def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
         """What the file holds, written to `path` where one is given."""

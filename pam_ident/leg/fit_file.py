@@ -41,7 +41,8 @@ class Answer:
 
     @property
     def stages(self) -> list[tuple[tuple[str, ...], dict[str, Mapping[str, Any]]]]:
-        """Labels of the effects, and by branch what holds parameters: of a ladder a rung each, of others the one."""
+        """Labels of the effects, and by branch what holds parameters: of a ladder a rung each, of others the
+        one. Raises DataError where there is none."""
         if "rungs" in self.content:
             given: list[Any] = [(one, {"together": one}) for one in self.get("rungs", list)]
         elif "after" in self.content:

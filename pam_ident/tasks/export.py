@@ -10,7 +10,7 @@ from ..export.fitted import Fitted
 from ..export.targets import get_target
 from ..records import read_specimen
 from ..schema.fit import fit_json
-from .fit import FitOptions, fit_record
+from .fit import FitAnswer, FitOptions, fit_record
 from .law_choice import settle
 from .setup import Setup
 
@@ -49,13 +49,18 @@ def export_fit(
 
 def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "together") -> Exported:
     """Fit a model to a record and write it. Raises as `fit_record` and `export_fit` do."""
-    path = check_export(to, out)
+    check_export(to, out)
     record = setup.read(source)
     setup, _ = settle(record, setup)
-    answer = fit_record(record, setup, FitOptions(branch=branch))
+    return export_answer(fit_record(record, setup, FitOptions(branch=branch)), to, out, source)
+
+
+def export_answer(answer: FitAnswer, to: str, out: str, source: str) -> Exported:
+    """Write a fit to the record `source`. Raises as `export_fit` does."""
+    path = check_export(to, out)
     fitted = Fitted.of(answer.fits)
     if to == "json":
-        write_json(path, fit_json(source, setup.law, answer))
+        write_json(path, fit_json(source, fitted.model.law.name, answer))
         return Exported((path,), (), fitted.problems)
     return _write(fitted, to, path)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core import DataError, Inputs, Specimen, UsageError
 from ..core.digits import millimetres, newtons, probability
+from ..core.shown import Shown
 from ..effects import load_effect_files
 from ..fitting.length import at_limit, by_length, load_of
 from ..fitting.prediction import LengthPrediction, Prediction, Predictor, ReadingSpread, Simpler
@@ -26,6 +27,12 @@ if TYPE_CHECKING:
 Array = np.ndarray
 AS_WELL = 1.05
 """How much larger the error of a simpler model may be for it to predict as well."""
+SIMPLER = {
+    "mean_over_pressure": "the mean force over pressure",
+    "contraction_over_pressure": "a line of the contraction over pressure",
+    "polynomial": "a plain polynomial",
+}
+"""The simpler models in words."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +77,8 @@ class ErrorsThere:
         return cls(float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error))), r2)
 
 
-@dataclass(frozen=True)
-class Validation:
+@dataclass(frozen=True, repr=False)
+class Validation(Shown):
     """A saved fit on another record. `coverage` is the share of readings that their 95 % interval holds, NaN where none
     is known; `simpler` the same errors of models that any muscle model must beat, fitted to what the fit was.
 
@@ -86,6 +93,20 @@ class Validation:
     simpler: Mapping[str, ErrorsThere]
     in_force: ErrorsThere | None = None
     left_out: int = 0
+
+    def __repr__(self) -> str:
+        told = {"the fit": self.trial, **{SIMPLER[name]: one for name, one in self.simpler.items()}}
+        unit = millimetres if self.in_mm else newtons
+        rows = [
+            f"  {name}: {unit(one.rmse)} rms, {unit(one.max_error)} at most, R² {one.r2:.5g}"
+            for name, one in told.items()
+        ]
+        return "\n".join([self.sentence, *rows])
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square error of the fit in N, or of the length in mm where it is `in_mm`."""
+        return self.trial.rmse
 
     @property
     def in_mm(self) -> bool:
@@ -107,12 +128,7 @@ class Validation:
         """The answer in words."""
         share = probability(self.coverage)
         known = "" if math.isnan(self.coverage) else f" {share} of the readings lie in their 95 % interval."
-        words = {
-            "mean_over_pressure": "the mean force over pressure",
-            "contraction_over_pressure": "a line of the contraction over pressure",
-            "polynomial": "a plain polynomial",
-        }
-        names = " and ".join(words[name] for name in self.as_well)
+        names = " and ".join(SIMPLER[name] for name in self.as_well)
         rest = f" No better than {names}." if names else " No simpler model does as well." if self.simpler else ""
         what, error = ("the length of ", millimetres) if self.in_mm else ("", newtons)
         return f"The fit predicts {what}{self.record.name} to {error(self.trial.rmse)} rms.{known}{rest}"
