@@ -68,7 +68,10 @@ def test_states_of_a_locked_muscle_need_no_force(ask, tmp_path):
     secrets = (Secret("coulomb_friction", "textbook", 4.0),)
     write_case(tmp_path, make_record(Plan(31, "modified_chou_hannaford", secrets, protocol="locked_ramps")))
     record, model = tmp_path / "record.csv", ("--law", "modified_chou_hannaford", "--effect", "coulomb_friction")
-    assert ask("fit", record, *model, "--json", tmp_path / "fit.json").exit_code == 0
+    result = ask("fit", record, *model, "--json", tmp_path / "fit.json")
+    assert result.exit_code == 0 and "energy of a cycle" not in result.stdout, "the pressure was driven: no isobar"
+    assert json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))["loops"] == []
+    assert "std. of p" not in ask("inspect", record).stdout
     table = pd.read_csv(record)
     table.drop(columns="force_N").to_csv(tmp_path / "states.csv", index=False)
     result = ask("predict", tmp_path / "fit.json", "--at", tmp_path / "states.csv")
