@@ -93,7 +93,8 @@ class Answer:
         try:
             return Model.build(self.get("law", str), effects, extra, bool(self.content.get("free_geometry")))
         except UsageError as error:
-            raise UsageError(f"{self.path}: {error}") from None
+            own = "; one of your own comes by --effect-file FILE.py" if "unknown effect" in str(error) else ""
+            raise UsageError(f"{self.path}: {error}{own}") from None
 
 
 def read_answer(path: str | Path) -> Answer:
