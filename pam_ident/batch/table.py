@@ -104,6 +104,16 @@ def _flat(row: Json) -> Json:
     return blank_nan(flat)
 
 
+def as_csv(parquet: bytes) -> str:
+    """The same table as text, for programs that read no Parquet; lists are joined by ';'."""
+    import pyarrow.parquet as pq
+
+    frame = pq.read_table(io.BytesIO(parquet)).to_pandas(integer_object_nulls=True)
+    for name in ("effects", "selected", "warnings"):
+        frame[name] = [None if one is None else ";".join(one) for one in frame[name]]
+    return frame.to_csv(index=False, lineterminator="\n")
+
+
 def read_results(path: str | Path) -> "pd.DataFrame":
     """The table of a batch, from its folder or file, whichever version of the program wrote it.
 

@@ -22,13 +22,8 @@ def diagnose(
     ],
     law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
-    without: Annotated[
-        list[str] | None,
-        options.option("--without", "NAME", "Effect that is not tried, because the rig cannot have it; repeatable."),
-    ] = None,
-    only: Annotated[
-        list[str] | None, options.option("--only", "NAME", "The only effect that is tried; repeatable.")
-    ] = None,
+    without: options.Without = None,
+    only: options.Only = None,
     also: options.Also = None,
     prior: Annotated[
         str | None, options.option("--prior", "FILE.toml", "Prior odds of effects, lines such as `creep = 10`.")
@@ -47,12 +42,12 @@ def diagnose(
     """
     if protocol is not None:
         check_protocol(protocol, record)
-    names = {"without": tuple(without or ()), "only": tuple(only or ()), "also": tuple(also or ())}
-    setup = replace(asked.setup(law), prior=prior, heldout=options.held_out(heldout), **names)
+    tried = options.tried(without, only, also)
+    setup = replace(asked.setup(law), prior=prior, heldout=options.held_out(heldout), **tried)
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json, stopped_json
     from ..schema.prediction import law_choice_json
-    from ..tasks.diagnose import diagnose_records
+    from ..tasks.diagnose import diagnose_records, fit_command
     from ..tasks.gate import warnings_of
 
     answers, code = [], 0
@@ -64,9 +59,10 @@ def diagnose(
             answers.append(stopped_json(path, taken, n, options.reasons(found)) | law_choice_json(choice))
             continue
         doubts = warnings_of(found.base)
-        answers.append(diagnosis_json(path, found, doubts) | law_choice_json(choice))
+        command = fit_command(found, path, setup)
+        answers.append(diagnosis_json(path, found, doubts, command) | law_choice_json(choice))
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *text.chosen(choice))
-        text.say(*text.banner(doubts), *describe(found))
+        text.say(*text.banner(doubts), *describe(found), *([f"fit it: {command}"] if found.selected else []))
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
     if asked.json is not None and len(record) == 1:

@@ -32,8 +32,11 @@ def inspect(
             f"{i.force_N[0]:.1f} to {i.force_N[1]:.1f}",
         )
         for i in found.isobars
+        if found.kind == "isobaric"  # where the pressure is driven, it is on none
     ]
-    text.say("", *text.table(("p [MPa]", "samples", "std. of p [MPa]", "contraction", "force [N]"), rows))
+    text.say(
+        *[""] * bool(rows), *text.table(("p [MPa]", "samples", "std. of p [MPa]", "contraction", "force [N]"), rows)
+    )
     stops = grave(found.doubts)
     advice = [line for line in found.advice if line not in {doubt.text for doubt in stops}]
     if stops:

@@ -16,11 +16,13 @@ def ladder(
     record: options.Record,
     law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
+    without: options.Without = None,
+    only: options.Only = None,
     also: options.Also = None,
     heldout: options.Heldout = None,
 ) -> None:
     """Diagnose and add down to the noise floor."""
-    setup = replace(asked.setup(law), also=tuple(also or ()), heldout=options.held_out(heldout))
+    setup = replace(asked.setup(law), heldout=options.held_out(heldout), **options.tried(without, only, also))
     setup.check()
     from ..core import PamError
     from ..parallel.executor import Executor

@@ -19,13 +19,16 @@ from .quantities import Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
-from .sources import find_sources, passed_over
+from .sources import Finder, find_sources, passed_over
 from .specimen_file import read_kind, read_specimen
 from .table import Table
 
 
 def read_record(
-    path: str | Path, specimen: str | Path | Specimen | None = None, columns: str | Path | None = None
+    path: str | Path,
+    specimen: str | Path | Specimen | None = None,
+    columns: str | Path | None = None,
+    find: Finder = find_sources,
 ) -> Record:
     """Load a record and its specimen.
 
@@ -36,6 +39,7 @@ def read_record(
             pressure_set, cycle, branch, temperature and slack (rows with slack = 1 are left out).
         specimen: the muscle, or its file; by default `specimen.toml` in the same folder.
         columns: a file that says which column is what; by default `columns.toml` in the same folder, if there is one.
+        find: what finds the columns where no such file does; by default those of a record.
 
     Raises:
         DataError: naming file, row and column.
@@ -55,7 +59,7 @@ def read_record(
     notes = Notes()
     passed: tuple[str, ...] = ()
     clock = ""
-    for table, sources, length_mm in tables_of(files, columns, muscle, notes):
+    for table, sources, length_mm in tables_of(files, columns, muscle, notes, find):
         for values in read_columns(table, sources, length_mm, notes):
             values |= {
                 "run": np.full(len(values["force"]), len(runs)),
@@ -106,7 +110,7 @@ def _beside(files: Files) -> Path:
 
 
 def tables_of(
-    files: Files, columns: str | Path | None, specimen: Specimen, notes: Notes
+    files: Files, columns: str | Path | None, specimen: Specimen, notes: Notes, find: Finder = find_sources
 ) -> Iterator[tuple[Table, dict[str, Source], float]]:
     """The tables of a record's files with their columns, as `columns` or `columns.toml` says, and the initial length in
     mm of each run's muscle. Raises DataError."""
@@ -124,7 +128,7 @@ def tables_of(
         if mapping is not None:
             length_mm = mapping.runs.initial_length_mm(file.name, files.folder, specimen)
         lengths += [length_mm] if length_mm != specimen.initial_length_mm else []
-        for table, sources in _chosen(read_tables(file, mapping), mapping, file.name):
+        for table, sources in _chosen(read_tables(file, mapping), mapping, file.name, find):
             yield table, sources, length_mm
     if lengths:
         span = f"{min(lengths):g} to {max(lengths):g} mm, the specimen's {specimen.initial_length_mm:g}"
@@ -190,19 +194,30 @@ def build_loaded(
     return replace(found, notes=notes.told())
 
 
-def _chosen(tables: list[Table], mapping: Mapping | None, run: str) -> list[tuple[Table, dict[str, Source]]]:
+def _chosen(
+    tables: list[Table], mapping: Mapping | None, run: str, find: Finder
+) -> list[tuple[Table, dict[str, Source]]]:
     """The tables of a file that hold a record, with their columns; where some do by name, those alone. Raises what is
     wrong with the first if none does."""
     found, wrong = [], []
     for table in tables:
         try:
-            found.append((table, mapping.sources(table, run) if mapping else find_sources(table)))
+            found.append((table, _sources(table, mapping, run, find)))
         except DataError as error:
             wrong.append(error)
     if not found:
         raise wrong[0]
     by_name = [one for one in found if not any(s.guessed for key, s in one[1].items() if key != "time")]
     return by_name or found
+
+
+def _sources(table: Table, mapping: Mapping | None, run: str, find: Finder) -> dict[str, Source]:
+    try:
+        return mapping.sources(table, run) if mapping else find(table)
+    except DataError:
+        if mapping is None or find is find_sources:
+            raise
+        return find(table)  # a columns.toml beside states is of the records there, whose columns they may lack
 
 
 def file_sha256(path: str | Path) -> str:

@@ -1,7 +1,7 @@
 """Which column of a table holds which quantity: by its name, else by word and unit where that leaves no choice."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from .table import Table
 
 _CLOCK = re.compile(r"[hms:.,0fdyYMDHTZ \-]*:[hms:.,0fzTZ ]*", re.IGNORECASE)
 """What stands for a unit above clock times: `hh:mm:ss.000`, `YYYY-MM-DD hh:mm:ss`."""
+Finder = Callable[[Table], dict[str, Source]]
+"""Finds the columns of a table without a columns.toml. Raises DataError."""
 BACKWARDS = 0.1
 """Share of the steps of a clock, guessed by its name, that may run backwards: more are no clock's."""
 NAMES = {"pressure": "pressure_MPa", "force": "force_N", "displacement": "displacement_mm"}
@@ -53,6 +55,18 @@ def find_sources(table: Table, constants: Mapping[str, Source] | None = None) ->
         if name in sources:
             raise DataError(f"{table.head}: {name} is a column, and {source.header}; keep one")
     return check_shape(sources | dict(constants), table.head)
+
+
+def find_states(table: Table) -> dict[str, Source]:
+    """The same of a table of states, which need no force, or no shape where a force is what is carried. What is not
+    there is 0, by a source without a header; of loads the motion is not known, and no time is taken."""
+    given, lacking = {by_name(header) for header in table.headers}, Source("", None)
+    if "force" not in given:
+        return find_sources(table, {"force": lacking})
+    if given & {*SHAPES}:
+        return find_sources(table)
+    found = find_sources(table, {"contraction": lacking})
+    return {name: one for name, one in found.items() if name not in ("time", "cycle", "pressure_set")}
 
 
 def _guessed(table: Table, found: set[str]) -> dict[str, int]:

@@ -20,7 +20,7 @@ from .gate import check_completed, computing, may_name
 from .law_choice import LawChoice, settle
 from .setup import Setup
 
-__all__ = ["candidates", "diagnose_record", "diagnose_records", "told"]
+__all__ = ["candidates", "diagnose_record", "diagnose_records", "fit_command", "told"]
 Answer = Diagnosis | PamError
 
 
@@ -46,6 +46,12 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
     *_, found = diagnosing_record(record, setup)
     with computing(record):
         return _nested(found, record, setup) if setup.held_out else found
+
+
+def fit_command(found: Diagnosis, record: str, setup: Setup) -> str:
+    """The command line that fits the model with what was missing, so that it can be used."""
+    model = found.best.model
+    return replace(setup, law=model.law.name, effects=tuple(model.labels)).command("fit", record, "--json", "fit.json")
 
 
 def diagnosing_record(record: Record, setup: Setup) -> Iterator[Diagnosis]:

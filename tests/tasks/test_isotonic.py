@@ -107,16 +107,16 @@ def test_the_static_curve_is_predicted_at_other_loads(saved, tmp_path):
     )
     table.to_csv(tmp_path / "loads.csv", index=False)
     for one in saved.values():
-        frame = predict_at(one, tmp_path / "loads.csv")
+        frame = predict_at(one, tmp_path / "loads.csv").frame
         length = made.muscle.specimen.initial_length_mm
         truth = made.muscle.contraction(table["pressure_MPa"].to_numpy(), table["force_N"].to_numpy()) * length
         assert np.abs(frame["displacement_mm"] - truth).max() < 0.1
         assert np.all((frame["mean_low_mm"] - 0.02 < truth) & (truth < frame["mean_high_mm"] + 0.02))
-    assert np.isfinite(predict_at(saved["standard"], tmp_path / "loads.csv")["reading_low_mm"]).all()
+    assert np.isfinite(predict_at(saved["standard"], tmp_path / "loads.csv").frame["reading_low_mm"]).all()
     table.assign(force_N=1e5).to_csv(tmp_path / "heavy.csv", index=False)
-    assert predict_at(saved["standard"], tmp_path / "heavy.csv")["outside"].all()
+    assert predict_at(saved["standard"], tmp_path / "heavy.csv").frame["outside"].all()
     table.assign(force_N=-5e3).to_csv(tmp_path / "pushed.csv", index=False)
-    assert predict_at(saved["standard"], tmp_path / "pushed.csv")["displacement_mm"].isna().all()
+    assert predict_at(saved["standard"], tmp_path / "pushed.csv").frame["displacement_mm"].isna().all()
 
 
 @pytest.mark.parametrize(
