@@ -38,7 +38,7 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
     kept = ~at_limit(record) & (slope < 0.0)
     if inputs.moving is not None and inputs.pressure_rate is not None:
         kept &= inputs.moving | (inputs.pressure_rate == 0.0)
-    left = len(record) - np.count_nonzero(kept)
+    left = int(np.count_nonzero(~kept))
     if left:
         text = (
             f"{left} of {len(record)} samples are left out: they stand at an end of the length, or a weight sticks "
