@@ -10,6 +10,13 @@ from . import options, text
 if TYPE_CHECKING:
     from ..diagnosis.nouns import Diagnosis, Experiment
 
+SHOWN, LEAST = 5, 0.01
+"""Candidates that have a row of their own: so many, and all of such a probability."""
+TAKEN_UP = (
+    "The law was chosen because it predicts best. What its parameters take up is not seen as an effect: to ask what "
+    "the ideal braid lacks, say --law chou_hannaford."
+)
+
 
 def diagnose(
     record: Annotated[
@@ -63,6 +70,8 @@ def diagnose(
         answers.append(diagnosis_json(path, found, doubts, command) | law_choice_json(choice))
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *text.chosen(choice))
         text.say(*text.banner(doubts), *describe(found), *([f"fit it: {command}"] if found.selected else []))
+        if choice is not None and choice.law != "chou_hannaford" and found.verdict == "adequate":
+            text.say(TAKEN_UP)
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
     if asked.json is not None and len(record) == 1:
@@ -106,6 +115,8 @@ def describe(found: "Diagnosis") -> list[str]:
     held += f" → {text.newtons(found.heldout_rmse_after)}" if found.selected else ""
     lines = [found.sentence, f"verdict: {text.verdict(found.verdict)}; on held-out data {held}"]
     lines += [*found.best.at_bounds, told(found.follows)]
+    tried = candidates(found)
+    shown = [s for k, s in enumerate(tried) if k < SHOWN or s.probability >= LEAST]
     rows = [
         (
             s.label or s.effect,
@@ -113,9 +124,11 @@ def describe(found: "Diagnosis") -> list[str]:
             text.number(s.rmse_after, 3),
             text.number(s.heldout_rmse_after, 3),
         )
-        for s in candidates(found)
+        for s in shown
     ]
     lines += text.table(("candidate", "probability", "rmse after [N]", "held out [N]"), rows)
+    others = [in_words(s.effect, found.best.model.own) for s in tried if s not in shown]
+    lines += [f"less likely still: {', '.join(others)}"] if others else []
     for status, words in STATUS.items():
         names = [in_words(s.effect, found.best.model.own) for s in found.ranking if s.status == status]
         if names and status != "candidate":
