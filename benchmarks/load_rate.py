@@ -30,7 +30,7 @@ import resource, sys, time
 import numpy as np, pandas as pd
 from pathlib import Path
 from pam_ident.records.columns import join_runs, read_columns
-from pam_ident.records.quantities import find_sources
+from pam_ident.records.sources import find_sources
 from pam_ident.records.text_table import read_text
 path = Path(sys.argv[1])
 start = time.perf_counter(), time.process_time()

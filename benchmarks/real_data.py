@@ -8,6 +8,7 @@ puts the table into FILE, between its lines <!-- real --> and <!-- /real -->.
 """
 
 import argparse
+import re
 import sys
 import time
 from collections.abc import Iterator
@@ -80,7 +81,7 @@ def row(record: Record, by: str) -> str:
         setup, _ = settle(record, Setup(AUTO, heldout=by))
         found = climb_ladder(record, setup)
     except PamError as error:
-        why = str(error).partition(": ")[2].partition(":")[0]
+        why = re.split("[:;,]", str(error).partition(": ")[2])[0]
         return f"{start} refused ({error.exit_code}): {why} | | | | | {time.monotonic() - begun:.0f} |"
     last = found.rungs[-1]
     assert found.nested is not None and last.refit_rmse is not None

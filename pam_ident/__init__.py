@@ -49,6 +49,14 @@ _OLD = {
     "latex": ("pam_ident.export.equation.latex", "pam_ident.export.equation.latex"),
 }
 """Names that go in the next version: where each is, and what stands in its place."""
+_INSTEAD = {
+    "add": "pam.fit(record, law, effects=[...])",
+    "against": "pam.diagnose(a).against(b)",
+    "inspect": "pam.read(record).summary()",
+    "predict": 'pam.fit(...).predict(pressure, contraction), or pam.load("fit.json").predict(...)',
+    "validate": 'pam.fit(...).validate(record), or pam.load("fit.json").validate(record)',
+}
+"""Commands that are something else here."""
 
 __all__ = [
     "Model",
@@ -82,6 +90,8 @@ def __getattr__(name: str) -> Any:
         warnings.warn(message, DeprecationWarning, stacklevel=2)
         home, _, found = path.rpartition(".")
         return getattr(import_module(home), found)
+    if name in _INSTEAD:
+        raise AttributeError(f"module 'pam_ident' has no attribute {name!r}; use {_INSTEAD[name]}")
     if name.startswith("_"):
         raise AttributeError(f"module 'pam_ident' has no attribute {name!r}")
     from .core.nearest import nearest

@@ -13,6 +13,7 @@ from ..fitting import Fit
 from ..records.doubt import Doubt
 from ..schema.diagnosis import candidates, comparison_json, diagnosis_json, ladder_json
 from ..schema.prediction import law_choice_json
+from ..tasks.diagnose import fit_command
 from ..tasks.fit import answer_of
 from ..tasks.gate import warnings_of
 from ..tasks.law_choice import LawChoice
@@ -192,7 +193,8 @@ class DiagnosisResult(RecordAnswer):
         return self.details.base
 
     def _content(self) -> dict[str, Any]:
-        return diagnosis_json(self._source, self.details, self.warnings)
+        command = fit_command(self.details, self._source, self.setup)
+        return diagnosis_json(self._source, self.details, self.warnings, command)
 
     @property
     def verdict(self) -> str:

@@ -15,6 +15,7 @@ from ..model import Model
 from ..records.doubt import Doubt
 from ..schema.fit import fit_json
 from ..schema.prediction import law_choice_json
+from ..tasks.export import export_answer
 from ..tasks.fit import FitAnswer
 from ..tasks.law_choice import LawChoice
 from ..tasks.predict import SavedFit, Validation, validate_fit
@@ -180,6 +181,13 @@ class FitResult(Predicting):
             check_target(path)
             write_json(path, found)
         return found
+
+    def export(self, to: str, out: str | Path) -> tuple[Path, ...]:
+        """Write the model for another program, `to` c, fmu, fmu3, matlab, python, mujoco or json; the files written.
+
+        Raises UsageError for what cannot be exported, and another ending of `out` than such files have.
+        """
+        return export_answer(self.details, to, str(out), self.record.source or self.record.name).paths
 
     def to_frame(self) -> "pd.DataFrame":
         """The parameters, as `params`."""

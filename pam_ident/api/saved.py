@@ -6,21 +6,21 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core import DataError, Specimen, UsageError
+from ..core import DataError, Inputs, Specimen, UsageError
 from ..core.digits import millimetres, newtons
 from ..core.files import check_target, write_json
 from ..fitting.prediction import Predictor
 from ..records import Record
+from ..tasks.export import export_fit
 from ..tasks.predict import (
     SavedFit,
     Validation,
-    inputs_of,
     predict,
     prediction_frame,
     read_fit,
-    states_of,
     validate_fit,
 )
+from ..tasks.states import inputs_of, read_states
 from .record import read
 
 if TYPE_CHECKING:
@@ -59,14 +59,22 @@ class Predicting(ABC):
         elif isinstance(pressure, Record):
             inputs = pressure.inputs
         elif isinstance(pressure, str | Path) or hasattr(pressure, "columns"):
-            inputs = states_of(pressure, self.specimen)
+            inputs = _states(pressure, self.specimen)
         elif isinstance(pressure, Mapping):
             import pandas as pd
 
-            inputs = states_of(pd.DataFrame(dict(pressure)), self.specimen)
+            inputs = _states(pd.DataFrame(dict(pressure)), self.specimen)
         else:
             raise UsageError("predict: give contraction beside pressure, or one record, table or file")
         return prediction_frame(inputs, predict(self.predictors, inputs))
+
+
+def _states(given: Any, specimen: Specimen) -> Inputs:
+    """The states of a table or a file. Raises UsageError where the length is asked for, which the command tells."""
+    found = read_states(given, specimen)
+    if found.load is not None:
+        raise UsageError("predict: give the contraction, too; the length under a load is told by `pam-ident predict`")
+    return found.inputs
 
 
 class SavedResult(Predicting):
@@ -121,6 +129,10 @@ class SavedResult(Predicting):
     def validate(self, record: Any, specimen: Any = None) -> Validation:
         """How the fit does on another record. Raises DataError."""
         return validate_fit(self.details, read(record, specimen))
+
+    def export(self, to: str, out: str | Path) -> tuple[Path, ...]:
+        """As `FitResult.export`."""
+        return export_fit(self.details.path, to, str(out)).paths
 
     def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
         """What the file holds, written to `path` where one is given."""

@@ -217,6 +217,8 @@ def report(
     *,
     out: str | Path = "report.html",
     specimen: Any = None,
+    without: Any = (),
+    only: Any = (),
     also: Any = (),
     assume: Any = (),
     heldout: str = "",
@@ -225,7 +227,7 @@ def report(
     """Write the whole answer about a record into one file: HTML, Markdown or PDF, by its ending.
 
     Args:
-        record, law, effects, specimen, also, assume, free_geometry: as `pam.diagnose` takes them.
+        record, law, effects, specimen, without, only, also, assume, free_geometry: as `pam.diagnose` takes them.
         out: the file.
         heldout: `length`, `pressure`, `run`, `cycle` or `muscle`, held out whole while everything is chosen anew;
             `refit` to refit the parameters alone, at a quarter of the time. By default what suits the record.
@@ -242,8 +244,9 @@ def report(
 
     check_report(str(out))
     measured, setup, _ = _asked(
-        record, law, effects, specimen, also=also, free_geometry=free_geometry, assume=assume, heldout=heldout
-    )
+        record, law, effects, specimen, without=without, only=only, also=also, free_geometry=free_geometry,
+        assume=assume, heldout=heldout,
+    )  # fmt: skip
     report_record(measured, setup, str(out))
     return Path(out)
 

@@ -1,5 +1,6 @@
 """What every verb does around its work: one thread for small matrices, and a bar in Jupyter where it takes long."""
 
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -7,11 +8,15 @@ from contextlib import ExitStack, contextmanager
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
+from ..core import PamError
 from ..core.progress import Stage, heard
 from ..core.threads import one_blas_thread
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
+OPTION = re.compile(r"--(assume|branch|heldout|intervals|law|loss|method|specimen|weights)\b(?: ('[^']*'|\w+))?")
+LISTS = re.compile(r"`pam-ident (laws|effects)`")
+"""What errors call an option with its value, and the lists of what is known."""
 PATIENCE, PAUSE = 1.0, 0.3
 """Seconds of work before a bar is shown, and between two changes of it."""
 
@@ -35,9 +40,22 @@ def worked(verb: Callable[P, Result]) -> Callable[P, Result]:
     @wraps(verb)
     def inside(*args: P.args, **kwargs: P.kwargs) -> Result:
         with working():
-            return verb(*args, **kwargs)
+            try:
+                return verb(*args, **kwargs)
+            except PamError as error:
+                error.args = (in_python(str(error)), *error.args[1:])
+                raise
 
     return inside
+
+
+def in_python(said: str) -> str:
+    """What an error says of the command's options, of this verb's arguments."""
+
+    def argument(found: "re.Match[str]") -> str:
+        return f"{found[1]}=" + (repr(found[2].strip("'")) if found[2] else "")
+
+    return OPTION.sub(argument, LISTS.sub(r"pam.\1", said))
 
 
 def in_jupyter() -> bool:

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import FitError, PamError, Specimen, UsageError
-from ..fitting import Fit, fit, lack_of_fit, repeat_noise
+from ..fitting import Fit, fit
 from ..records import Record
 from ..schema.versions import schema
+from ..tasks.fit import checks_of
 from ..tasks.gate import admit, computing, warnings_of
 from ..tasks.setup import Setup, load
 from .request import BatchRequest, Item
@@ -79,12 +80,14 @@ def _row(setup: Setup, record: Record, branch: str, diagnosis: "Diagnosis | None
 
 def _fitted(one: Fit) -> Json:
     """What a fit says; its verdict stands only where no diagnosis gave one."""
-    floor, lack = repeat_noise(one), lack_of_fit(one)
+    checks, errors = checks_of(one), one.length_errors
+    in_N = checks.repeats if errors is None else None
     return {
         "n": int(one.rows.sum()),
         "rmse_N": one.rmse,
-        "noise_floor_N": None if floor is None else floor.sigma,
-        "lack_of_fit": None if lack is None else ("adequate" if lack.adequate else "inadequate"),
+        "rmse_mm": None if errors is None else errors.rmse,
+        "noise_floor_N": None if in_N is None else in_N.sigma,
+        "lack_of_fit": None if checks.lack is None else ("adequate" if checks.lack.adequate else "inadequate"),
         "warnings": [f"{doubt.code}: {doubt.text}" for doubt in warnings_of(one)],
         "parameters": {e.name: [e.value, e.stderr] for e in one.estimates},
     }

@@ -12,11 +12,11 @@ from ..tasks.setup import AUTO, Setup, load
 from .record import Changed, answer
 from .request import BatchRequest, Item, WorkList, plan
 from .store import Store
-from .table import read_results, require_arrow, table
+from .table import as_csv, read_results, require_arrow, table
 
 TRIED = 5
 """Records that a law is chosen on, the first that can be read."""
-TABLE, PAGE, KEPT = "results.parquet", "index.html", "records"
+TABLE, TEXT, PAGE, KEPT = "results.parquet", "results.csv", "index.html", "records"
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,9 @@ def _conclude(
 
     try:
         store.sweep()
-        write_whole(out / TABLE, table(asked, question, store, lost))
+        found = table(asked, question, store, lost)
+        write_whole(out / TABLE, found)
+        write_whole(out / TEXT, as_csv(found))
         write_whole(out / PAGE, batch_page(out / TABLE, command))
     except OSError as error:
         raise _stopped(f"{error.filename or out}: {error.strerror or error}", len(asked.items) - len(lost)) from None

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 SCHEMA = schema("batch")
 ROWS_AT_ONCE = 4096
+KEPT = ("branch", "error", "selected", "warnings", "n", "rmse_N", "rmse_mm", "noise_floor_N")
 SPECIMEN = {"name": "string", "initial_length_mm": "double", "diameter_mm": "double", "serial_number": "int64"}
 
 
@@ -63,7 +64,8 @@ def _schema(question: BatchRequest) -> "pa.Schema":
     for param in _in_order(model.params):
         about = {"unit": param.unit, "meaning": param.doc}
         fields += [pa.field(name, numbers, metadata=about) for name in (param.name, f"{param.name}_stderr")]
-    fields += [("error", texts), ("selected", pa.list_(texts)), ("warnings", pa.list_(texts)), ("n", pa.int64())]
+    fields += [("error", texts), ("selected", pa.list_(texts)), ("warnings", pa.list_(texts))]
+    fields += [("n", pa.int64()), ("rmse_mm", numbers)]
     fields += [(f"specimen_{name}", pa.type_for_alias(kind)) for name, kind in SPECIMEN.items()]
     about = {"schema": SCHEMA, "question": json.dumps(question.words() | {"law": model.law.name}, sort_keys=True)}
     return pa.schema(fields, metadata=about)
@@ -95,11 +97,21 @@ def _rows(
 
 def _flat(row: Json) -> Json:
     """A row as it is kept, its parameters as columns; without a diagnosis the test for a lack of fit is the verdict."""
-    flat = {key: row.get(key) for key in ("branch", "error", "selected", "warnings", "n", "rmse_N", "noise_floor_N")}
+    flat = {key: row.get(key) for key in KEPT}
     flat["verdict"] = row.get("verdict", row.get("lack_of_fit"))
     for name, (value, stderr) in row.get("parameters", {}).items():
         flat |= {name: value, f"{name}_stderr": stderr}
     return blank_nan(flat)
+
+
+def as_csv(parquet: bytes) -> str:
+    """The same table as text, for programs that read no Parquet; lists are joined by ';'."""
+    import pyarrow.parquet as pq
+
+    frame = pq.read_table(io.BytesIO(parquet)).to_pandas(integer_object_nulls=True)
+    for name in ("effects", "selected", "warnings"):
+        frame[name] = [None if one is None else ";".join(one) for one in frame[name]]
+    return frame.to_csv(index=False, lineterminator="\n")
 
 
 def read_results(path: str | Path) -> "pd.DataFrame":

@@ -10,6 +10,13 @@ from . import options, text
 if TYPE_CHECKING:
     from ..diagnosis.nouns import Diagnosis, Experiment
 
+SHOWN, LEAST = 5, 0.01
+"""Candidates that have a row of their own: so many, and all of such a probability."""
+TAKEN_UP = (
+    "The law was chosen because it predicts best. What its parameters take up is not seen as an effect: to ask what "
+    "the ideal braid lacks, say --law chou_hannaford."
+)
+
 
 def diagnose(
     record: Annotated[
@@ -22,13 +29,8 @@ def diagnose(
     ],
     law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
-    without: Annotated[
-        list[str] | None,
-        options.option("--without", "NAME", "Effect that is not tried, because the rig cannot have it; repeatable."),
-    ] = None,
-    only: Annotated[
-        list[str] | None, options.option("--only", "NAME", "The only effect that is tried; repeatable.")
-    ] = None,
+    without: options.Without = None,
+    only: options.Only = None,
     also: options.Also = None,
     prior: Annotated[
         str | None, options.option("--prior", "FILE.toml", "Prior odds of effects, lines such as `creep = 10`.")
@@ -47,12 +49,12 @@ def diagnose(
     """
     if protocol is not None:
         check_protocol(protocol, record)
-    names = {"without": tuple(without or ()), "only": tuple(only or ()), "also": tuple(also or ())}
-    setup = replace(asked.setup(law), prior=prior, heldout=options.held_out(heldout), **names)
+    tried = options.tried(without, only, also)
+    setup = replace(asked.setup(law), prior=prior, heldout=options.held_out(heldout), **tried)
     from ..core.files import write_json, write_json_lines
     from ..schema.diagnosis import diagnosis_json, stopped_json
     from ..schema.prediction import law_choice_json
-    from ..tasks.diagnose import diagnose_records
+    from ..tasks.diagnose import diagnose_records, fit_command
     from ..tasks.gate import warnings_of
 
     answers, code = [], 0
@@ -64,9 +66,12 @@ def diagnose(
             answers.append(stopped_json(path, taken, n, options.reasons(found)) | law_choice_json(choice))
             continue
         doubts = warnings_of(found.base)
-        answers.append(diagnosis_json(path, found, doubts) | law_choice_json(choice))
+        command = fit_command(found, path, setup)
+        answers.append(diagnosis_json(path, found, doubts, command) | law_choice_json(choice))
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *text.chosen(choice))
-        text.say(*text.banner(doubts), *describe(found))
+        text.say(*text.banner(doubts), *describe(found), *([f"fit it: {command}"] if found.selected else []))
+        if choice is not None and choice.law != "chou_hannaford" and found.verdict == "adequate":
+            text.say(TAKEN_UP)
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
     if asked.json is not None and len(record) == 1:
@@ -110,6 +115,8 @@ def describe(found: "Diagnosis") -> list[str]:
     held += f" → {text.newtons(found.heldout_rmse_after)}" if found.selected else ""
     lines = [found.sentence, f"verdict: {text.verdict(found.verdict)}; on held-out data {held}"]
     lines += [*found.best.at_bounds, told(found.follows)]
+    tried = candidates(found)
+    shown = [s for k, s in enumerate(tried) if k < SHOWN or s.probability >= LEAST]
     rows = [
         (
             s.label or s.effect,
@@ -117,9 +124,11 @@ def describe(found: "Diagnosis") -> list[str]:
             text.number(s.rmse_after, 3),
             text.number(s.heldout_rmse_after, 3),
         )
-        for s in candidates(found)
+        for s in shown
     ]
     lines += text.table(("candidate", "probability", "rmse after [N]", "held out [N]"), rows)
+    others = [in_words(s.effect, found.best.model.own) for s in tried if s not in shown]
+    lines += [f"less likely still: {', '.join(others)}"] if others else []
     for status, words in STATUS.items():
         names = [in_words(s.effect, found.best.model.own) for s in found.ranking if s.status == status]
         if names and status != "candidate":

@@ -15,6 +15,7 @@ def inspect(
     where: options.Where = None,
 ) -> None:
     """What was read of a record, and advice on the rig."""
+    from ..records.doubt import grave
     from ..records.inspection import inspect_record
     from ..schema.catalogue import inspection_json
     from ..tasks.setup import load
@@ -31,13 +32,21 @@ def inspect(
             f"{i.force_N[0]:.1f} to {i.force_N[1]:.1f}",
         )
         for i in found.isobars
+        if found.kind == "isobaric"  # where the pressure is driven, it is on none
     ]
-    text.say("", *text.table(("p [MPa]", "samples", "std. of p [MPa]", "contraction", "force [N]"), rows))
-    text.say("", "Advice:" if found.advice else "Nothing amiss.")
-    text.say(*(f"- {line}" for line in found.advice))
+    text.say(
+        *[""] * bool(rows), *text.table(("p [MPa]", "samples", "std. of p [MPa]", "contraction", "force [N]"), rows)
+    )
+    stops = grave(found.doubts)
+    advice = [line for line in found.advice if line not in {doubt.text for doubt in stops}]
+    if stops:
+        text.say("", "Stops naming (meant so? --assume CODE):", *(f"- {doubt.code}: {doubt.text}" for doubt in stops))
+    if advice or not stops:
+        text.say("", "Advice:" if advice else "Nothing amiss.", *(f"- {line}" for line in advice))
 
 
 def _columns(found: "Inspection") -> list[str]:
+    from ..records.doubt import grave
     from ..records.package import told
 
     record, s = found.record, found.record.specimen
@@ -48,10 +57,13 @@ def _columns(found: "Inspection") -> list[str]:
         f"braid angle {s.braid_angle_deg:g}°, {wall}",
         f"columns     {', '.join(f'{key} from {column!r}' for key, column in record.columns.items())}",
     ]
+    if record.passed:
+        lines.append(f"passed over {', '.join(map(repr, record.passed))[:300]}")
     if record.masked:
         lines.append(f"masked      {record.masked} rows marked as slack")
     lines += [f"known       {words}: {value}" for words, value in told(record.metadata)]
-    return lines + [f"noted       {note.text}" for note in record.notes]
+    stops = {doubt.text for doubt in grave(found.doubts)}
+    return lines + [f"noted       {note.text}" for note in record.notes if note.text not in stops]
 
 
 def _files(found: "Inspection") -> list[str]:

@@ -16,11 +16,13 @@ def ladder(
     record: options.Record,
     law: options.Law = "auto",
     asked: options.Asked = options.NOTHING,
+    without: options.Without = None,
+    only: options.Only = None,
     also: options.Also = None,
     heldout: options.Heldout = None,
 ) -> None:
     """Diagnose and add down to the noise floor."""
-    setup = replace(asked.setup(law), also=tuple(also or ()), heldout=options.held_out(heldout))
+    setup = replace(asked.setup(law), heldout=options.held_out(heldout), **options.tried(without, only, also))
     setup.check()
     from ..core import PamError
     from ..parallel.executor import Executor
@@ -40,7 +42,13 @@ def ladder(
         raise
     doubts = warnings_of(found.rungs[-1].fit)
     options.give_json(asked.json, lambda: ladder_json(record, found, doubts) | law_choice_json(choice))
-    text.say(text.title(record, measured), *text.chosen(choice), *text.equation(setup.model), "", *text.banner(doubts))
+    text.say(
+        text.title(record, measured),
+        *text.chosen(choice),
+        *text.equation(found.rungs[0].fit.model),
+        "",
+        *text.banner(doubts),
+    )
     last = found.rungs[-1].fit
     text.say(found.last.sentence, *last.at_bounds, "", *rungs(found))
     text.say("", "parameters of the last step:", *text.parameters(last))

@@ -84,6 +84,19 @@ Heldout = Annotated[
         "only fit the parameters anew.",
     ),
 ]
+Without = Annotated[
+    list[str] | None,
+    option(
+        "--without",
+        "NAME",
+        "Effect that is not tried, because the rig cannot have it; repeatable.",
+        autocompletion=effect_names,
+    ),
+]
+Only = Annotated[
+    list[str] | None,
+    option("--only", "NAME", "The only effect that is tried; repeatable.", autocompletion=effect_names),
+]
 Also = Annotated[
     list[str] | None,
     option(
@@ -139,6 +152,11 @@ def held_out(word: str | None) -> str:
 
         check_heldout(word)
     return word or ""
+
+
+def tried(without: list[str] | None, only: list[str] | None, also: list[str] | None) -> dict[str, Any]:
+    """What a diagnosis tries, as a Setup has it."""
+    return {"without": tuple(without or ()), "only": tuple(only or ()), "also": tuple(also or ())}
 
 
 def check_json(path: str | None) -> None:

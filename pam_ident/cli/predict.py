@@ -10,7 +10,12 @@ def predict(
     fit: FitFile,
     at: Annotated[
         str,
-        options.option("--at", "FILE", "States, a row each: pressure, contraction, and time where effects need it."),
+        options.option(
+            "--at",
+            "FILE",
+            "States, a row each, in columns as of a record: pressure; contraction, displacement or length; and where "
+            "effects need them branch, time, cycle, temperature.",
+        ),
     ],
     out: Annotated[str | None, options.option("--out", "FILE.csv", "Where the table goes; default: stdout.")] = None,
     effect_file: options.EffectFiles = None,
@@ -31,7 +36,8 @@ def predict(
     from ..tasks.predict import predict_at, read_fit
 
     saved = read_fit(fit, tuple(effect_file or ()), None if specimen is None else read_specimen(specimen))
-    frame = predict_at(saved, at)
+    found = predict_at(saved, at)
+    frame = found.frame
     options.give_json(json, lambda: prediction_json(fit, saved, frame))
     table = frame.to_csv(index=False, float_format="%.8g", lineterminator="\n")
     if out is None:
@@ -39,8 +45,5 @@ def predict(
     else:
         write_whole(out, table)
         text.say(f"{len(frame)} rows: {out}")
-    outside = int(frame["outside"].to_numpy().sum())
-    if outside:
-        text.warn(f"{outside} rows lie outside what was fitted; intervals there were never tried")
-    if "unexplained" in frame and frame["unexplained"].to_numpy().any():
-        text.warn("the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks")
+    for one in found.warnings:
+        text.warn(one)

@@ -12,6 +12,8 @@ def report(
     law: options.Law = "auto",
     format: Annotated[str | None, options.option("--format", "html|md|pdf", "Default: what FILE ends in.")] = None,
     asked: options.Asked = options.NOTHING,
+    without: options.Without = None,
+    only: options.Only = None,
     also: options.Also = None,
     heldout: options.Heldout = None,
 ) -> None:
@@ -24,11 +26,12 @@ def report(
     from ..report.opening import answer
     from ..schema.diagnosis import diagnosis_json
     from ..schema.prediction import law_choice_json
+    from ..tasks.diagnose import fit_command
     from ..tasks.gate import warnings_of
     from ..tasks.law_choice import settle
     from ..tasks.report import check_report, report_record
 
-    setup = replace(asked.setup(law), also=tuple(also or ()), heldout=options.held_out(heldout))
+    setup = replace(asked.setup(law), heldout=options.held_out(heldout), **options.tried(without, only, also))
     check_report(out, format)
     choice = None
     try:
@@ -40,6 +43,7 @@ def report(
         raise
     diagnosis = story.sections[0].diagnosis
     doubts = warnings_of(diagnosis.base)
-    options.give_json(asked.json, lambda: diagnosis_json(record, diagnosis, doubts) | law_choice_json(choice))
+    command = fit_command(diagnosis, record, setup)
+    options.give_json(asked.json, lambda: diagnosis_json(record, diagnosis, doubts, command) | law_choice_json(choice))
     text.say(*text.chosen(choice))
     text.say(*text.banner(doubts), answer(story.sections[0]), f"report: {out}")

@@ -9,7 +9,7 @@ from . import options, text
 if TYPE_CHECKING:
     from ..leg.track import Track, Tracking
 
-Fit = "a file that `fit --json` or `ladder --json` wrote"
+Fit = "a file that `fit --json`, `add --json` or `ladder --json` wrote"
 
 
 def track(

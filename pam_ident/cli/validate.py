@@ -7,7 +7,12 @@ import typer
 from . import options, text
 
 FitFile = Annotated[
-    str, typer.Argument(metavar="FIT.json", help="What `pam-ident fit --json` wrote.", show_default=False)
+    str,
+    typer.Argument(
+        metavar="FIT.json",
+        help="What `fit --json`, `add --json` or `ladder --json` wrote; of a ladder the last step.",
+        show_default=False,
+    ),
 ]
 NAMES = {
     "mean_over_pressure": "mean force over pressure",
@@ -22,6 +27,7 @@ def validate(
     effect_file: options.EffectFiles = None,
     specimen: options.SpecimenFile = None,
     json: options.JsonFile = None,
+    where: options.Where = None,
 ) -> None:
     """Test a saved fit on another record, beside simpler models.
 
@@ -32,7 +38,7 @@ def validate(
     from ..tasks.setup import load
 
     saved = read_fit(fit, tuple(effect_file or ()))
-    measured = load(record, specimen)
+    measured = load(record, specimen, where)
     found = validate_fit(saved, measured)
     options.give_json(json, lambda: validation_json(fit, record, found))
     text.say(text.title(record, measured), *text.equation(saved.model), "", *text.banner(found.warnings))

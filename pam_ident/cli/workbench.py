@@ -12,10 +12,7 @@ def workbench(
     record: Annotated[
         str | None, typer.Argument(metavar="RECORD", help="Record to begin with.", show_default=False)
     ] = None,
-    law: Annotated[
-        str,
-        typer.Option("--law", metavar="LAW", help="Force law to begin with.", autocompletion=options.law_names),
-    ] = "exponential_law",
+    law: options.Law = "auto",
     effect: options.Effects = None,
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
@@ -23,15 +20,17 @@ def workbench(
     port: Annotated[int, typer.Option("--port", metavar="PORT", help="0 takes any that is free.")] = 5006,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Open no browser; the address is printed.")] = False,
     json: options.JsonFile = None,
+    where: options.Where = None,
 ) -> None:
     """Try effects on a record by hand, on a page in the browser.
 
     Needs the extra `workbench`. Ends with Ctrl-C.
     """
-    setup = options.Asked(effect, effect_file, free_geometry, specimen).setup(law)
-    if record is not None:
-        setup.read(record)
+    setup = options.Asked(effect, effect_file, free_geometry, specimen, where=where).setup(law)
     from ..core import UsageError
+    from ..tasks.law_choice import begin
+
+    setup, choice = begin(None if record is None else setup.read(record), setup)
 
     try:
         from ..workbench import Workbench, serve
@@ -41,9 +40,9 @@ def workbench(
 
     def ready(address: str) -> None:
         options.give_json(json, lambda: {"schema": schema("workbench"), "address": address})
-        text.say(f"workbench: {address} (Ctrl-C ends it)")
+        text.say(f"workbench: {address} (Ctrl-C ends it)", *text.chosen(choice))
 
     def make(history: History) -> Workbench:
-        return Workbench(record, law, setup.effects, setup.effect_files, specimen, free_geometry, history)
+        return Workbench(record, setup.law, setup.effects, setup.effect_files, specimen, free_geometry, history, where)
 
     serve(make, port, not no_browser, ready)

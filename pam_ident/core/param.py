@@ -67,6 +67,11 @@ class Param:
         """The larger of `scale` and the magnitude of `value`; a `scale` left at 1 counts as 1e-3. Never zero."""
         return max(abs(value), self.scale if self.scale != 1.0 else 1e-3)
 
+    @property
+    def largest(self) -> float:
+        """How large it may be in magnitude: where nature ends, or thirty times `scale` where no source says."""
+        return 30.0 * self.scale if self.range is None else max(abs(self.range.low), abs(self.range.high))
+
     def inside(self, value: float) -> float:
         """`value` moved off the bounds by a hundredth of its typical size, or of the span where that is less.
 

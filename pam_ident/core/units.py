@@ -5,7 +5,7 @@ import re
 from .errors import DataError
 
 TO_INTERNAL: dict[str, dict[str, tuple[float, float]]] = {
-    "time": {"s": (1.0, 0.0), "ms": (1e-3, 0.0), "min": (60.0, 0.0)},
+    "time": {"s": (1.0, 0.0), "sec": (1.0, 0.0), "ms": (1e-3, 0.0), "min": (60.0, 0.0)},
     "pressure": {
         "MPa": (1.0, 0.0),
         "kPa": (1e-3, 0.0),
@@ -36,7 +36,7 @@ _AGAINST_SUFFIX = re.compile(r"^(?P<name>.+)_(?P<unit>[A-Za-z]+_(?:abs|absolute|
 
 
 def split_header(header: str) -> tuple[str, str | None]:
-    """Name (lower case, words joined by _) and unit of a column header such as `Pressure [bar]` or `force_N`."""
+    """Name (lower case, words joined by _) and unit of a column header: `Pressure [bar]`, `force_N`, `Time, s`."""
     text = header.strip()
     found = _BRACKETS.match(text)
     if found:
@@ -44,8 +44,11 @@ def split_header(header: str) -> tuple[str, str | None]:
     found = _AGAINST_SUFFIX.match(text)
     if found and is_unit(found["unit"]):
         return _snake(found["name"]), found["unit"]
-    name, _, last = text.rpartition("_")
-    return (_snake(name), last) if name and is_unit(last) else (_snake(text), None)
+    for mark in "_,":
+        name, _, last = (part.strip() for part in text.rpartition(mark))
+        if name and is_unit(last):
+            return _snake(name), last
+    return _snake(text), None
 
 
 def is_unit(text: str) -> bool:

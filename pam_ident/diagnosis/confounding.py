@@ -61,7 +61,7 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
     best: dict[str, float] = {}
     for name, choice in choices:
         if name != effect.name and choice.criterion < mine + bent + near[name]:
-            rival = selection.refit_choice(data, choice, rest)
+            rival = selection.refit_choice(data, choice, rest, fitted.criterion + near[name])
             best[name] = min(best.get(name, np.inf), rival.criterion)
     return sorted((n for n in best if best[n] < fitted.criterion + near[n]), key=best.__getitem__)
 

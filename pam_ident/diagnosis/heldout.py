@@ -30,17 +30,23 @@ def in_parts(block: Array, most: int = FOLDS) -> list[Array]:
     return [np.isin(block, blocks[k::most]) for k in range(min(most, len(blocks)))]
 
 
-def heldout_rmse(model: Model, record: Record, whole: Fit | None = None, masks: Sequence[Array] | None = None) -> float:
+def heldout_rmse(
+    model: Model,
+    record: Record,
+    whole: Fit | None = None,
+    masks: Sequence[Array] | None = None,
+    quick: bool | None = None,
+) -> float:
     """Root mean square error in N of each block predicted by the model fitted to the others; NaN with one block only.
 
     `whole` is the fit to all rows, from which the refits start, `masks` (n,) the rows to hold out in turn in place of
-    the `folds`. Raises FitError as `fit` does.
+    the `folds`. Refits are `quick` where that is said, and in a record in time. Raises FitError as `fit` does.
     """
     masks = folds(record) if masks is None else masks
     if len(masks) < 2:
         return math.nan
     whole = whole or fit(model, record, detail=False)
-    in_time = record.inputs.time is not None
+    quick = record.inputs.time is not None if quick is None else quick
     square = 0.0
     for mask in steps(masks, "holding data out"):
         rows = ~mask
@@ -49,7 +55,7 @@ def heldout_rmse(model: Model, record: Record, whole: Fit | None = None, masks: 
                 f"{record.name}: too few samples to hold a {record.block_kind} out for {len(model.params)} parameters"
             )
         values = solve(
-            model, record.inputs, record.force, lambda m, rows=rows: m[rows], whole.values, quick=in_time
+            model, record.inputs, record.force, lambda m, rows=rows: m[rows], whole.values, quick=quick
         ).values
         square += float(np.sum((record.force - model.force(record.inputs, values))[mask] ** 2))
     return math.sqrt(square / len(record))
@@ -64,7 +70,7 @@ def in_best_forms(base: Fit, terms: Sequence[Term]) -> list[Term]:
 
     def heldout(choice: tuple[Term, ...]) -> float:
         try:
-            return heldout_rmse(base.model.adding(*choice), base.record)
+            return heldout_rmse(base.model.adding(*choice), base.record, quick=True)
         except FitError:
             return math.inf  # too few samples for so rich a form
 

@@ -29,8 +29,9 @@ MOST_TOLERANCE = 0.5
 """The same in units of the noise: what stands out that far is named, however large the rest."""
 HOPELESS = 60.0
 """Cost beyond the best at which a set counts for nothing, not even for the probabilities."""
-TOO_FLAT = 0.02
-"""Share of a signature that must be left once the law has followed it, or the effect counts as absorbed."""
+TOO_FLAT, UNSEEN = 0.02, 1.0
+"""Share of a signature that is left once the law has followed it, and what that is at the effect's natural limit, rms
+in units of the noise, up to which it counts as absorbed."""
 
 
 def labels(terms: Sequence[Term]) -> frozenset[str]:
@@ -304,15 +305,16 @@ class Selection:
         """Note effects that the law absorbs or the record does not excite."""
         n = np.sqrt(len(self.record))
         for effect in self.candidates:
-            left, seen = 0.0, 0.0
+            left, seen, most = 0.0, 0.0, 0.0
             for a in [i for i, regressor in enumerate(data.regressors) if regressor.effect == effect.name]:
                 columns = data.columns([a])
                 left = max(left, float(np.max(data.left[columns])))
-                coefficients = np.array([p.scale for p in data.regressors[a].linear])
-                seen = max(seen, float(np.max(data.before[columns] * coefficients)) / n)
+                sizes, limits = np.array([(p.scale, p.largest) for p in data.regressors[a].linear]).T
+                seen = max(seen, float(np.max(data.before[columns] * sizes)) / n)
+                most = max(most, float(np.max(data.before[columns] * data.left[columns] * limits)) / n)
             if seen * 30.0 < 0.3:
                 self.excluded[effect.name] = ("not_excited", "its signature stays far below the noise in this record")
-            elif left < TOO_FLAT:
+            elif left < TOO_FLAT and most < UNSEEN:
                 self.excluded[effect.name] = (
                     "absorbed_by_law",
                     f"the {self.base.model.law.title} follows it to {percent(1 - left)}",

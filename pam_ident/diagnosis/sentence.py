@@ -5,10 +5,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from ..core.digits import newtons, percent, probability
 from ..effects import Effect, in_words, named
 from ..fitting import Fit
-from .nouns import Follows, Pattern
+from .nouns import Diagnosis, Follows, Pattern
 
 WORTH_TRYING = 0.1
 """Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
+SURE = 0.9
+"""Probability of a name from which a headline states it without a word of doubt."""
 TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
 
@@ -48,6 +50,21 @@ def sentence(
     return " ".join(parts)
 
 
+def headline(names: Sequence[str], diagnoses: Iterable[Diagnosis], extra: tuple[Effect, ...]) -> str:
+    """What is missing in a few words: each of some effects with those that the record cannot tell from it, as sure as
+    the least sure of them. `diagnoses` named them."""
+    rivals: dict[str, Sequence[str]] = {}
+    chances: dict[str, float] = {}
+    for one in diagnoses:
+        rivals |= {first: others for first, *others in one.groups}
+        chances |= {each.effect: each.probability for each in one.ranking if each.effect in one.selected}
+    told = [" or ".join(in_words(each, extra) for each in (name, *rivals.get(name, ()))) for name in names]
+    least = min(chances.get(name, 1.0) for name in names)
+    lead = "Missing" if least >= SURE else "Probably missing" if least >= 0.5 else "Perhaps missing"
+    joint = ", and " if any(map(rivals.get, names)) else " and "
+    return f"{lead}: {joint.join(filter(None, (', '.join(told[:-1]), told[-1])))}."
+
+
 def reservations(
     rivals: Mapping[str, float], by_form: Mapping[str, str], follows: str, extra: tuple[Effect, ...]
 ) -> str:
@@ -75,7 +92,7 @@ def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit)
     for one in found:
         names = [f"{e.title} (--also {e.name})" for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
         if names:
-            return f" It follows {one.text}. So does what is tried only on request: {', '.join(names)}."
+            return f" Effects that are tried only on request follow {one.text}, too: {', '.join(names)}."
     return ""
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core import Inputs, Param, UsageError
+from ..core.shown import Shown
 
 Array = np.ndarray
 Values = Mapping[str, float]
@@ -69,8 +70,8 @@ class TransformsContraction(Form):
     """The law is given ε + columns · (linear − neutral)."""
 
 
-@dataclass(frozen=True)
-class Effect:
+@dataclass(frozen=True, repr=False)
+class Effect(Shown):
     """A physical effect that a static law leaves out; its forms go from the simplest to the richest.
 
     `needs` names what a record must hold (branch, motion, time, cycle, temperature); `levers` what must be
@@ -107,6 +108,12 @@ class Effect:
             )
 
         object.__setattr__(self, "simplest", self.simplest or self.forms[0].name)
+
+    def __repr__(self) -> str:
+        first, *others = self.forms
+        lists = {"other forms": [form.name for form in others], "needs in the record": self.needs}
+        more = [f"  {words}: {', '.join(names)}" for words, names in lists.items() if names]
+        return "\n".join([f"{self.name}: {self.title}", f"  {first.formula}", *more, f"  source: {self.source}"])
 
     @property
     def exclusion_group(self) -> str:

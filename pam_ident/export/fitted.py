@@ -72,18 +72,12 @@ class Fitted:
 
     @classmethod
     def read(cls, path: str | Path, specimen: Specimen | None = None, extra: tuple[Effect, ...] = ()) -> "Fitted":
-        """From a file of `pam-ident fit --json`, or the last rung of one of `ladder --json`.
+        """From a file of `pam-ident fit --json` or `add --json`, or the last rung of one of `ladder --json`.
 
         `specimen` stands in for the file's. Raises DataError for another file, UsageError for an unknown effect.
         """
-        found = read_answer(path, "fit", "ladder")
-        if "rungs" in found.content:
-            rungs = found.get("rungs", list)
-            if not rungs:
-                raise DataError(f"{path}: a ladder without rungs; run `ladder` again")
-            holders, labels = {"together": rungs[-1]}, tuple(found.get("effects", list, rungs[-1]))
-        else:
-            holders, labels = found.get("branches", dict), found.effects
+        found = read_answer(path)
+        labels, holders = found.stages[-1]
         if set(holders) not in BRANCHES:
             raise DataError(f"{path}: holds the branches {', '.join(holders) or 'none'}; fit again with --json")
         model = found.model(labels, extra)

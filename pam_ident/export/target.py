@@ -8,11 +8,13 @@ from .fitted import Fitted
 
 @dataclass(frozen=True)
 class Written:
-    """Text or bytes of a file, text of others beside it by their endings, and what is to be said of them."""
+    """Text or bytes of a file, text of others beside it by their endings, what is to be said of them, and what those
+    beside it hold by which an earlier one is known, that may be replaced."""
 
     text: str | bytes
     beside: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    mark: str = ""
 
 
 @dataclass(frozen=True)

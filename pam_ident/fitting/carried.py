@@ -17,6 +17,7 @@ import numpy as np
 
 from ..model import Model
 from ..records import Record
+from ..records.notes import Note
 from .fit import fit
 from .length import at_limit, by_length, equilibrium, weights_of
 
@@ -37,4 +38,11 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
     kept = ~at_limit(record) & (slope < 0.0)
     if inputs.moving is not None and inputs.pressure_rate is not None:
         kept &= inputs.moving | (inputs.pressure_rate == 0.0)
+    left = int(np.count_nonzero(~kept))
+    if left:
+        text = (
+            f"{left} of {len(record)} samples are left out: they stand at an end of the length, or a weight sticks "
+            "there while the pressure changes, and friction may be anything up to its level"
+        )
+        along = replace(along, notes=(*along.notes, Note("weight_stands", "displacement", text, left)))
     return along.take(np.flatnonzero(kept))

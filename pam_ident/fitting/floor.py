@@ -1,7 +1,7 @@
 """What repeated cycles say: how large the noise is, and whether a fit leaves more than that."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -148,11 +148,13 @@ def _memory(correlation: Array) -> float:
 
 
 def lack_of_fit(fit: Fit) -> LackOfFit | None:
-    """Whether the fit leaves more than noise in the mean of repeated strokes; None with too few repeats.
+    """Whether the fit leaves more than noise in the mean of repeated strokes, or of the holds behind them; None with
+    too few repeats.
 
-    The residual of each stroke is summed up in four Legendre coefficients over contraction; their means over the
-    repeats are tested against their scatter, so that correlation within a stroke does no harm (trace of Lawley and
-    Hotelling, F by McKeon 1974, Biometrika 61, 381–383; the fitted parameters are taken off its freedom).
+    The residual of each stroke is summed up in four Legendre coefficients over contraction, that of a hold in two over
+    time. Their means over the repeats are tested against their scatter, so that correlation within a stroke does no
+    harm (trace of Lawley and Hotelling, F by McKeon 1974, Biometrika 61, 381–383; the fitted parameters are taken off
+    its freedom).
 
     Args:
         fit: of any model to a record in time.
@@ -169,14 +171,25 @@ def lack_of_fit(fit: Fit) -> LackOfFit | None:
         hidden_effect False
         nothing_hidden True
     """
+    strokes, holds = (repeats(fit.record, fit.rows, at_rest) for at_rest in (False, True))
+    holds = [[(s, 2.0 * t / max(t[-1], 1e-9) - 1.0) for s, t in group] for group in holds]
+    # Parameters are fitted to strokes above all, so that all of them are taken off there, and none of the holds.
+    tests = (_lack(fit, strokes, SHAPES, len(fit.free)), _lack(fit, holds, SHAPES // 2, 0))
+    found = [test for test in tests if test is not None]
+    if not found:
+        return None
+    worst = min(found, key=lambda test: test.p_value)
+    return replace(worst, p_value=min(len(found) * worst.p_value, 1.0))  # Bonferroni: of two tests the lower p
+
+
+def _lack(fit: Fit, groups: list[list[tuple[Array, Array]]], shapes: int, fitted: int) -> LackOfFit | None:
+    """The test in the first `shapes` coefficients of each stroke, or of each hold, less those `fitted`; None with too
+    few repeats."""
     from scipy.special import fdtrc
 
-    groups = repeats(fit.record, fit.rows)
-    if not groups:
-        return None
     error = sum(len(g) for g in groups) - len(groups)
-    p = min(SHAPES, error - 5)
-    if p < 1 or p * len(groups) <= len(fit.free):
+    p = min(shapes, error - 5)
+    if p < 1 or p * len(groups) <= fitted:
         return None
     means, scatter = [], np.zeros((p, p))
     for group in groups:
@@ -188,7 +201,7 @@ def lack_of_fit(fit: Fit) -> LackOfFit | None:
     h, v = len(groups), error
     b = (v + h - p - 1) * (v - 1) / ((v - p - 3) * (v - p))
     second = 4.0 + (p * h + 2.0) / (b - 1.0)
-    first = float(p * h - len(fit.free))
+    first = float(p * h - fitted)
     statistic = trace * (v - p - 1) * second / (first * (second - 2.0))
     return LackOfFit(statistic, (first, second), float(fdtrc(first, second, statistic)))
 

@@ -9,6 +9,7 @@ stable, and none is predicted.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,8 +19,9 @@ from ..model import Model
 from ..records import Record
 from ..records.kind import kind_of
 from ..records.roughness import position_noise
-from ..records.run_constants import GRAVITY
+from ..records.run_constants import GRAVITY, MASSES
 from ..records.smoothing import calmed
+from ..records.turning import pivots
 from .covariance import Sums, sums
 from .problem import Problem, Solution, Whiten, all_rows
 from .readings import with_memory
@@ -38,6 +40,10 @@ LEAST_SLOPE = 1e-3
 """Fall of the force over the whole length beside the load, below which no length is predicted."""
 ONE_WEIGHT = 0.05
 """Distance of two loads beside the larger, up to which they are one weight."""
+LEFT, CLEAR = 0.3, 4.5
+"""Share of a run's squared deviations that a change of weight leaves at most, and steps between weights beside what is
+left, robust standard deviations, from which they were hung on one after the other: a load that swells or swings as one
+does not step so far."""
 BAND, AT_END = 4.0, 0.004
 """Noises of the length, and share of its way as in a reversal, within which it stands at its end."""
 BEFORE, STOPPED = 0.1, 8.0
@@ -80,22 +86,59 @@ def load_of(record: Record) -> Array:
     """What the muscle carries in N, (n,): the measured force, less what of it is a load cell's white noise; of a mass
     that was given (`load_kg`) m (g + ẍ), x the shortening."""
     force, inputs = record.force, record.inputs
-    if "load_kg" in record.columns.get("force", "") and inputs.time is not None:
+    if any(mass in record.columns.get("force", "").lower() for mass in MASSES) and inputs.time is not None:
         return force * (1.0 + 1e-3 * acceleration(inputs) / GRAVITY)
-    return force if inputs.segment is None else calmed(force, inputs.segment)
+    spell = spells_of(record)
+    return force if spell is None else calmed(force, spell)
 
 
 def weights_of(record: Record) -> Array:
-    """The load in N that is held at each sample, (n,): of runs in time their medians, alike ones put together."""
-    segment = record.inputs.segment
+    """The load in N that is held at each sample, (n,): of spells in time their medians, alike ones put together."""
+    spell = spells_of(record)
     held = record.force.astype(float)
-    if segment is not None:
-        for number in np.unique(segment):
-            held[segment == number] = np.median(held[segment == number])
+    if spell is not None:
+        for number in np.unique(spell):
+            held[spell == number] = np.median(held[spell == number])
     values, place = np.unique(held, return_inverse=True)
     apart = np.diff(values) > ONE_WEIGHT * np.maximum(np.abs(values[1:]), 1e-9)
     group = np.r_[0, np.cumsum(apart)][place]
     return np.array([np.median(held[group == g]) for g in range(group.max() + 1)])[group]
+
+
+def spells_of(record: Record) -> Array | None:
+    """Number of the spell of each sample, (n,), under one weight: a run, or what of it lies between clear steps of the
+    load; None without time."""
+    segment = record.inputs.segment
+    if segment is None:
+        return None
+    edges = [0, *(np.flatnonzero(np.diff(segment)) + 1).tolist(), len(segment)]
+    steps = [k for run in pairwise(edges) for k in (run[0], *_steps(record.force, record.inputs.pressure, *run))]
+    begins = np.zeros(len(segment), int)
+    begins[steps[1:]] = 1
+    return np.cumsum(begins)
+
+
+def _steps(force: Array, pressure: Array, begin: int, end: int) -> list[int]:
+    """Where the load of a run of samples steps from one held level to the next."""
+    steps = _parted(force, pressure, begin, end, 0.5 * float(np.ptp(pressure[begin:end])))
+    spells = np.split(force[begin:end], [k - begin for k in steps])
+    levels = np.array([np.median(spell) for spell in spells])
+    off = np.median(np.abs(np.concatenate([spell - level for spell, level in zip(spells, levels, strict=True)])))
+    return steps if np.all(np.abs(np.diff(levels)) > CLEAR * off / 0.6745) else []
+
+
+def _parted(force: Array, pressure: Array, begin: int, end: int, turn: float) -> list[int]:
+    """The steps that least squares finds in a run, halved again and again. On either side of each the pressure goes
+    both ways, by `turn` at least: what friction adds on one way it takes on the other, and is no weight."""
+    off = force[begin:end] - force[begin:end].mean()
+    n, sums = np.arange(1, len(off)), np.cumsum(off)[:-1]
+    told = sums**2 * (1.0 / n + 1.0 / n[::-1])
+    if not len(told) or not told.max() > (1.0 - LEFT) * np.sum(off**2):
+        return []
+    k = begin + 1 + int(told.argmax())
+    if min(len(pivots(pressure[begin:k], turn)), len(pivots(pressure[k:end], turn))) < 3:
+        return []
+    return [*_parted(force, pressure, begin, k, turn), k, *_parted(force, pressure, k, end, turn)]
 
 
 def at_limit(record: Record) -> Array:
@@ -249,16 +292,16 @@ def _from(problem: Problem, values: Values) -> Problem:
 def _evened(model: Model, record: Record, rows: Array, values: Values) -> Whiten:
     """Takes out of `rows` what those of a run share, because its load is the mean of a noisy load cell: the inverse
     root of σ²1 + s²bbᵀ, s the error of the mean and b what a newton of it makes of the length."""
-    segment, force, load = record.inputs.segment, record.force[rows], load_of(record)[rows]
-    if segment is None or np.array_equal(force, load):
+    spell, force, load = spells_of(record), record.force[rows], load_of(record)[rows]
+    if spell is None or np.array_equal(force, load):
         return all_rows
     inputs = record.inputs.take(rows)
     e, slope = equilibrium(model, inputs, values, load)
-    length, segment = inputs.specimen.initial_length_mm, segment[rows]
+    length, spell = inputs.specimen.initial_length_mm, spell[rows]
     square = float(np.mean((inputs.displacement_mm - length * e) ** 2))
     shared: list[tuple[Array, Array, float]] = []
-    for number in np.unique(segment):
-        run = np.flatnonzero((segment == number) & (slope < 0.0))
+    for number in np.unique(spell):
+        run = np.flatnonzero((spell == number) & (slope < 0.0))
         by_newton, off = length / slope[run], force[run] - load[run]
         size = float(np.linalg.norm(by_newton))
         if len(run) and np.ptp(load[run]) == 0.0 and off.any() and square > 0.0:

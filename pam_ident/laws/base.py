@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core import Param, Specimen
+from ..core.shown import Shown
 
 Array = np.ndarray
 Values = Mapping[str, float]
@@ -30,8 +31,8 @@ def braid_radius_ratio(a: float, b: float, shortened: Array) -> Array:
     return xp.sqrt(xp.maximum(b - a / 3.0 * shortened**2, 0.01))
 
 
-@dataclass(frozen=True)
-class Law:
+@dataclass(frozen=True, repr=False)
+class Law(Shown):
     """F(p, ε) = fixed + columns · linear: linear in `linear`, not in `nonlinear`.
 
     `columns(pressure, contraction, specimen, values)` has shape (n, len(linear)), `fixed` shape (n,), both
@@ -51,6 +52,10 @@ class Law:
     columns: Callable[[Array, Array, Specimen, Values], Array] = no_columns
     fixed: Callable[[Array, Array, Specimen, Values], Array] = no_force
     min_levels: int = 1
+
+    def __repr__(self) -> str:
+        names = ", ".join(p.name for p in self.params) or "none"
+        return f"{self.name}: {self.title}\n  {self.formula}\n  parameters: {names}\n  source: {self.source}"
 
     @property
     def params(self) -> tuple[Param, ...]:

@@ -1,7 +1,8 @@
-"""The answers of `pam-ident fit --json` and `ladder --json`, read back."""
+"""A fitted model, read back from what `pam-ident fit --json`, `ladder --json` or `add --json` wrote."""
 
 import json
 import re
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -18,6 +19,8 @@ from .spread import ParameterSpread
 T = TypeVar("T")
 Fitted = tuple[dict[str, float], ParameterSpread | None]
 """Values of the parameters by name, and their covariance."""
+FITTED = ("fit", "ladder", "add")
+"""The answers that hold a fitted model."""
 GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
 
 
@@ -37,9 +40,18 @@ class Answer:
         return value
 
     @property
-    def effects(self) -> tuple[str, ...]:
-        """Labels of the effects of a fit."""
-        return tuple(self.get("effects", list))
+    def stages(self) -> list[tuple[tuple[str, ...], dict[str, Mapping[str, Any]]]]:
+        """Labels of the effects, and by branch what holds parameters: of a ladder a rung each, of others the
+        one. Raises DataError where there is none."""
+        if "rungs" in self.content:
+            given: list[Any] = [(one, {"together": one}) for one in self.get("rungs", list)]
+        elif "after" in self.content:
+            given = [(self.content, {"together": {**self.content, **self.get("after", dict)}})]
+        else:
+            given = [(self.content, self.get("branches", dict))]
+        if not given or not given[-1][1]:
+            raise DataError(f"{self.path}: holds no branch and no rung; write the file again with --json")
+        return [(tuple(self.get("effects", list, one)), holders) for one, holders in given]
 
     @property
     def seen(self) -> dict[str, list[float]]:
@@ -49,11 +61,6 @@ class Answer:
             if not (isinstance(ends, list) and len(ends) == 2 and all(isinstance(x, int | float) for x in ends)):
                 raise DataError(f"{self.path}: range of {key} is {ends!r}; write the file again with --json")
         return given
-
-    @property
-    def branches(self) -> dict[str, Fitted]:
-        """What was fitted, by branch."""
-        return {name: self.fitted(one) for name, one in self.get("branches", dict).items()}
 
     def values(self, holder: Mapping[str, Any]) -> dict[str, float]:
         """Parameter values by name of a branch or a rung. Raises DataError for what is no number."""
@@ -86,13 +93,16 @@ class Answer:
         try:
             return Model.build(self.get("law", str), effects, extra, bool(self.content.get("free_geometry")))
         except UsageError as error:
-            raise UsageError(f"{self.path}: {error}") from None
+            own = "; one of your own comes by --effect-file FILE.py" if "unknown effect" in str(error) else ""
+            raise UsageError(f"{self.path}: {error}{own}") from None
 
 
-def read_answer(path: str | Path, *kinds: str) -> Answer:
-    """A file of `pam-ident KIND --json`. Raises DataError for any other file."""
+def read_answer(path: str | Path) -> Answer:
+    """A file that holds a fitted model. Raises DataError for any other; for a diagnosis, which holds no parameters, it
+    says how the model that it names is fitted."""
     path = Path(path)
-    hint = f"expected a file of {' or '.join(f'`pam-ident {kind} RECORD --law LAW --json FILE`' for kind in kinds)}"
+    commands = [f"`pam-ident {kind} RECORD --law LAW{' --effect NAME' * (kind == 'add')} --json F`" for kind in FITTED]
+    hint = f"expected a file of {' or '.join(commands)}"
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -102,13 +112,24 @@ def read_answer(path: str | Path, *kinds: str) -> Answer:
     except ValueError:
         raise DataError(f"{path}: is no JSON; {hint}") from None
     found = str(content.get("schema")) if isinstance(content, dict) else ""
-    for kind in kinds:
+    if found.startswith("pam-ident/diagnosis/"):
+        raise DataError(
+            f"{path}: has the schema {found}, which holds no parameters; to fit what it names: {_fit_of(content)}"
+        )
+    for kind in FITTED:
         version = re.fullmatch(rf"pam-ident/{kind}/(\d+)", found)
         if version and int(version[1]) > VERSIONS[kind]:
             raise DataError(f"{path}: has the schema {found}, of a newer pam-ident; update pam-ident, or fit again")
-    if found not in [schema(kind) for kind in kinds]:
+    if found not in [schema(kind) for kind in FITTED]:
         raise DataError(f"{path}: has the schema {found or None}; {hint}")
     return Answer(path, content)
+
+
+def _fit_of(diagnosis: Mapping[str, Any]) -> str:
+    """The command that fits the model of a diagnosis; files of earlier versions do not hold it."""
+    words = ["pam-ident", "fit", str(diagnosis.get("record") or "RECORD"), "--law", str(diagnosis.get("law") or "LAW")]
+    words += [word for name in diagnosis.get("selected") or () for word in ("--effect", str(name))]
+    return diagnosis.get("fit_command") or shlex.join([*words, "--json", "fit.json"])
 
 
 def read_specimen_of(answer: Answer) -> Specimen:
@@ -120,11 +141,6 @@ def read_specimen_of(answer: Answer) -> Specimen:
         return Specimen(**{name: table[name] for name in GEOMETRY})
     except (DataError, TypeError) as error:
         raise DataError(f"{answer.path}: {error}") from None
-
-
-def read_rungs(answer: Answer) -> list[tuple[tuple[str, ...], Fitted]]:
-    """Labels of the effects of each rung of a ladder, and what was fitted there."""
-    return [(tuple(answer.get("effects", list, one)), answer.fitted(one)) for one in answer.get("rungs", list)]
 
 
 def fitted_branches(found: Mapping[str, T], where: str) -> tuple[T, T]:

@@ -15,7 +15,7 @@ from ..fitting import Fit
 from ..model import GEOMETRY, Model, Values
 from ..schema.fit import covered
 from .arrays import Array, jnp
-from .fit_file import fitted_branches, read_answer, read_rungs, read_specimen_of
+from .fit_file import fitted_branches, read_answer, read_specimen_of
 from .loop_check import loop_fault
 from .spread import ParameterSpread
 
@@ -79,17 +79,17 @@ class Muscle:
     def read(
         cls, path: str | Path, specimen: Specimen | None = None, extra_effects: tuple[Effect, ...] = ()
     ) -> list[Self]:
-        """From a file of `pam-ident fit --json` one muscle, from one of `ladder --json` a muscle for each rung, the law
-        alone first. `specimen` stands in for the file's.
+        """From a file of `pam-ident fit --json` or `add --json` one muscle, from one of `ladder --json` a muscle for
+        each rung, the law alone first. `specimen` stands in for the file's.
 
         Raises DataError for another file, UsageError for an effect that is not known.
         """
-        found = read_answer(path, "fit", "ladder")
+        found = read_answer(path)
         given = specimen or read_specimen_of(found)
-        if "rungs" in found.content:
-            rows = [(effects, (fitted, fitted)) for effects, fitted in read_rungs(found)]
-        else:
-            rows = [(found.effects, fitted_branches(found.branches, str(path)))]
+        rows = [
+            (effects, fitted_branches({name: found.fitted(one) for name, one in holders.items()}, str(path)))
+            for effects, holders in found.stages
+        ]
         return [
             cls(found.model(effects, extra_effects), given, one[0], other[0], (one[1], other[1]), found.seen)
             for effects, (one, other) in rows

@@ -131,6 +131,8 @@ def _note_table(table: Table, sources: dict[str, Source], notes: Notes) -> None:
                 notes.add("decimal_point", source.header, repr(cell))
     if sources["force"].lever is not None:
         notes.add("lever", "force", sources["force"].lever.text)
+    if guessed := [f"{key} from {source.header!r}" for key, source in sources.items() if source.guessed]:
+        notes.add("guessed_columns", None, ", ".join(guessed))
     for source in sources.values():
         if source.absolute:
             notes.add("absolute_pressure", source.header, f"{ATMOSPHERE_MPA:g} MPa")

@@ -14,6 +14,7 @@ GRAVE = {
     "impossible_value": "single values that no muscle reaches",
     "outlier": "single values that decide the fit",
     "clock_scale": "the time is in another unit",
+    "no_clock": "the rows are a log, and its time was not read",
     "temperature_scale": "the temperature is in another unit",
     "explains_nothing": "the law leaves as much as no law would",
 }

@@ -1,26 +1,28 @@
 """A record from a table of pandas."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..core import DataError, Specimen
 from .columns import join_runs, read_columns
-from .load import build_loaded
+from .load import build_loaded, left_out, note_clock
 from .notes import Notes
-from .quantities import find_sources
 from .record import Record
+from .sources import Finder, find_sources
 from .table import table_in_memory
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "") -> Record:
+def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "", find: Finder = find_sources) -> Record:
     """A record from a table whose columns are found by name and unit, as those of a file are (`Pressure [bar]`).
 
     Args:
         frame: a row a sample. Errors count rows from 0, as `frame.iloc` does.
         specimen: the muscle.
         name: of the record; by default the specimen's.
+        find: what finds the columns; by default those of a record.
 
     Raises:
         DataError: for columns that are missing or of unknown unit, cells that are no numbers, time that runs backwards
@@ -39,8 +41,11 @@ def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "")
     if frame.empty:
         raise DataError(f"{place}: has no rows; expected one row a sample")
     table = table_in_memory(place, place, frame.reset_index(drop=True), 0)
-    sources = find_sources(table)
+    sources = find(table)
     notes = Notes()
     values = join_runs(read_columns(table, sources, specimen.initial_length_mm, notes), place)
     where = {key: source.header for key, source in sources.items()}
-    return build_loaded(name or specimen.name, name or "table", "", specimen, values, where, notes)
+    passed, clock = left_out(table, sources)
+    note_clock(notes, values, specimen, passed, clock)
+    found = build_loaded(name or specimen.name, name or "table", "", specimen, values, where, notes)
+    return replace(found, passed=passed)

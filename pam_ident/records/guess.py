@@ -1,5 +1,6 @@
 """Which column of a foreign table is what: guessed from its name, its unit and its numbers, for a person to correct."""
 
+import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ import numpy as np
 
 from ..core.units import TO_INTERNAL, known_scale, split_header
 from .quantities import QUANTITIES, SHAPES
+from .table import Table, number_of
 
 Array = np.ndarray
 WORDS = {
@@ -20,12 +22,13 @@ WORDS = {
     "displacement": r"disp\w*|weg|\w+weg|stroke|hub|travel|pos\w*|way|lvdt|desplazamiento|d[ée]placement|x|s",
     "length": r"length|l[äa]nge|laenge|longueur|longitud|l",
     "cycle": r"cycle\w*|zyklus|zyklen|loop",
-    "time": r"t|time\w*|zeit\w*|temps|tiempo|tempo|clock|sec\w*",
+    "time": r"t|time\w*|zeit\w*|temps|tiempo|tempo|clock|sec|seconds?",
 }
 """Words of a header that name a quantity, the narrower first."""
 ABSOLUTE = "bar_abs", "kPa_abs", "MPa_abs"
-ROWS = 400
-"""Rows that are looked at to tell columns apart by their numbers."""
+SYNONYMS = "degC", "sec"
+ROWS, FIRST = 400, 2000
+"""Rows that are looked at to tell columns apart by their numbers, and the first ones that they are taken from."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,11 @@ class Guess:
     unit: str = ""
     sure: bool = False
 
+    @property
+    def key(self) -> str:
+        """Its key in a columns.toml."""
+        return self.quantity + (f"_{self.unit}" if self.unit not in ("", "1") else "")
+
 
 def units_of(quantity: str) -> tuple[str, ...]:
     """The units that a quantity may be given in; none for words and counts."""
@@ -45,7 +53,7 @@ def units_of(quantity: str) -> tuple[str, ...]:
     if dimension == "ratio":
         return ("1", "pct")
     more = ABSOLUTE if dimension == "pressure" else ()
-    return (*(unit for unit in TO_INTERNAL[dimension] if unit != "degC"), *more)
+    return (*(unit for unit in TO_INTERNAL[dimension] if unit not in SYNONYMS), *more)
 
 
 def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Guess, ...]:
@@ -58,7 +66,7 @@ def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Gue
     What the names leave open is told by the numbers: a time grows without end; of pressure, length and force the
     assignment is taken under which a force in proportion to pressure that falls along the way explains most.
     """
-    found = [_by_name(header) for header in headers]
+    found = [by_name(header, lengths=True) for header in headers]
     for k, quantity in enumerate(found):
         if quantity and quantity in found[:k]:
             found[k] = ""
@@ -66,7 +74,7 @@ def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Gue
     values = [np.asarray(column, float) for column in columns]
     free = [k for k, name in enumerate(found) if not name and _varies(values[k])]
     if "time" not in named:
-        clock = next((k for k in free if np.all(np.diff(values[k]) > 0)), None)
+        clock = next((k for k in free if rises(values[k])), None)
         if clock is not None:
             found[clock] = "time"
             free.remove(clock)
@@ -80,19 +88,57 @@ def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Gue
     )
 
 
-def _by_name(header: str) -> str:
+def guess_table(table: Table) -> tuple[Guess, ...]:
+    """A guess for each column of a table, by its first rows."""
+    return guess_columns(table.headers, numbers_of(table, range(len(table.names))))
+
+
+def numbers_of(table: Table, positions: Sequence[int]) -> list[Array]:
+    """The first numbers of some of a table's columns, (n,) each, NaN where a cell holds none."""
+    block = next(iter(table.read(positions)), None)
+    cells = [[] if block is None else block.cells[k][:FIRST] for k in positions]
+    return [np.array([number_of(cell, table.decimal) for cell in column]) for column in cells]
+
+
+def rises(column: Array) -> bool:
+    """Whether a column (n,) grows without end, as a clock does."""
+    return _varies(column) and bool(np.all(np.diff(column) > 0))
+
+
+def told_by(names: Sequence[str], k: int, guess: Guess) -> str:
+    """What a columns.toml says of column k, as it is guessed."""
+    return f"{guess.key} = {column_of(names, k)}"
+
+
+def column_of(names: Sequence[str], k: int) -> str:
+    """Column k as a columns.toml names it: by its number where its name is no other's, or the reader's own."""
+    plain = names[k] and names.count(names[k]) == 1 and not names[k].startswith("column ")
+    return json.dumps(names[k], ensure_ascii=False) if plain else str(k + 1)
+
+
+def by_name(header: str, lengths: bool = False) -> str:
+    """The quantity that a header's words, and its unit, say; empty where they say none, or not the same.
+
+    A unit alone says pressure, force or time; that of a length, if `lengths`, a displacement.
+    """
     name, unit = split_header(header)
     if name in QUANTITIES:
         return name
-    spaced = re.sub(r"([a-zäöü])([A-ZÄÖÜ])", r"\1 \2", header.partition("[")[0].partition("(")[0])
+    base = re.split(r"[\[(]", header)[0]
+    base = base.strip().removesuffix(unit) if unit and base == header else base
+    spaced = re.sub(r"([a-zäöü])([A-ZÄÖÜ])", r"\1 \2", base)
     words = re.findall(r"[^\W\d_]+", spaced.lower())
     hits = [q for q, pattern in WORDS.items() if any(re.fullmatch(pattern, word) for word in words)]
-    if "pressure_set" in hits and not {"pressure", "force"} & set(hits):
-        hits.remove("pressure_set")
+    stated = next((dimension for dimension in TO_INTERNAL if known_scale(dimension, unit)), "")
+    if "pressure_set" in hits:  # what is commanded was not measured: of other quantities it is of no use
+        return "pressure_set" if stated == "pressure" or (not stated and hits[1:] == ["pressure"]) else ""
+    if "contraction" in hits and stated == "length":  # a way that the muscle shortens by
+        return "displacement"
     if hits:
-        return hits[0] if hits[0] != "pressure_set" or "force" not in hits else ""
-    shapes = {"pressure": "pressure", "force": "force", "length": "displacement", "time": "time"}
-    return next((q for dimension, q in shapes.items() if unit and known_scale(dimension, unit)), "")
+        return next((q for q in hits if stated in ("", QUANTITIES[q])), "")
+    if lengths and stated == "length":
+        return "displacement"
+    return stated if stated in ("pressure", "force", "time") else ""
 
 
 def _varies(column: Array) -> bool:

@@ -11,19 +11,24 @@ from ..core import DataError, Specimen
 from .clipped import clipped_rows
 from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
+from .logged import is_log, likely_clock
 from .mapping import Mapping, read_mapping
 from .notes import Notes
 from .package import read_metadata
-from .quantities import Source, find_sources
+from .quantities import Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
+from .sources import Finder, find_sources, passed_over
 from .specimen_file import read_kind, read_specimen
 from .table import Table
 
 
 def read_record(
-    path: str | Path, specimen: str | Path | Specimen | None = None, columns: str | Path | None = None
+    path: str | Path,
+    specimen: str | Path | Specimen | None = None,
+    columns: str | Path | None = None,
+    find: Finder = find_sources,
 ) -> Record:
     """Load a record and its specimen.
 
@@ -34,6 +39,7 @@ def read_record(
             pressure_set, cycle, branch, temperature and slack (rows with slack = 1 are left out).
         specimen: the muscle, or its file; by default `specimen.toml` in the same folder.
         columns: a file that says which column is what; by default `columns.toml` in the same folder, if there is one.
+        find: what finds the columns where no such file does; by default those of a record.
 
     Raises:
         DataError: naming file, row and column.
@@ -51,19 +57,37 @@ def read_record(
     where: dict[str, str] = {}
     runs: list[Values] = []
     notes = Notes()
-    for table, sources, length_mm in tables_of(files, columns, muscle, notes):
+    passed: tuple[str, ...] = ()
+    clock = ""
+    for table, sources, length_mm in tables_of(files, columns, muscle, notes, find):
         for values in read_columns(table, sources, length_mm, notes):
             values |= {
                 "run": np.full(len(values["force"]), len(runs)),
                 "muscle": np.full(len(values["force"]), length_mm),
             }
             runs.append(on_length(values, length_mm, muscle.initial_length_mm))
-        where = where or headers(sources)
+        if not where:
+            where = headers(sources)
+            passed, clock = left_out(table, sources)
     values = join_runs(runs, str(path))
     del runs
     names = record_name(files, muscle), files.given, files_sha256(files)
+    note_clock(notes, values, muscle, passed, clock)
     found = build_loaded(*names, muscle, values, where, notes, said_kind(files, specimen, columns))
-    return replace(found, metadata=read_metadata(files.folder))
+    return replace(found, metadata=read_metadata(files.folder), passed=passed)
+
+
+def left_out(table: Table, sources: dict[str, Source]) -> tuple[tuple[str, ...], str]:
+    """The headers of the columns of a table that are passed over, and the one that looks like a clock where none is
+    read, empty for none."""
+    at = passed_over(table, sources)
+    return tuple(table.headers[k] for k in at), "" if "time" in sources else likely_clock(table, at)
+
+
+def note_clock(notes: Notes, values: Values, specimen: Specimen, passed: tuple[str, ...], clock: str) -> None:
+    """Note where the rows of a record without a time look like a log."""
+    if "time" not in values and is_log(values, contraction_of(values, specimen.initial_length_mm), clock):
+        notes.add("no_clock", clock or None, ", ".join(map(repr, passed))[:200])
 
 
 def specimen_of(files: Files, given: str | Path | Specimen | None) -> Specimen:
@@ -86,7 +110,7 @@ def _beside(files: Files) -> Path:
 
 
 def tables_of(
-    files: Files, columns: str | Path | None, specimen: Specimen, notes: Notes
+    files: Files, columns: str | Path | None, specimen: Specimen, notes: Notes, find: Finder = find_sources
 ) -> Iterator[tuple[Table, dict[str, Source], float]]:
     """The tables of a record's files with their columns, as `columns` or `columns.toml` says, and the initial length in
     mm of each run's muscle. Raises DataError."""
@@ -104,7 +128,7 @@ def tables_of(
         if mapping is not None:
             length_mm = mapping.runs.initial_length_mm(file.name, files.folder, specimen)
         lengths += [length_mm] if length_mm != specimen.initial_length_mm else []
-        for table, sources in _chosen(read_tables(file, mapping), mapping, file.name):
+        for table, sources in _chosen(read_tables(file, mapping), mapping, file.name, find):
             yield table, sources, length_mm
     if lengths:
         span = f"{min(lengths):g} to {max(lengths):g} mm, the specimen's {specimen.initial_length_mm:g}"
@@ -170,17 +194,30 @@ def build_loaded(
     return replace(found, notes=notes.told())
 
 
-def _chosen(tables: list[Table], mapping: Mapping | None, run: str) -> list[tuple[Table, dict[str, Source]]]:
-    """The tables of a file that hold a record, with their columns. Raises what is wrong with the first if none does."""
+def _chosen(
+    tables: list[Table], mapping: Mapping | None, run: str, find: Finder
+) -> list[tuple[Table, dict[str, Source]]]:
+    """The tables of a file that hold a record, with their columns; where some do by name, those alone. Raises what is
+    wrong with the first if none does."""
     found, wrong = [], []
     for table in tables:
         try:
-            found.append((table, mapping.sources(table, run) if mapping else find_sources(table)))
+            found.append((table, _sources(table, mapping, run, find)))
         except DataError as error:
             wrong.append(error)
     if not found:
         raise wrong[0]
-    return found
+    by_name = [one for one in found if not any(s.guessed for key, s in one[1].items() if key != "time")]
+    return by_name or found
+
+
+def _sources(table: Table, mapping: Mapping | None, run: str, find: Finder) -> dict[str, Source]:
+    try:
+        return mapping.sources(table, run) if mapping else find(table)
+    except DataError:
+        if mapping is None or find is find_sources:
+            raise
+        return find(table)  # a columns.toml beside states is of the records there, whose columns they may lack
 
 
 def file_sha256(path: str | Path) -> str:

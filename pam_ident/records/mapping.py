@@ -15,13 +15,11 @@ from .quantities import (
     QUANTITIES,
     SHAPES,
     Source,
-    check_complete,
-    check_shape,
-    find_sources,
     quantity_of,
     scale_of,
 )
 from .run_constants import Runs, read_runs
+from .sources import check_complete, check_shape, find_sources
 from .table import Table
 
 LAYOUT = {"delimiter": str, "decimal": str, "encoding": str, "header_row": int, "part": str}

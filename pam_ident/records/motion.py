@@ -109,7 +109,8 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     """Find the strokes and holds of a piece (n,) of a track, number them from `count` + 1, and write them into `into`,
     whose arrays (n,) are zero and x; the number of the last. `noise` and `span` in mm are those of the whole track."""
     direction, moving, stroke, speed = into.direction, into.moving, into.stroke, into.stroke_speed
-    turns = without_spikes(x, pivots(x, reversal(noise, span)), span) if span else [0, len(x) - 1]
+    least = reversal(noise, span)
+    turns = without_spikes(x, pivots(x, least), span) if span else [0, len(x) - 1]
     held = thinned_holds(time, x, turns, noise, span)
     if held.any():
         sharp = with_corners(time, x, held, noise)
@@ -119,12 +120,16 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
         inside = np.arange(begin, end + 1)
         inside = inside[~held[begin : end + 1] & ~moving[begin : end + 1]]
         parts = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)  # at stairs, or a rest that ends at its turn
-        for part in parts:
-            if len(part) < 2 or (len(parts) > 1 and abs(x[part[-1]] - x[part[0]]) < reversal(noise, span)):
-                continue
+        strokes = [p for p in parts if len(p) > 1 and (len(parts) == 1 or abs(x[p[-1]] - x[p[0]]) >= least)]
+        strokes += _jumps(x, held, begin, end, least)
+        for part in sorted(strokes, key=lambda rows: rows[0]):
             count += 1
             rows = _square_ends(time, x, part, moving, noise)
-            into.position[rows], slope = smooth_stroke(time[rows], x[rows], noise)
+            if len(part) > 1:
+                into.position[rows], slope = smooth_stroke(time[rows], x[rows], noise)
+            else:
+                near = [part[0] - 1, min(part[0] + 1, end)]
+                slope = np.diff(x[near]) / np.diff(time[near])
             into.velocity[rows], moving[rows], stroke[rows] = slope, True, count
             direction[rows] = np.sign(x[end] - x[begin])
             speed[rows] = quantile(np.abs(slope), 0.5)
@@ -132,6 +137,16 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     _soft_ends(into, time, x, noise)
     smooth_holds(into.position, time, x, np.flatnonzero(~moving), noise)
     return count
+
+
+def _jumps(x: Array, held: Array, begin: int, end: int, least: float) -> list[Array]:
+    """Strokes from one hold to the next with a single sample between them, or none: then the first of the next, as one
+    sample (1,) each; by `least` mm and more, between two turns."""
+    k = np.arange(begin + 1, end + 1)
+    arrived = held[k - 1] & held[k] & (np.abs(x[k] - x[k - 1]) >= least)
+    after = np.minimum(k + 1, end)
+    between = held[k - 1] & ~held[k] & held[after] & (np.abs(x[after] - x[k - 1]) >= least)
+    return [k[[one]] for one in np.flatnonzero(arrived | between)]
 
 
 def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Array, noise: float) -> list[int]:

@@ -36,6 +36,14 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
         f"{n} runs have an initial length of their own ({where}); their contraction is by it, and ways in mm are told "
         "of the specimen's"
     ),
+    "guessed_columns": lambda _, __, where: (
+        f"columns are taken by word and unit, not by name: {where}. Where that is wrong, say in a columns.toml beside "
+        "the file which column it is"
+    ),
+    "no_clock": lambda _, column, where: (
+        "the rows look like a log, one after another, but no column was read as its time: damping, lag, creep and "
+        f"friction would be taken for something else. {_name_it(column, where)}"
+    ),
     "lever": lambda _, column, where: f"{column} and shape are from torque and angle by the lever: {where}",
     "rows_chosen": lambda n, column, where: f"{_rows(n)} left out: {where} does not hold there",
 }
@@ -72,6 +80,16 @@ class Notes:
 
 
 LEAVE_OUT = ("empty_cells", "frozen_sensor", "impossible_value", "spike", "clipped", "rows_chosen")
+
+
+def _name_it(column: str | None, passed: str) -> str:
+    if column is None:
+        told = f"passed over are {passed}" if passed else "no column was passed over"
+        return f"Log the time; if it is there ({told}), name it time_s, or say so in a columns.toml"
+    return (
+        f"Column {column!r} looks like it: name it time_s or time_ms, or give it so, with the others, under [columns] "
+        "of a columns.toml"
+    )
 
 
 def _rows(n: int) -> str:

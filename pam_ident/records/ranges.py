@@ -1,5 +1,7 @@
 """Whether the values of a table can be a muscle's: every refusal names file, row and column."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ..core import DataError
@@ -43,25 +45,28 @@ def contraction_of(values: Values, length_mm: float) -> Array:
 
 def check_ranges(table: Table, block: TableRows, sources: dict[str, Source], values: Values, length_mm: float) -> None:
     """Refuse values (n,) in internal units that no muscle has. Raises DataError."""
+    for key, row, wrong in beyond_reason(values, length_mm):
+        raise DataError(f"{place_of(table, block, row, sources[key])}: {wrong}")
+    _check_set(table, sources, values)
+
+
+def beyond_reason(values: Values, length_mm: float) -> Iterator[tuple[str, int, str]]:
+    """The first value of each quantity (n,) in internal units that no muscle has: the quantity, its row from 0, and
+    what is wrong."""
     contraction = contraction_of(values, length_mm)
     wild = np.flatnonzero(~(np.abs(contraction) < MOST_CONTRACTION))
     if len(wild):
-        key = next(k for k in SHAPES if k in values)
-        raise DataError(
-            f"{place_of(table, block, wild[0], sources[key])}: contraction ratio {contraction[wild[0]]:.3g}; "
-            f"expected within -{MOST_CONTRACTION} to {MOST_CONTRACTION}. Check the unit of the column and "
-            "initial_length_mm of the specimen"
+        wrong = (
+            f"contraction ratio {contraction[wild[0]]:.3g}; expected within -{MOST_CONTRACTION} to {MOST_CONTRACTION}. "
+            "Check its unit, and initial_length_mm of the specimen"
         )
+        yield next(k for k in SHAPES if k in values), int(wild[0]), wrong
     for key, (most, unit, meant) in MOST.items():
         if key not in values or not len(values[key]) or -most <= values[key].min() <= values[key].max() <= most:
             continue
         high = np.flatnonzero(~(np.abs(values[key]) <= most))
         if len(high):
-            raise DataError(
-                f"{place_of(table, block, high[0], sources[key])}: {values[key][high[0]]:g} {unit}; expected {meant}. "
-                "Check the unit of the column, and the cell"
-            )
-    _check_set(table, sources, values)
+            yield key, int(high[0]), f"{values[key][high[0]]:g} {unit}; expected {meant}. Check its unit, and the cell"
 
 
 def _check_set(table: Table, sources: dict[str, Source], values: Values) -> None:

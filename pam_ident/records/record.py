@@ -44,6 +44,7 @@ class Record:
             is taken for physics.
         source, sha256, columns: where the record came from, its hash, and what was read as what.
         block_kind: `cycle`, `length` or `isobar`.
+        passed: headers of the columns that were passed over.
         masked: how many slack rows were left out.
         notes: what else was left out, or assumed, while it was read.
         said_kind: which kind of test it is said to be, empty where the data must show it (`kind_of`).
@@ -77,6 +78,7 @@ class Record:
     metadata: Mapping[str, Any] = field(default_factory=dict)
     groups: Mapping[str, Array] = field(default_factory=dict)
     carried: bool = False
+    passed: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.force)
@@ -215,7 +217,7 @@ def rebuilt(record: Record, specimen: Specimen, said_kind: str = "") -> Record:
         temperature=inputs.temperature,
         said_kind=said_kind or record.said_kind,
     )
-    kept = ("source", "sha256", "columns", "masked", "notes", "metadata", "groups")
+    kept = ("source", "sha256", "columns", "masked", "notes", "metadata", "groups", "passed")
     return replace(made, **{key: getattr(record, key) for key in kept})
 
 

@@ -13,6 +13,8 @@ from .specimen_file import read_specimen
 Constant = float | str
 GRAVITY = 9.80665
 LOADS = {"load_N": 1.0, "load_kg": GRAVITY}
+MASSES = ("load_kg", "mass_kg")
+"""Names of a mass that hangs on the muscle: what is accelerated with it."""
 LENGTH, SPECIMEN = "initial_length_mm", "specimen"
 
 

@@ -119,16 +119,17 @@ def _encoding(place: str, head: bytes, told: str | None) -> tuple[str, int]:
 
 
 def _heading(lines: list[str], mapping: Told | None) -> tuple[str, list[list[str]], Heading]:
-    """Delimiter, rows and heading: the delimiter under which most names are known, else most cells are numbers."""
+    """Delimiter, rows and heading: the delimiter under which most names are known, else most cells are numbers. One
+    under which the rows hold no number is a mark within the names."""
     told = mapping.layout if mapping else {}
-    best: tuple[tuple[int, int], str, list[list[str]], Heading] | None = None
+    best: tuple[tuple[bool, int, int], str, list[list[str]], Heading] | None = None
     written = [delimiter for delimiter in DELIMITERS if any(delimiter in line for line in lines)] or DELIMITERS
     for delimiter in (told["delimiter"],) if "delimiter" in told else written:
         rows = [cells_of(line, delimiter) if line.strip(f"{delimiter} \t") else [] for line in lines]
         heading = _one_heading(rows, mapping)
         sample = rows[heading.first : heading.first + 50]
         numbers = max(sum(count_numbers(row, mark) for row in sample) for mark in ".,")
-        score = (heading.score, numbers)
+        score = (numbers > 0, heading.score, numbers)
         if best is None or score > best[0]:
             best = (score, delimiter, rows, heading)
     assert best is not None

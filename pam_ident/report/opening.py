@@ -4,7 +4,7 @@ from textwrap import fill
 
 from .. import plot
 from ..diagnosis.follows import told
-from ..diagnosis.sentence import start
+from ..diagnosis.sentence import headline, start
 from ..effects import in_words
 from .easel import Easel, Part, Picture
 from .story import Section
@@ -38,11 +38,11 @@ def answer(section: Section) -> str:
 
 
 def _added(section: Section) -> tuple[str, ...]:
-    """Titles of the effects that the law lacked."""
+    """Names of the effects that the law lacked."""
     if section.after is None:
         return ()
     held = section.before.model.effect_names
-    return tuple(effect.title for effect in section.after.model.own if effect.name not in held)
+    return tuple(name for name in section.after.model.effect_names if name not in held)
 
 
 def _verdict(section: Section) -> str:
@@ -62,9 +62,10 @@ def _badge(section: Section) -> tuple[str, str]:
 
 def _headline(section: Section) -> str:
     added, verdict = _added(section), _verdict(section)
-    if added:
-        named = " and ".join(filter(None, (", ".join(added[:-1]), added[-1])))
-        return f"Missing: {named}.{REMAINS.get(verdict, '')}"
+    if added and section.after is not None:
+        rungs = section.ladder.rungs if section.ladder is not None else ()
+        found = (section.diagnosis, *(rung.found for rung in rungs if rung.found is not None))
+        return headline(added, found, section.after.model.own) + REMAINS.get(verdict, "")
     if verdict == "adequate":
         return "Nothing is missing that this record could show."
     return REMAINS.get(verdict, section.diagnosis.verdict).strip()
@@ -87,7 +88,8 @@ def _trace(section: Section, easel: Easel) -> Picture:
         "The error before (above), with what is added to the modelled force drawn through it, and after (below). "
         "Where the two lines above coincide, the addition explains the error."
     )
-    label = f"Error over the record before and after adding {', '.join(_added(section))}"
+    added = ", ".join(in_words(name, after.model.own) for name in _added(section))
+    label = f"Error over the record before and after adding {added}"
     return easel.hang(figure, label, caption, live=live)
 
 

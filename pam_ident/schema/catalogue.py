@@ -71,6 +71,7 @@ def inspection_json(path: str, found: "Inspection") -> Json:
         "masked": record.masked,
         "specimen": asdict(record.specimen),
         "columns": dict(record.columns),
+        "passed_over": list(record.passed),
         "metadata": dict(record.metadata),
         "branches": dict(found.branches),
         "isobars": [asdict(one) for one in found.isobars],

@@ -111,7 +111,7 @@ def stopped_json(record: str, law: str, n: int, doubts: "Sequence[Doubt]") -> Js
         "verdict": "unknown_effect",
         **{key: [] for key in ("selected", "groups", "ranking", "follows")},
         "heldout": "refit",
-        **dict.fromkeys((*numbers, "pattern", "next_experiment")),
+        **dict.fromkeys((*numbers, "pattern", "next_experiment", "fit_command")),
         "warnings": warnings_json(doubts),
     }
 
@@ -122,8 +122,10 @@ def refusal_json(record: str | None, law: str | None, exit_code: int, doubts: "S
     return found | {"warnings": warnings_json(doubts)}
 
 
-def diagnosis_json(record: str, diagnosis: "Diagnosis", doubts: "Sequence[Doubt]" = ()) -> Json:
-    """Schema pam-ident/diagnosis/1."""
+def diagnosis_json(
+    record: str, diagnosis: "Diagnosis", doubts: "Sequence[Doubt]" = (), command: str | None = None
+) -> Json:
+    """Schema pam-ident/diagnosis/1; `command` is what fits the model with what was missing."""
     return {
         "schema": schema("diagnosis"),
         "record": record,
@@ -151,6 +153,7 @@ def diagnosis_json(record: str, diagnosis: "Diagnosis", doubts: "Sequence[Doubt]
         "follows": _follows(diagnosis.follows),
         "pattern": _pattern(diagnosis.pattern),
         "next_experiment": _experiment(diagnosis.next_experiment),
+        "fit_command": command,
         "warnings": warnings_json(doubts),
     }
 
@@ -179,10 +182,12 @@ def addition_json(record: str, addition: "Addition") -> Json:
         "record": record,
         "law": addition.after.model.law.name,
         "effects": addition.after.model.labels,
+        **muscle(addition.after),
         "n": len(addition.after.record),
         "before": _errors(addition.before, addition.heldout_before),
         "after": _errors(addition.after, addition.heldout_after),
         "parameters": parameters(addition.after.estimates),
+        **covariance(addition.after),
         "warnings": warnings_json(addition.warnings),
     }
 

@@ -31,7 +31,7 @@ def add_effects(record: Record, setup: Setup) -> Addition:
     """
     if not setup.effects:
         raise UsageError("no effect to add; name one with --effect (see pam-ident effects)")
-    admit(record, length=True)
+    admit(record)
     model, alone = setup.model, setup.law_alone
     with computing(record):
         record = driven(alone, record)

@@ -26,7 +26,7 @@ PARTS = 10
 def compare_record(record: Record, setup: Setup) -> Comparison:
     """Fit `setup.model` to both branches together and split the error by place: where the length answered that of the
     length, in mm, by the weight, too. Raises FitError or DataError."""
-    admit(record, length=True)
+    admit(record)
     require_rows(record)
     with computing(record):
         one = fit(setup.model, record)

@@ -15,11 +15,12 @@ from ..fitting import Fit
 from ..parallel.executor import Executor, WorkerLost
 from ..records import Record
 from ..schema.diagnosis import candidates
+from .forms import in_best_forms
 from .gate import check_completed, computing, may_name
 from .law_choice import LawChoice, settle
 from .setup import Setup
 
-__all__ = ["candidates", "diagnose_record", "diagnose_records", "told"]
+__all__ = ["candidates", "diagnose_record", "diagnose_records", "fit_command", "told"]
 Answer = Diagnosis | PamError
 
 
@@ -47,6 +48,12 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
         return _nested(found, record, setup) if setup.held_out else found
 
 
+def fit_command(found: Diagnosis, record: str, setup: Setup) -> str:
+    """The command line that fits the model with what was missing, so that it can be used."""
+    model = found.best.model
+    return replace(setup, law=model.law.name, effects=tuple(model.labels)).command("fit", record, "--json", "fit.json")
+
+
 def diagnosing_record(record: Record, setup: Setup) -> Iterator[Diagnosis]:
     """The answer as soon as it is there, and then the same with errors of every candidate and what to do next.
 
@@ -54,16 +61,17 @@ def diagnosing_record(record: Record, setup: Setup) -> Iterator[Diagnosis]:
     """
     with computing(record):
         may_name(record, setup.model, setup.assume)
-        for found in diagnosing(setup.model, record, *setup.tried):
+        model, said = in_best_forms(record, setup)
+        for found in diagnosing(model, record, *setup.tried):
             check_completed(found.best, setup.assume)
-            yield found
+            yield replace(found, sentence=said + found.sentence)
 
 
 def _nested(found: Diagnosis, record: Record, setup: Setup) -> Diagnosis:
     """With the errors on held-out data of a diagnosis that has not seen it."""
 
     def again(part: Record) -> tuple[Fit, Fit]:
-        other = diagnose(setup.model, part, *setup.tried, detail=False)
+        other = diagnose(in_best_forms(part, setup)[0], part, *setup.tried, detail=False)
         return other.base, other.best
 
     before, after = anew(record, masks_of(record, setup.held_out), again, 2)

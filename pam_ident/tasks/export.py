@@ -10,7 +10,7 @@ from ..export.fitted import Fitted
 from ..export.targets import get_target
 from ..records import read_specimen
 from ..schema.fit import fit_json
-from .fit import FitOptions, fit_record
+from .fit import FitAnswer, FitOptions, fit_record
 from .law_choice import settle
 from .setup import Setup
 
@@ -32,7 +32,7 @@ def check_export(to: str, out: str) -> Path:
 def export_fit(
     source: str, to: str, out: str, effect_files: tuple[str, ...] = (), specimen: str | None = None
 ) -> Exported:
-    """Write the model in a file of `fit --json` or `ladder --json`, of a ladder the last rung.
+    """Write the model in a file of `fit --json`, `add --json` or `ladder --json`, of a ladder the last rung.
 
     `effect_files` hold effects of a user's own that the file names; `specimen` stands in for the file's. Raises
     UsageError for what cannot be exported, DataError for a file that cannot be read.
@@ -49,20 +49,31 @@ def export_fit(
 
 def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "together") -> Exported:
     """Fit a model to a record and write it. Raises as `fit_record` and `export_fit` do."""
-    path = check_export(to, out)
+    check_export(to, out)
     record = setup.read(source)
     setup, _ = settle(record, setup)
-    answer = fit_record(record, setup, FitOptions(branch=branch))
+    return export_answer(fit_record(record, setup, FitOptions(branch=branch)), to, out, source)
+
+
+def export_answer(answer: FitAnswer, to: str, out: str, source: str) -> Exported:
+    """Write a fit to the record `source`. Raises as `export_fit` does."""
+    path = check_export(to, out)
     fitted = Fitted.of(answer.fits)
     if to == "json":
-        write_json(path, fit_json(source, setup.law, answer))
+        write_json(path, fit_json(source, fitted.model.law.name, answer))
         return Exported((path,), (), fitted.problems)
     return _write(fitted, to, path)
 
 
 def _write(fitted: Fitted, to: str, path: Path) -> Exported:
-    """The file's name without its ending names the function in it."""
+    """The file's name without its ending names the function in it; a file beside it that nobody named replaces only an
+    earlier one of its kind. Raises UsageError where another is there."""
     made = get_target(to).write(fitted, path.stem)
-    texts = {path: made.text} | {check_target(path.with_suffix(end)): text for end, text in made.beside.items()}
+    beside = {check_target(path.with_suffix(end)): text for end, text in made.beside.items()}
+    for one in beside:
+        if one.exists() and made.mark not in one.read_text(encoding="utf-8", errors="replace"):
+            other = path.with_stem(f"{path.stem}_{to}")
+            raise UsageError(f"{one}: is there already, and not from --to {to}, which writes it, too; --out {other}")
+    texts = {path: made.text} | beside
     paths = tuple(write_whole(where, text) for where, text in texts.items())
     return Exported(paths, made.notes, fitted.problems)

@@ -24,6 +24,7 @@ from ..fitting.weigh import LOSSES, Weighing
 from ..parallel.executor import Executor
 from ..records import Record
 from ..records.doubt import Doubt
+from ..records.kind import kind_of
 from ..records.long import open_long
 from .gate import admit, computing, warnings_of
 from .intervals import bootstrap_of, profiles_of
@@ -100,13 +101,13 @@ class FitAnswer:
 
     @cached_property
     def loops(self) -> Mapping[float, float]:
-        """The modelled loops in J by pressure; none where the length answered."""
-        return {} if by_length(self.record) else model_loops(self.fits)
+        """The modelled loops in J by pressure; none where the pressure was driven, for then there is no isobar."""
+        return model_loops(self.fits) if kind_of(self.record) == "isobaric" else {}
 
     @cached_property
     def measured_loops(self) -> Mapping[float, float]:
-        """The loops of the record in J by pressure; none where the length answered."""
-        return {} if by_length(self.record) else loop_energies(self.record, self.record.force)
+        """The loops of the record in J by pressure; none where the pressure was driven."""
+        return loop_energies(self.record, self.record.force) if kind_of(self.record) == "isobaric" else {}
 
     @cached_property
     def spreads(self) -> Mapping[str, ReadingSpread]:
@@ -179,7 +180,7 @@ def fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions | N
 def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -> FitAnswer:
     branches = branch_names(wishes.branch)
     if isinstance(record, Record):
-        admit(record, length=True)
+        admit(record)
         _check_length(record, wishes)
         fits = {
             name: fit(setup.model, record, record.branch_rows(name), held=wishes.held, weighing=wishes.weighing)
@@ -190,7 +191,7 @@ def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -
         with open_long(record, setup.specimen) as on_disk:
             fits = {name: fit_long(setup.model, on_disk, name, wishes.held) for name in branches}
         record = fits[branches[0]].record
-        admit(record)
+        admit(record, by_force=True)
     isobars, straight = None, ()
     if wishes.method == "two-stage":
         isobars = fit_isobars(setup.model, record, branches, wishes.held)

@@ -22,8 +22,6 @@ from ..records.gate import doubts_of
 from ..records.kind import KINDS, kind_of
 from ..records.plausible import FAINT_MPA
 
-FITTING = {"isobaric", "isometric", "dynamic"}
-"""Kinds of test whose force a law can be fitted to, and whose error can be given names."""
 LITTLE, UNLIKE = 0.1, 0.3
 """Share of the squared force, and correlation with it where it varies, from which a law explains anything at all."""
 CONSTANT = 0.2
@@ -188,9 +186,9 @@ def warnings_of(one: Fit) -> tuple[Doubt, ...]:
     return (*doubts_about(one), *(Doubt("effect", f"{capital(e.title)}: {e.warning}") for e in effects if e.warning))
 
 
-def admit(record: Record, length: bool = False) -> None:
-    """Raises Refused for a kind of test whose force no law can be fitted to, where the clock stands, and for a force
-    beyond arithmetic. With `length` the length may have answered."""
+def admit(record: Record, by_force: bool = False) -> None:
+    """Raises Refused where the clock stands, for a force beyond arithmetic, and, where only an error of the force is
+    known (`by_force`), for an isotonic test."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
         text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Fix or delete the row"
@@ -199,14 +197,12 @@ def admit(record: Record, length: bool = False) -> None:
     if time is not None and len(record) > 1 and np.ptp(time) < LEAST_STEP_S * len(record):
         text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Fix its unit, or leave the time out"
         raise _refused(Refused, record, "clock_scale", text)
-    kind = kind_of(record)
-    if kind in FITTING or (length and kind == "isotonic"):
-        return
-    text = (
-        f"an {kind} test, {KINDS[kind]}: it is answered by itself alone, by `fit`, `compare`, `diagnose` and "
-        '`validate`. Give an isobaric record, or say `kind = "isobaric"` at the top of specimen.toml if this is one'
-    )
-    raise _refused(Refused, record, "kind", text)
+    if by_force and by_length(record):
+        text = (
+            f"an isotonic test, {KINDS['isotonic']}: it is answered one record at a time, not in chunks. Give it "
+            'alone, or say `kind = "isobaric"` at the top of specimen.toml if this is one'
+        )
+        raise _refused(Refused, record, "kind", text)
 
 
 def require_rows(record: Record) -> None:
@@ -278,7 +274,7 @@ def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tupl
     """
     if len(record) >= ROWS:
         _stop(record, doubts_of(record), assume)
-    admit(record, length=True)
+    admit(record)
     _require_weights(record)
     require_information(record, model)
     doubts = doubts_about(fit(model, record, detail=False))

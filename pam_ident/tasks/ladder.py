@@ -14,7 +14,8 @@ from ..fitting import Fit, fit
 from ..model import Model, steps
 from ..parallel.executor import Executor
 from ..records import Record
-from .gate import admit, check_completed, computing, may_name
+from .forms import in_best_forms
+from .gate import check_completed, computing, may_name
 from .law_choice import settle
 from .setup import AUTO, REFIT, Setup
 
@@ -46,7 +47,7 @@ def climb_ladder(record: Record, setup: Setup, executor: Executor = HERE) -> Lad
     """
     with computing(record):
         may_name(record, setup.model, setup.assume)
-        found = climb(setup.model, record, *setup.tried)
+        found = climb(in_best_forms(record, setup)[0], record, *setup.tried)
         if setup.heldout != REFIT:
             found = _nested(found, record, setup, executor)
         check_completed(found.rungs[-1].fit, setup.assume)
@@ -73,14 +74,13 @@ def _again(setup: Setup, part: Record) -> list[Fit]:
     """The rungs on some rows of a record, the law among what is chosen anew where nobody named it."""
     with computing(part):
         own = settle(part, replace(setup, law=AUTO))[0] if setup.chosen else setup
-        return [rung.fit for rung in climb(own.model, part, *own.tried, detail=False).rungs]
+        return [rung.fit for rung in climb(in_best_forms(part, own)[0], part, *own.tried, detail=False).rungs]
 
 
 def ladder_by_hand(
     record: Record, setup: Setup, known: Mapping[tuple[str, ...], Rung], latest: Diagnosis | None
 ) -> tuple[Rung, ...]:
     """A rung for the law and for each effect more, those that are known taken over; `latest` led to a new one."""
-    admit(record)
     whole = setup.model
     rungs: list[Rung] = []
     for count in range(len(whole.terms) + 1):

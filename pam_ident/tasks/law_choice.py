@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,8 @@ Array = np.ndarray
 ROWS = 5_000
 """Rows of a longer record that are enough to compare laws."""
 FOLDS = 5
+BY_HAND = "exponential_law"
+"""To begin by hand with."""
 ALIKE = 1.01
 """Ratio of mean errors up to which laws predict several records alike."""
 EXACT = 1e-6
@@ -64,10 +67,18 @@ def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
     """
     if setup.law != AUTO:
         return setup, None
-    admit(record, length=True)
+    admit(record)
     with computing(record):
         choice = choose_law(record, setup)
     return replace(setup, law=choice.law, chosen=True), choice
+
+
+def begin(record: Record | None, setup: Setup) -> tuple[Setup, LawChoice | None]:
+    """The same to begin by hand with, where any law will do if none can be chosen, or no record is there yet."""
+    if record is not None:
+        with suppress(FitError, DataError):
+            return settle(record, setup)
+    return (replace(setup, law=BY_HAND) if setup.law == AUTO else setup), None
 
 
 def choose_law(record: Record, setup: Setup) -> LawChoice:

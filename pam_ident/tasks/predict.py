@@ -10,15 +10,16 @@ import numpy as np
 
 from ..core import DataError, Inputs, Specimen, UsageError
 from ..core.digits import millimetres, newtons, probability
+from ..core.shown import Shown
 from ..effects import load_effect_files
 from ..fitting.length import at_limit, by_length, load_of
 from ..fitting.prediction import LengthPrediction, Prediction, Predictor, ReadingSpread, Simpler
 from ..leg.fit_file import Answer, fitted_branches, read_answer, read_specimen_of
 from ..model import Model
-from ..records import Record, build_record, read_record, record_from_frame
+from ..records import Record
 from ..records.doubt import Doubt
 from ..records.gate import doubts_of
-from ..records.quantities import quantity_of
+from .states import read_states
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,11 +27,18 @@ if TYPE_CHECKING:
 Array = np.ndarray
 AS_WELL = 1.05
 """How much larger the error of a simpler model may be for it to predict as well."""
+SIMPLER = {
+    "mean_over_pressure": "the mean force over pressure",
+    "contraction_over_pressure": "a line of the contraction over pressure",
+    "polynomial": "a plain polynomial",
+}
+"""The simpler models in words."""
 
 
 @dataclass(frozen=True)
 class SavedFit:
-    """What a file of `fit --json` predicts, by branch; `simpler` is empty in files of earlier versions."""
+    """What a file with a fitted model predicts, by branch; `simpler` is empty in those of a ladder, of `add` and of
+    earlier versions."""
 
     path: str
     law: str
@@ -43,6 +51,14 @@ class SavedFit:
     def model(self) -> Model:
         """The law with its effects."""
         return next(iter(self.branches.values())).model
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """What a saved fit says of a file of states, a row each, and what is doubtful of it."""
+
+    frame: "pd.DataFrame"
+    warnings: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -61,8 +77,8 @@ class ErrorsThere:
         return cls(float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error))), r2)
 
 
-@dataclass(frozen=True)
-class Validation:
+@dataclass(frozen=True, repr=False)
+class Validation(Shown):
     """A saved fit on another record. `coverage` is the share of readings that their 95 % interval holds, NaN where none
     is known; `simpler` the same errors of models that any muscle model must beat, fitted to what the fit was.
 
@@ -77,6 +93,20 @@ class Validation:
     simpler: Mapping[str, ErrorsThere]
     in_force: ErrorsThere | None = None
     left_out: int = 0
+
+    def __repr__(self) -> str:
+        told = {"the fit": self.trial, **{SIMPLER[name]: one for name, one in self.simpler.items()}}
+        unit = millimetres if self.in_mm else newtons
+        rows = [
+            f"  {name}: {unit(one.rmse)} rms, {unit(one.max_error)} at most, R² {one.r2:.5g}"
+            for name, one in told.items()
+        ]
+        return "\n".join([self.sentence, *rows])
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square error of the fit in N, or of the length in mm where it is `in_mm`."""
+        return self.trial.rmse
 
     @property
     def in_mm(self) -> bool:
@@ -98,25 +128,19 @@ class Validation:
         """The answer in words."""
         share = probability(self.coverage)
         known = "" if math.isnan(self.coverage) else f" {share} of the readings lie in their 95 % interval."
-        words = {
-            "mean_over_pressure": "the mean force over pressure",
-            "contraction_over_pressure": "a line of the contraction over pressure",
-            "polynomial": "a plain polynomial",
-        }
-        names = " and ".join(words[name] for name in self.as_well)
+        names = " and ".join(SIMPLER[name] for name in self.as_well)
         rest = f" No better than {names}." if names else " No simpler model does as well." if self.simpler else ""
         what, error = ("the length of ", millimetres) if self.in_mm else ("", newtons)
         return f"The fit predicts {what}{self.record.name} to {error(self.trial.rmse)} rms.{known}{rest}"
 
 
 def read_fit(path: str | Path, effect_files: tuple[str, ...] = (), specimen: Specimen | None = None) -> SavedFit:
-    """A file of `pam-ident fit --json`. Raises DataError for any other, UsageError for an unknown effect."""
-    found = read_answer(path, "fit")
-    model = found.model(found.effects, load_effect_files(effect_files))
+    """A file of `pam-ident fit --json` or `add --json`, or the last rung of `ladder --json`. Raises DataError for any
+    other, UsageError for an unknown effect."""
+    found = read_answer(path)
+    effects, holders = found.stages[-1]
+    model = found.model(effects, load_effect_files(effect_files))
     specimen = specimen or read_specimen_of(found)
-    holders = found.get("branches", dict)
-    if not holders:
-        raise DataError(f"{path}: holds no branch; fit again with --json")
     return SavedFit(
         str(path),
         model.law.name,
@@ -135,12 +159,17 @@ def _predictor(found: Answer, holder: Mapping[str, Any], model: Model, specimen:
     free, matrix = (spread.names, spread.matrix) if spread else ((), None)
     dofs = [one.get("freedom") for name, one in holder["parameters"].items() if name in free]
     dof = min((float(d) for d in dofs if isinstance(d, int | float)), default=math.nan)
-    return Predictor(model, specimen, values, free, matrix, dof, _reading(holder.get("reading")))
+    return Predictor(model, specimen, values, free, matrix, dof, _reading(holder.get("reading"), found.seen))
 
 
-def _reading(table: Any) -> ReadingSpread | None:
+def _reading(table: Any, seen: Mapping[str, list[float]]) -> ReadingSpread | None:
+    """How far readings lie off; of a ladder or of `add`, which leave nothing out to learn it, only what was `seen`."""
     if not isinstance(table, dict):
-        return None
+        if not {"pressure_MPa", "contraction"} <= set(seen):
+            return None
+        low, high = seen["contraction"]
+        nan = math.nan
+        return ReadingSpread(nan, nan, nan, nan, tuple(seen["pressure_MPa"]), (), (low, high))
     same, between, beyond, speed, noise = (
         math.nan if table.get(f"{key}_N") is None else float(table[f"{key}_N"]) for key in READING
     )
@@ -201,42 +230,6 @@ def _check_needs(model: Model, inputs: Inputs) -> None:
             raise DataError(f"{term.effect.name} needs {', '.join(lacking)}; give {give}, too")
 
 
-def inputs_of(specimen: Specimen, pressure: Any, contraction: Any, **more: Any) -> Inputs:
-    """Inputs from numbers or arrays that broadcast to shape (n,).
-
-    `pressure` is in MPa (gauge), `contraction` a ratio; `more` may be time_s, temperature_C, cycle, and branch
-    ('contraction', 'extension', or their signs). With a time, motion and branches are found from it. Raises UsageError
-    for another name, or shapes that do not go together.
-    """
-    known = ("time_s", "temperature_C", "cycle", "branch")
-    wrong = [name for name in more if name not in known]
-    if wrong:
-        raise UsageError(f"{', '.join(wrong)}: expected {', '.join(known)} beside pressure and contraction")
-    given = {"pressure": pressure, "contraction": contraction, **{k: v for k, v in more.items() if v is not None}}
-    if "branch" in given:
-        given["branch"] = _signs(given["branch"])
-    try:
-        arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, float)) for v in given.values()))
-    except ValueError as error:
-        raise UsageError(f"pressure, contraction and the rest do not go together: {error}") from None
-    found = {name: array.ravel().copy() for name, array in zip(given, arrays, strict=True)}
-    states = found["pressure"], found["contraction"]
-    optional = {"time": "time_s", "temperature": "temperature_C", "cycle": "cycle", "direction": "branch"}
-    picked: dict[str, Any] = {key: found.get(name) for key, name in optional.items()}
-    return build_record("", specimen, *states, specimen.ideal_force(*states), **picked).inputs
-
-
-def _signs(branch: Any) -> Array:
-    words = {"contraction": 1.0, "extension": -1.0}
-    flat = np.atleast_1d(np.asarray(branch))
-    if flat.dtype.kind in "fiu":
-        return flat.astype(float)
-    wrong = sorted({str(one) for one in flat} - set(words))
-    if wrong:
-        raise UsageError(f"branch {wrong[0]!r}: expected contraction or extension")
-    return np.array([words[str(one)] for one in flat])
-
-
 def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
     """A row a sample: what was asked, force, its standard error, both 95 % intervals in N, whether the record that was
     fitted did not reach there, and whether a reading's interval is wide because the model leaves more than noise."""
@@ -279,51 +272,37 @@ def length_frame(inputs: Inputs, load: Array, found: LengthPrediction) -> "pd.Da
     )
 
 
-def predict_at(saved: SavedFit, at: str | Path) -> "pd.DataFrame":
+def predict_at(saved: SavedFit, at: str | Path) -> Predicted:
     """The force of a saved fit at each row of a file, which needs no force; or, where it gives a force and no length,
     the length at which the muscle carries that. Raises DataError, UsageError."""
-    try:
-        inputs = states_of(at, saved.specimen)
-    except DataError as error:
-        if "no displacement_mm" not in str(error):
-            raise
-        record = _loads_of(at, saved.specimen)
-        return length_frame(record.inputs, record.force, predict_length(saved.branches, record.inputs, record.force))
-    return prediction_frame(inputs, predict(saved.branches, inputs))
-
-
-def _loads_of(at: str | Path, specimen: Specimen) -> Record:
-    """Pressures and loads of a file without a length, whose motion is not known."""
-    import pandas as pd
-
-    table = pd.read_csv(at, sep=None, engine="python")
-    still = [name for name in table if quantity_of(str(name)) in ("pressure", "force", "branch", "temperature")]
-    return record_from_frame(table[still].assign(contraction=0.0), specimen, Path(at).name)
-
-
-def states_of(at: "str | Path | pd.DataFrame", specimen: Specimen) -> Inputs:
-    """The states of a file or a table, with or without a force column. Raises DataError."""
-    import pandas as pd
-
-    if isinstance(at, pd.DataFrame):
-        table, name = at, ""
+    states = read_states(at, saved.specimen)
+    inputs, force = states.inputs, states.load
+    if force is None:
+        frame = prediction_frame(inputs, predict(saved.branches, inputs))
     else:
-        try:
-            return read_record(at, specimen).inputs
-        except DataError as error:
-            if "no force column" not in str(error):
-                raise
-        table, name = pd.read_csv(at, sep=None, engine="python"), Path(at).name
-    given = {quantity_of(str(column)) for column in table}
-    if "force" in given:
-        return record_from_frame(table, specimen, name).inputs
-    record = record_from_frame(table.assign(force_N=0.0), specimen, name)
-    one = record.inputs  # as if it pulled: a force of 0 is a load that is held, and the length answers
-    motion = {"branch": one.direction, "cycle": one.cycle}
-    known = {name: values for name, values in motion.items() if name in given}
-    return inputs_of(
-        record.specimen, one.pressure, one.contraction, time_s=one.time, temperature_C=one.temperature, **known
-    )
+        frame = length_frame(inputs, force, predict_length(saved.branches, inputs, force))
+    warnings = [*states.warnings, *([_beyond(saved, frame)] if frame["outside"].to_numpy().any() else [])]
+    if "unexplained" in frame and frame["unexplained"].to_numpy().any():
+        lack = "the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks"
+        warnings.append(lack)
+    return Predicted(frame, tuple(warnings))
+
+
+def _beyond(saved: SavedFit, frame: "pd.DataFrame") -> str:
+    """How many rows lie outside what was fitted, and how far."""
+    spreads = [one.spread for one in saved.branches.values() if one.spread is not None]
+    spans = {
+        "pressure_MPa": ("{:.3g} MPa", [p for one in spreads for p in one.pressures]),
+        "contraction": ("a contraction of {:.3g}", [e for one in spreads for e in one.contraction]),
+    }
+    far = []
+    for column, (words, seen) in spans.items():
+        asked = frame[column].to_numpy(float)
+        ends = [end for end in sorted({asked.min(), asked.max()}) if end < min(seen) or end > max(seen)]
+        far += [f"{words.format(end)}, where {min(seen):.3g} to {max(seen):.3g} was fitted" for end in ends]
+    count = int(frame["outside"].to_numpy().sum())
+    furthest = f". Furthest: {'; '.join(far)}" if far else ""
+    return f"{count} rows lie outside what was fitted; intervals there were never tried{furthest}"
 
 
 def validate_fit(saved: SavedFit, record: Record) -> Validation:

@@ -157,9 +157,9 @@ class Setup:
             words += ["--heldout", self.heldout]
         if verb in ("diagnose", "ladder", "report"):
             words += [word for name in self.also for word in ("--also", name)]
-        if verb in ("diagnose", "ladder"):
             words += [word for name in self.without for word in ("--without", name)]
             words += [word for name in self.only for word in ("--only", name)]
+        if verb == "diagnose":
             words += ["--prior", self.prior] if self.prior is not None else []
         words += [word for code in self.assume for word in ("--assume", code)]
         return shlex.join([*words, *more])

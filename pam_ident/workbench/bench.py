@@ -13,6 +13,7 @@ from ..diagnosis import compare
 from ..diagnosis.nouns import Comparison, Diagnosis, Ladder, Rung
 from ..effects import catalogue
 from ..fitting import Fit, fit
+from ..fitting.carried import driven
 from ..model import Term
 from ..records import Record
 from ..records.doubt import Doubt, grave
@@ -20,7 +21,7 @@ from ..report import Story, render
 from ..report.provenance import provenance
 from ..schema.diagnosis import candidates
 from ..tasks.diagnose import diagnosing_record
-from ..tasks.gate import computing, doubts_about
+from ..tasks.gate import admit, computing, doubts_about
 from ..tasks.ladder import ladder_by_hand
 from ..tasks.section import section_of
 from ..tasks.setup import Setup
@@ -60,7 +61,11 @@ class Bench:
 
     @classmethod
     def begin(cls, record: Record, path: str, setup: Setup) -> "Bench":
-        """Fit the law alone, and then with each effect of `setup` more. Raises FitError, DataError or UsageError."""
+        """Fit the law alone, and then with each effect of `setup` more. An isotonic record is taken along the lengths
+        that the law predicts. Raises FitError, DataError or UsageError."""
+        admit(record)
+        with computing(record):
+            record = driven(setup.law_alone, record)
         return cls(record, path, setup, ladder_by_hand(record, setup, {}, None))
 
     @property

@@ -12,7 +12,7 @@ from ..core import DataError, PamError, Specimen
 from ..core.units import split_header
 from ..records import Record
 from ..records.files import read_tables
-from ..records.guess import Guess, guess_columns, units_of
+from ..records.guess import Guess, column_of, guess_columns, units_of
 from ..records.mapping import Mapping as Told
 from ..records.mapping import read_mapping
 from ..records.run_constants import read_runs
@@ -161,16 +161,9 @@ def _as_told(one: DraftColumn, k: int, table: Table, mapping: Told | None) -> Dr
 def _entry(columns: tuple[DraftColumn, ...], k: int) -> str:
     """A column's line of a columns.toml; a unit other than the header's is meant, which a factor says."""
     one = columns[k]
-    key = one.guess.quantity + (f"_{one.guess.unit}" if one.guess.unit not in ("", "1") else "")
-    plain = one.name and [column.name for column in columns].count(one.name) == 1
-    where = json.dumps(one.name, ensure_ascii=False) if plain and not _numbered(one.name) else str(k + 1)
+    key, where = one.guess.key, column_of([column.name for column in columns], k)
     stated = split_header(one.name)[1]
     if one.factor == 1.0 and one.offset == 0.0 and stated in (None, one.guess.unit):
         return f"{key} = {where}"
     shift = f", offset = {one.offset!r}" if one.offset or stated else ""
     return f"{key} = {{ column = {where}, factor = {one.factor!r}{shift} }}"
-
-
-def _numbered(name: str) -> bool:
-    """Whether a table without a header is named so by the reader."""
-    return name.startswith("column ")

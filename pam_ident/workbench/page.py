@@ -41,7 +41,7 @@ class Workbench(Viewer):
 
     `record` is a path, `law` a force law by name; `effects` (`name` or `name:form`) are in the model from the start,
     `effect_files` hold the user's own. `specimen` is the path of a specimen file; without it the one beside the record
-    is taken. `history` is what was done on this page before it was loaded anew.
+    is taken; `where` is a condition on its rows. `history` is what was done on this page before it was loaded anew.
     """
 
     def __init__(
@@ -53,10 +53,11 @@ class Workbench(Viewer):
         specimen: str | None = None,
         free_geometry: bool = False,
         history: History | None = None,
+        where: str | None = None,
     ) -> None:
         super().__init__()
         self.history = history or History()
-        self.setup = Setup(law, effects, effect_files, free_geometry, specimen)
+        self.setup = Setup(law, effects, effect_files, free_geometry, specimen, where=where)
         _ = self.setup.model
         self.work: Work[Found] | None = None
         self.ahead = Ahead()
@@ -237,6 +238,7 @@ class Workbench(Viewer):
             self._complain("the files did not arrive whole; drop them again")
             return
         named = dict(zip(names, contents, strict=True))
+        self.setup = replace(self.setup, where=None)
         self._begin(lambda: self._dropped(named))
 
     def _dropped(self, files: Mapping[str, bytes]) -> Iterator[Found]:
@@ -279,6 +281,7 @@ class Workbench(Viewer):
         if self.side.example.value:
             path = dataset_record(self.side.example.value)
             self.history.draft = None
+            self.setup = replace(self.setup, where=None)  # which is of the record that the page began with
             self._begin(lambda: self._opened(self.setup.read(path), self.side.example.value))
 
     def _on_law(self, _: Any) -> None:

@@ -8,9 +8,9 @@ from markupsafe import Markup
 from ..core import UsageError
 from ..core.progress import Stage
 from ..core.prose import capital
+from ..diagnosis import sentence
 from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis, Follows
-from ..diagnosis.sentence import start
 from ..effects import in_words
 from ..fitting.estimate import impossible
 from ..notebook.pages import table
@@ -89,7 +89,7 @@ def column(one: DraftColumn) -> Markup:
 
 def headline(found: Diagnosis) -> tuple[str, str]:
     """The verdict in a few words, effects by their plain names, and what is left."""
-    first = start(found.base, found.noise_floor)
+    first = sentence.start(found.base, found.noise_floor)
     if found.verdict == "adequate":
         return "Nothing is missing that this record could show.", first
     left = ""
@@ -98,9 +98,8 @@ def headline(found: Diagnosis) -> tuple[str, str]:
         left = f"Something is left that no known effect explains{what}."
     if not found.selected:
         return left or "Something is missing.", first
-    names = ", ".join(in_words(name, found.best.model.own) for name in found.selected)
     first += f" With {'it' if len(found.selected) == 1 else 'them'} {newtons(found.best.rmse)} are left."
-    return f"Missing: {names}.", f"{first} {left}".strip()
+    return sentence.headline(found.selected, [found], found.best.model.own), f"{first} {left}".strip()
 
 
 def verdict(bench: Bench | None) -> Markup:

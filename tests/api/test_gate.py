@@ -35,7 +35,7 @@ def test_what_is_assumed_is_named(clipped):
     found = pam.diagnose(clipped, LAW, assume="all", only="coulomb_friction")
     assert found.warnings[0].grave and repr(found).startswith("WARNING (force_clipped)")
     assert found.to_json()["warnings"][0]["grave"] is True
-    with pytest.raises(UsageError, match="--assume clip: expected all or one of"):
+    with pytest.raises(UsageError, match="assume='clip': expected all or one of"):
         pam.diagnose(clipped, LAW, assume=["clip"])
 
 

@@ -5,6 +5,7 @@ Written down before the functions were, from the habits of lmfit (`result.params
 """
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -118,7 +119,7 @@ def test_16b_fit_several_records_with_what_they_share(record, tmp_path):
     found.to_json(tmp_path / "both.json")
     lines = (tmp_path / "both.json").read_text(encoding="utf-8").splitlines()
     assert [json.loads(line)["shared"]["parameters"] for line in lines] == [["mu"], ["mu"]]
-    with pytest.raises(UsageError, match="name it by --law"):
+    with pytest.raises(UsageError, match="name it by law="):
         pam.fit([record, record], shared="mu")
 
 
@@ -214,6 +215,13 @@ def test_30_predict_beyond_the_record_says_so(fitted):
     assert fitted.predict([0.3, 0.9], 0.05)["outside"].tolist() == [False, True]
 
 
+def test_30b_predict_where_no_muscle_is_is_refused_as_the_command_does(fitted):
+    with pytest.raises(DataError, match="contraction, element 1: contraction ratio 10; expected within"):
+        fitted.predict(0.3, [0.05, 10])
+    with pytest.raises(DataError, match="pressure: 30 MPa; expected a gauge pressure below 10 MPa"):
+        fitted.predict(30, 0.1)
+
+
 def test_31_plot(fitted):
     axes = fitted.plot()
     assert isinstance(axes, Axes) and axes.get_ylabel() == "force (N)"
@@ -228,8 +236,22 @@ def test_32_to_json_and_load(rubbing, tmp_path, record):
 
 def test_33_validate_on_another_record(fitted, record):
     found = fitted.validate(record)
-    assert found.trial.rmse == pytest.approx(fitted.rmse) and 0.9 < found.coverage <= 1.0
+    assert found.rmse == found.trial.rmse == pytest.approx(fitted.rmse) and 0.9 < found.coverage <= 1.0
     assert set(found.simpler) == {"mean_over_pressure", "polynomial"} and "mean_over_pressure" not in found.as_well
+
+
+def test_33b_what_is_printed_is_a_few_lines(fitted, record):
+    for one in (fitted.validate(record), pam.effects.creep, pam.laws["sarosi"]):
+        assert repr(one).count("\n") < 9 and len(repr(one)) < 1500 and "(name=" not in repr(one)
+        assert one._repr_html_().startswith("<pre>")
+    assert "N rms" in repr(fitted.validate(record)) and pam.laws["sarosi"].formula in repr(pam.laws["sarosi"])
+
+
+def test_33c_export(fitted, tmp_path):
+    fitted.to_json(tmp_path / "fit.json")
+    again = pam.load(tmp_path / "fit.json")
+    assert fitted.export("c", tmp_path / "arm.h") == again.export("c", tmp_path / "arm.h") == (tmp_path / "arm.h",)
+    assert [path.name for path in fitted.export("mujoco", tmp_path / "leg.xml")] == ["leg.xml", "leg.py"]
 
 
 def test_34_to_lmfit(rubbing):
@@ -282,6 +304,14 @@ def test_39_tab_shows_these_and_nothing_else():
     }  # fmt: skip
     with pytest.raises(AttributeError, match="did you mean ladder"):
         _ = pam.lader
+    for name, instead in {
+        "add": "effects=",
+        "validate": ".validate(",
+        "predict": ".predict(",
+        "inspect": "read",
+    }.items():
+        with pytest.raises(AttributeError, match=f"no attribute '{name}'; use pam.*{re.escape(instead)}"):
+            getattr(pam, name)
 
 
 def test_40_what_there_is():

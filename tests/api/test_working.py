@@ -4,6 +4,8 @@ import pytest
 
 import pam_ident as pam
 from pam_ident.api import working
+from pam_ident.api.working import in_python
+from pam_ident.core import UsageError
 from pam_ident.core.progress import Stage, steps
 
 
@@ -59,3 +61,12 @@ def test_without_a_notebook_nothing_is_shown(capsys):
 
 def test_a_stage_without_a_count_has_a_bar_without_an_end():
     assert working.bar_html(Stage("fitting")) == "<progress></progress> fitting"
+
+
+def test_an_error_names_arguments_and_not_options():
+    assert in_python("name it by --law") == "name it by law="
+    assert in_python("--assume scale if it is meant") == "assume='scale' if it is meant"
+    assert in_python("--branch 'up': expected one of together") == "branch='up': expected one of together"
+    with pytest.raises(UsageError, match=r"unknown effect 'zzz'; pam\.effects lists all") as caught:
+        pam.fit("dmsp20_300", "sarosi", effects="zzz")
+    assert "pam-ident" not in str(caught.value)

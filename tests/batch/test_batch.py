@@ -69,6 +69,8 @@ def test_the_table_has_a_row_a_record_and_branch_with_the_true_parameters(undist
         assert 0.2 < off.median() < 1.6  # of a Student variable: about 0.7
     assert good["rmse_N"].between(0.85, 1.15).all() and good["noise_floor_N"].between(0.8, 1.2).all()
     assert table.attrs["units"]["a1"] == "N/MPa" and table.attrs["question"]["law"] == "exponential_law"
+    text = pd.read_csv(undisturbed / "results.csv")
+    assert list(text) == list(table) and text["a1"].to_numpy() == pytest.approx(table["a1"].to_numpy(), nan_ok=True)
 
 
 def test_values_and_errors_are_those_of_scipy_on_the_same_rows(tmp_path):
@@ -292,6 +294,7 @@ def test_a_diagnosis_says_what_each_record_lacks(root, tmp_path):
         "nothing_hidden/record.csv": "adequate",
     }
     assert [list(names) for names in table["selected"]] == [["pressure_friction"], []]
+    assert pd.read_csv(tmp_path / "out" / "results.csv")["selected"][0] == "pressure_friction"
     page = found.page.read_text(encoding="utf-8")
     assert (
         "lacks friction that grows with pressure" in page

@@ -24,7 +24,7 @@ def test_a_bad_record_is_told_and_the_rest_is_done(ask, tree, tmp_path, truth):
     out = tmp_path / "results"
     result = ask("batch", tree, "--law", "exponential_law", "--out", out, "--workers", 1)
     assert result.exit_code == 0, result.stderr
-    told = "bad.csv, row 1: no force column among 'time_s', 'pressure_MPa'; name it force_N"
+    told = "bad.csv, row 1: no force and no displacement column among 'time_s', 'pressure_MPa'; name it"
     assert result.stderr.strip().startswith(told) and len(result.stderr.strip().splitlines()) == 1
     assert result.stdout.splitlines() == [
         "2 records, 1 with an error",

@@ -8,7 +8,7 @@ LAW = ("--law", "exponential_law")
 DIAGNOSIS = {
     "schema", "record", "law", "n", "rmse_N", "noise_floor_N", "verdict", "selected", "groups", "ranking",
     "rmse_after_N", "heldout_rmse_N", "heldout_rmse_after_N", "heldout", "follows", "pattern", "next_experiment",
-    "warnings",
+    "fit_command", "warnings",
 }  # fmt: skip
 
 

@@ -182,6 +182,9 @@ def test_an_effect_of_the_users_own(answer, clean, tmp_path):
     result, found = answer("fit", clean, *words)
     assert result.exit_code == 0 and found["effects"] == ["ripple"]
     assert abs(found["branches"]["together"]["parameters"]["ripple.A"]["value"]) < 0.3
+    (tmp_path / "fit.json").write_text(json.dumps(found), encoding="utf-8")
+    refused, _ = answer("validate", tmp_path / "fit.json", clean)
+    assert refused.exit_code == 2 and "comes by --effect-file FILE.py" in refused.stderr
 
 
 def test_several_records_are_fitted_together_with_what_they_share(ask, write_record, tmp_path):

@@ -152,3 +152,24 @@ def test_rig_writes_sealed_records(ask, tmp_path):
 def test_rig_refuses_what_it_does_not_know(ask, tmp_path):
     result = ask("rig", tmp_path / "set", "--only", "magic")
     assert result.exit_code == 2 and "magic" in result.stderr and not (tmp_path / "set").exists()
+
+
+def test_what_stops_naming_is_told_first_and_apart(ask, clean, write_record):
+    told = ask("inspect", change(clean, write_record, lambda k, t, p, x, f: (t, p, x, 100 * f)))
+    grave, _, harmless = told.stdout.partition("Stops naming")[2].partition("Advice:")
+    assert told.exit_code == 0 and "- scale: " in grave and "(100)" in grave and "no temperature" in harmless
+    assert "(100)" not in harmless and "Stops naming" not in ask("inspect", clean).stdout
+
+
+def test_a_log_whose_time_was_passed_over_says_so_and_gets_no_names_until_it_is_meant(ask, answer, clean, write_record):
+    told = write_record(clean.read_text().replace("time_s", "AI7"))
+    inspected, found = answer("inspect", told)
+    assert "passed over 'AI7'" in inspected.stdout and found["passed_over"] == ["AI7"]
+    assert "- no_clock: " in inspected.stdout.partition("Stops naming")[2]
+    diagnosed = ask("diagnose", told, "--law", "exponential_law")
+    assert (
+        diagnosed.exit_code == 4
+        and "'AI7' looks like it" in diagnosed.stderr
+        and "--assume no_clock" in diagnosed.stderr
+    )
+    assert ask("diagnose", told, "--law", "exponential_law", "--assume", "no_clock").exit_code == 0

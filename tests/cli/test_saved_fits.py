@@ -25,6 +25,8 @@ def test_validate_on_another_record(answer, saved, clean, rubbing):
     assert result.exit_code == 0 and found["schema"] == "pam-ident/validation/1"
     assert found["rmse_N"] == pytest.approx(np.hypot(12.0, 1.0), abs=0.3) and found["coverage"] < 0.1
     assert "No simpler model does as well" in result.stdout
+    _, part = answer("validate", saved, rubbing, "--where", "pressure_MPa > 0.25")
+    assert 0 < part["n"] < found["n"]
     _, same = answer("validate", saved, clean)
     assert same["rmse_N"] == pytest.approx(1.0, abs=0.1) and 0.93 < same["coverage"] < 0.98
     assert [one["name"] for one in same["simpler"]] == ["mean_over_pressure", "polynomial"]
@@ -47,12 +49,29 @@ def test_predict_writes_a_table(ask, answer, saved, tmp_path):
     assert pd.read_csv(tmp_path / "force.csv").shape == (3, 10)
 
 
+def test_states_are_read_as_records_are_and_what_is_odd_is_said(ask, saved, tmp_path):
+    states = tmp_path / "states.csv"
+    states.write_text("pressure_bar;contraction;speed\n2,5;0,1;3\n30;0,05;3\n", encoding="utf-8")
+    (tmp_path / "columns.toml").write_text("[columns]\npressure_bar = 'P'\nlength_mm = 'L'\nforce_N = 'F'\n")
+    result = ask("predict", saved, "--at", states)
+    table = pd.read_csv(io.StringIO(result.stdout))
+    assert table["pressure_MPa"].tolist() == [0.25, 3.0] and table["contraction"].tolist() == [0.1, 0.05]
+    assert "column 'speed' is none of" in result.stderr and "Furthest: 3 MPa, where 0.2 to 0.4" in result.stderr
+    states.write_text("pressure_MPa,contraction\n0.25,0.1\n0.25,10\n", encoding="utf-8")
+    refused = ask_error(ask, "predict", saved, "--at", states)
+    assert refused.exit_code == 4 and "states.csv, row 3, column 'contraction': contraction ratio 10" in refused.stderr
+    assert "branch" in ask("predict", "--help").stdout
+
+
 def test_states_of_a_locked_muscle_need_no_force(ask, tmp_path):
     """Taken as under no load, their friction had the sign of another motion: 11.9 N off where 2.4 N are left."""
     secrets = (Secret("coulomb_friction", "textbook", 4.0),)
     write_case(tmp_path, make_record(Plan(31, "modified_chou_hannaford", secrets, protocol="locked_ramps")))
     record, model = tmp_path / "record.csv", ("--law", "modified_chou_hannaford", "--effect", "coulomb_friction")
-    assert ask("fit", record, *model, "--json", tmp_path / "fit.json").exit_code == 0
+    result = ask("fit", record, *model, "--json", tmp_path / "fit.json")
+    assert result.exit_code == 0 and "energy of a cycle" not in result.stdout, "the pressure was driven: no isobar"
+    assert json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))["loops"] == []
+    assert "std. of p" not in ask("inspect", record).stdout
     table = pd.read_csv(record)
     table.drop(columns="force_N").to_csv(tmp_path / "states.csv", index=False)
     result = ask("predict", tmp_path / "fit.json", "--at", tmp_path / "states.csv")
@@ -78,6 +97,30 @@ def test_a_saved_fit_with_a_branch_each_asks_for_the_branch(ask, clean, tmp_path
     assert result.exit_code == 2 and "give branch" in result.stderr
     states.write_text("pressure_MPa,contraction,branch\n0.25,0.05,extension\n", encoding="utf-8")
     assert ask("predict", tmp_path / "fit.json", "--at", states).exit_code == 0
+
+
+def test_add_and_ladder_are_asked_like_a_fit_and_a_diagnosis_says_how_to_get_one(answer, ask, rubbing, tmp_path):
+    states = tmp_path / "states.csv"
+    states.write_text("time_s,pressure_MPa,displacement_mm\n0,0.25,10\n1,0.25,20\n2,0.9,24\n", encoding="utf-8")
+    effect = ("--effect", "coulomb_friction:held")
+    added, climbed, diagnosed = (tmp_path / f"{name}.json" for name in ("add", "ladder", "diagnosis"))
+    assert ask("add", rubbing, *LAW, *effect, "--json", added).exit_code == 0
+    assert ask("ladder", rubbing, *LAW, "--heldout", "refit", "--json", climbed).exit_code == 0
+    result = ask("diagnose", rubbing, *LAW, "--only", "coulomb_friction", "--json", diagnosed)
+    command = json.loads(diagnosed.read_text(encoding="utf-8"))["fit_command"]
+    assert f"fit it: {command}" in result.stdout
+    words = command.replace("fit.json", str(tmp_path / "fit.json")).split()
+    assert words[:2] == ["pam-ident", "fit"] and ask(*words[1:]).exit_code == 0, "the line does what it says"
+    forces = []
+    for path in (tmp_path / "fit.json", added, climbed):
+        _, found = answer("predict", path, "--at", states)
+        forces.append(found["columns"]["force_N"])
+        assert found["columns"]["outside"] == [False, False, True] and found["effects"] == [effect[1]]
+        assert answer("validate", path, rubbing)[1]["rmse_N"] == pytest.approx(1.0, abs=0.1)
+        assert ask("export", path, "--to", "python", "--out", tmp_path / "arm.py").exit_code == 0
+    assert forces[1] == pytest.approx(forces[0], rel=1e-3) == forces[2]
+    refused = ask_error(ask, "predict", diagnosed, "--at", states)
+    assert refused.exit_code == 4 and command in refused.stderr
 
 
 def ask_error(ask, *words):

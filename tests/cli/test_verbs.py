@@ -12,6 +12,9 @@ from typer.main import get_command
 
 from pam_ident.cli import app, verbs
 from pam_ident.core.progress import Stage
+from pam_ident.records import read_record
+from pam_ident.tasks.law_choice import begin
+from pam_ident.tasks.setup import Setup
 
 
 def leaves(command, path=()):
@@ -131,6 +134,23 @@ def test_help_names_an_argument_once_and_what_may_be_left_out_in_one_pair_of_bra
         assert not re.search(r"<.*str.*>", ask(*words, "--help").output), words
     assert ask("fit", "--help").output.count("--workers") == 1
     assert "Default: 1." in ask("fit", "--help").output and "for fit" not in ask("batch", "--help").output
+
+
+def test_verbs_that_take_a_record_share_their_options(ask, answer, rubbing):
+    several = ("inspect", "fit", "compare", "diagnose", "add", "ladder", "report", "validate", "workbench", "against")
+    for verb in (*several, "pack", "export"):
+        assert "--where" in ask(verb, "--help").output, verb
+    for verb in ("diagnose", "ladder", "report"):
+        assert {"--without", "--only", "--also"} <= set(ask(verb, "--help").output.split()), verb
+    few = ("--only", "creep", "--only", "coulomb_friction", "--without", "coulomb_friction", "--heldout", "refit")
+    _, found = answer("ladder", rubbing, "--law", "exponential_law", *few)
+    assert not any("coulomb_friction" in name for rung in found["rungs"] for name in rung["effects"])
+
+
+def test_the_workbench_begins_with_the_law_that_suits_the_record(rubbing):
+    setup, choice = begin(read_record(rubbing), Setup("auto"))
+    assert setup.law == choice.law != "auto" and begin(None, Setup("auto"))[0].law == "exponential_law"
+    assert begin(None, Setup("sarosi"))[0].law == "sarosi"
 
 
 def test_effects_are_listed_as_laws_are(ask):

@@ -7,6 +7,7 @@ from pam_ident.core.units import TO_INTERNAL, conversion, split_header
 
 KNOWN = [
     ("time", "ms", 250.0, 0.25),
+    ("time", "sec", 3.0, 3.0),
     ("time", "min", 2.0, 120.0),
     ("pressure", "MPa", 0.3, 0.3),
     ("pressure", "kPa", 300.0, 0.3),
@@ -57,6 +58,8 @@ def test_every_unit_the_table_offers_is_checked_against_a_known_value():
         ("Pressure set [kPa]", "pressure_set", "kPa"),
         (" Temperature [°C] ", "temperature", "C"),
         ("contraction", "contraction", None),
+        ("Time, s", "time", "s"),
+        ("Load, cell", "load,_cell", None),
         ("contraction_pct", "contraction", "pct"),
         ("Contraction [%]", "contraction", "%"),
         ("length_mm", "length", "mm"),

@@ -38,9 +38,7 @@ def weighted(tmp_path_factory):
 def test_a_mass_is_unknown_by_itself_and_the_answer_says_what_could_be_tried(weighted):
     found = diagnose(LAW, weighted[0])
     assert found.verdict == "unknown_effect" and found.selected == ()
-    assert found.sentence.endswith(
-        "So does what is tried only on request: inertia of the moving mass (--also moving_mass)."
-    )
+    assert found.sentence.endswith(", too: inertia of the moving mass (--also moving_mass).")
     assert "moving_mass" not in {one.effect for one in found.ranking}
 
 
@@ -139,14 +137,14 @@ def test_the_sentence_takes_the_first_that_the_rest_follows_and_the_record_can_s
     shares = [Follows("noise", 0.5, "noise"), Follows("map", 0.3, "the map"), Follows("cycle", 0.2, "the cycle")]
     said = could_be_tried(shares, others, base)
     assert said == (
-        " It follows the map. So does what is tried only on request: contact or buckling near an end of the stroke "
+        " Effects that are tried only on request follow the map, too: contact or buckling near an end of the stroke "
         "(--also end_contact), bladder of Ogden's rubber (--also ogden_bladder)."
     )
     assert could_be_tried([Follows("temperature", 0.9, "the temperature")], others, base) == ""
     assert could_be_tried([Follows("map", 0.09, "the map")], others, base) == ""
     clock = [Follows("clock", 0.4, "the clock"), Follows("cycle", 0.2, "the cycle")]
     assert could_be_tried(clock, others, base).startswith(
-        " It follows the cycle. So does what is tried only on request: loss of the first stroke ("
+        " Effects that are tried only on request follow the cycle, too: loss of the first stroke ("
     )
     table = fit(Model.build("sarosi"), read_record(dataset_record("dmsp20_300")))
     assert could_be_tried([Follows("acceleration", 0.9, "the acceleration")], others, table) == ""

@@ -115,6 +115,18 @@ def test_mujoco_says_what_its_plain_actuator_misses(stored, tmp_path):
     assert result.exit_code == 0 and "N rms" in result.stdout and "arm.py" in result.stdout
 
 
+def test_a_file_beside_that_nobody_named_replaces_only_one_of_its_kind(stored, tmp_path):
+    python, actuator = tmp_path / "arm.py", tmp_path / "arm.xml"
+    assert ask("export", stored, "--to", "python", "--out", python).exit_code == 0
+    before = python.read_bytes()
+    refused = ask("export", stored, "--to", "mujoco", "--out", actuator)
+    assert refused.exit_code == 2 and f"--out {tmp_path / 'arm_mujoco.xml'}" in refused.stderr
+    assert python.read_bytes() == before and not actuator.exists()
+    python.unlink()
+    for _ in range(2):
+        assert ask("export", stored, "--to", "mujoco", "--out", actuator).exit_code == 0
+
+
 def test_a_file_of_this_version_is_read_back(stored):
     content = json.loads(stored.read_text(encoding="utf-8"))
     found = Fitted.read(stored)

@@ -1,14 +1,17 @@
 """The noise between repeated strokes, white or not, and the test whether a fit leaves more than that."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.fitting import fit, lack_of_fit, repeat_noise
-from pam_ident.model import Model
+from pam_ident.model import Model, as_term
 from pam_ident.records import build_record
 from pam_ident.records.datasets import dataset_record
 from pam_ident.records.load import read_record
+from pam_ident.rig import Plan, Secret, make_record, write_case
 
 LAW = Model.build("exponential_law")
 
@@ -56,3 +59,13 @@ def test_friction_of_half_the_noise_is_found_out_in_coloured_noise(record):
     )
     assert lack_of_fit(fit(LAW, clean)).adequate
     assert not lack_of_fit(fit(LAW, shifted)).adequate
+
+
+def test_a_force_in_the_holds_alone_is_found_out(tmp_path):
+    """Friction that is written for motion alone, where a muscle at rest keeps two thirds of it."""
+    write_case(tmp_path, make_record(Plan(5, secrets=(Secret("coulomb_friction"),))))
+    one = read_record(tmp_path / "record.csv")
+    moving = replace(one, force=np.where(one.inputs.moving, one.force, one.force - 4.0 * one.inputs.direction))
+    model = LAW.adding(as_term("coulomb_friction:held"))
+    assert lack_of_fit(fit(model, moving)).adequate
+    assert not lack_of_fit(fit(LAW.adding(as_term("coulomb_friction")), moving)).adequate

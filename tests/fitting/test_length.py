@@ -12,6 +12,7 @@ from pam_ident.fitting import Weighing, fit
 from pam_ident.fitting.length import Lengths, at_limit, equilibrium, implicit, load_of, weights_of
 from pam_ident.model import Model
 from pam_ident.records import Record, record_from_frame
+from pam_ident.records.turning import pivots
 from pam_ident.rig import Plan, make_record
 from pam_ident.rig.record import COLUMNS
 
@@ -140,6 +141,48 @@ def test_rows_without_pressure_are_left_out():
     p = whole.inputs.pressure.copy()
     p[:50] = 0.001
     assert at_limit(replace(whole, inputs=replace(whole.inputs, pressure=p))).sum() == 50
+
+
+def without_pauses(made) -> Record:
+    """The same rows on one clock, weight after weight."""
+    table = pd.DataFrame(made.table, columns=list(COLUMNS))
+    table["time_s"] = 0.05 * np.arange(len(table))
+    return read(made, table)
+
+
+def test_weights_that_are_changed_without_a_pause_are_told_apart():
+    parted, whole = record(3), without_pauses(rig(3))
+    assert len(np.unique(whole.inputs.segment)) == 1 and len(np.unique(weights_of(whole))) == 3
+    np.testing.assert_allclose(weights_of(whole), weights_of(parted), rtol=0.01)
+
+
+@pytest.mark.parametrize("load", ["friction", "one way", "swelling", "swinging", "noise", "two like ones"])
+def test_what_else_a_load_does_within_a_run_is_no_other_weight(load):
+    whole = without_pauses(rig(3))
+    n, rng = len(whole), np.random.default_rng(2)
+    if load == "one way":  # a single rise and fall of the pressure
+        turns = pivots(whole.inputs.pressure, 0.5 * float(np.ptp(whole.inputs.pressure)))
+        whole = whole.take(np.arange(turns[0], turns[2]))
+        n = len(whole)
+    way = np.sign(whole.inputs.pressure_rate)
+    force = {
+        "friction": 100.0 + 15.0 * way,
+        "one way": 100.0 + 15.0 * way,
+        "swelling": np.linspace(50.0, 150.0, n),
+        "swinging": 100.0 + 50.0 * np.sin(2.0 * np.pi * np.arange(n) / n),
+        "noise": 100.0 + rng.normal(0.0, 5.0, n),
+        "two like ones": 100.0 + 5.0 * way + 10.0 * (np.arange(n) > n // 2),
+    }[load]
+    assert len(np.unique(weights_of(replace(whole, force=force)))) == 1
+
+
+def test_weights_are_told_apart_under_friction_and_while_they_are_changed():
+    whole = without_pauses(rig(3))
+    held = weights_of(whole)
+    step = np.flatnonzero(np.diff(held))[0]
+    force = held * (1.0 + 0.05 * np.sign(whole.inputs.pressure_rate))
+    force[step - 5 : step + 5] = 0.0
+    assert len(np.unique(weights_of(replace(whole, force=force)))) == 3
 
 
 def test_a_hanging_mass_is_accelerated_and_a_held_force_is_not():

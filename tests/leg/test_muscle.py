@@ -336,7 +336,7 @@ def test_a_file_that_is_not_whole_is_refused(files, tmp_path, change, error, tol
         (None, "no such file"),
         ("no braces", "is no JSON"),
         ("[1, 2]", "schema None"),
-        ('{"schema": "pam-ident/diagnosis/1"}', "pam-ident/diagnosis/1"),
+        ('{"schema": "pam-ident/comparison/1"}', "pam-ident/comparison/1"),
     ],
 )
 def test_another_file_is_refused_with_the_commands_that_write_one(tmp_path, text, told):

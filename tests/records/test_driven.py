@@ -1,5 +1,7 @@
 """Motion and pressure of tests that drive the pressure, beside the course that the rig drove."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,20 @@ def test_each_step_of_a_staircase_is_a_stroke():
     np.testing.assert_allclose(motion.direction.reshape(4, 40)[:, 2:], np.repeat([[1], [1], [-1], [-1]], 38, axis=1))
     speed = np.abs(motion.velocity.reshape(4, 40)[:, 5:15])
     np.testing.assert_allclose(speed, np.full((4, 10), 100.0 / 19.0))
+
+
+@pytest.mark.parametrize("between", [0, 1])
+def test_a_step_between_two_samples_is_a_stroke_that_arrives(between):
+    """Slow loggers see a staircase's holds alone."""
+    levels = [0.0, 10.0, 20.0, 10.0, 0.0, 10.0]
+    x = np.concatenate([np.r_[[0.5 * (a + b)] * between, np.full(20, b)] for a, b in pairwise([0.0, *levels])])
+    time = 0.1 * np.arange(len(x))
+    motion = find_motion(time, x + 0.01 * np.random.default_rng(1).standard_normal(len(x)), np.zeros(len(x)))
+    arrival = (20 + between) * np.arange(1, 6)
+    assert np.flatnonzero(motion.moving).tolist() == arrival.tolist()
+    np.testing.assert_array_equal(motion.direction[arrival], [1, 1, -1, -1, 1])
+    np.testing.assert_array_equal(motion.direction[arrival + 10], [1, 1, -1, -1, 1])
+    assert motion.stroke[-1] == 5 and set(motion.cycle) == {1, 2}
 
 
 def test_gas_that_a_driven_pressure_moves_flows_through_the_line_too(tmp_path):

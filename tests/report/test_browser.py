@@ -62,7 +62,7 @@ def shown(page):
 def test_it_opens_with_the_answer_and_nothing_else(opened, width):
     """The first screen: what is missing, its trace before and after; nothing is cut at either width."""
     opened.set_viewport_size({"width": width, "height": 900})
-    assert opened.get_by_role("heading", name="Missing: Coulomb friction.").first.is_visible()
+    assert opened.get_by_role("heading", name="Missing: Coulomb friction or friction").first.is_visible()
     figures = opened.locator(".first").first.locator("figure svg")
     assert figures.count() == 3
     inside = 3 if width == 1400 else 1
@@ -197,7 +197,9 @@ def test_a_screen_reader_is_told_the_verdict_first_and_every_figure_and_table_by
     told = opened.locator("main").aria_snapshot().splitlines()
     roles = [line.strip().removeprefix("- ").strip("'\"") for line in told]
     where = {role: [k for k, line in enumerate(roles) if line.startswith(role)] for role in ("heading", "img", "table")}
-    assert roles[where["heading"][1]].startswith('heading "Missing: Coulomb friction." [level=3]')
+    assert roles[where["heading"][1]].startswith(
+        'heading "Missing: Coulomb friction or friction that grows with pressure." [level=3]'
+    )
     spoken = next(k for k, line in enumerate(roles) if "With that added" in line)
     assert where["heading"][1] < spoken < min(where["img"][0], where["table"][0])
     levels = [int(re.search(r"level=(\d)", roles[k])[1]) for k in where["heading"]]

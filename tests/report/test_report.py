@@ -134,7 +134,7 @@ def test_opens_with_what_is_missing_in_plain_words(parsed, diagnosis):
     """The answer and its figures first, then the details, then the contents: a stranger reads from the top."""
     body = parsed.text
     order = [
-        "Missing: Coulomb friction.",
+        "Missing: Coulomb friction or friction that grows with pressure.",
         "With that added",
         "Before: ",
         "The error as effects are added",
@@ -169,8 +169,11 @@ def test_what_the_answer_says_is_what_was_found(section, diagnosis):
     last = replace(diagnosis, verdict="unknown_effect", next_experiment=None)
     more = replace(section, ladder=replace(section.ladder, last=last))
     assert opening(more, Easel("x", 50)).heading == (
-        "Missing: Coulomb friction. Something is left that no known effect explains."
+        "Missing: Coulomb friction or friction that grows with pressure. "
+        "Something is left that no known effect explains."
     )
+    unsure = replace(diagnosis, ranking=tuple(replace(one, probability=0.6) for one in diagnosis.ranking))
+    assert opening(replace(section, diagnosis=unsure), Easel("x", 50)).heading.startswith("Probably missing: Coulomb")
     none = replace(diagnosis, verdict="adequate", selected=(), groups=(), best=diagnosis.base, next_experiment=None)
     part = opening(Section(section.record, section.comparison, none), Easel("x", 50))
     assert part.heading == "Nothing is missing that this record could show." and len(part.pictures) == 2

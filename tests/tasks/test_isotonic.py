@@ -7,6 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pam_ident.batch.record import answer
+from pam_ident.batch.request import BatchRequest, plan
 from pam_ident.core import DataError, UsageError
 from pam_ident.fitting import fit
 from pam_ident.fitting.carried import driven
@@ -24,6 +26,7 @@ from pam_ident.tasks.ladder import climb_ladder
 from pam_ident.tasks.law_choice import choose_for_all, settle
 from pam_ident.tasks.predict import predict_at, read_fit, validate_fit
 from pam_ident.tasks.setup import AUTO, Setup
+from pam_ident.workbench.bench import Bench
 
 SETUP = Setup("exponential_law")
 NOISE_MM = 0.025
@@ -104,16 +107,16 @@ def test_the_static_curve_is_predicted_at_other_loads(saved, tmp_path):
     )
     table.to_csv(tmp_path / "loads.csv", index=False)
     for one in saved.values():
-        frame = predict_at(one, tmp_path / "loads.csv")
+        frame = predict_at(one, tmp_path / "loads.csv").frame
         length = made.muscle.specimen.initial_length_mm
         truth = made.muscle.contraction(table["pressure_MPa"].to_numpy(), table["force_N"].to_numpy()) * length
         assert np.abs(frame["displacement_mm"] - truth).max() < 0.1
         assert np.all((frame["mean_low_mm"] - 0.02 < truth) & (truth < frame["mean_high_mm"] + 0.02))
-    assert np.isfinite(predict_at(saved["standard"], tmp_path / "loads.csv")["reading_low_mm"]).all()
+    assert np.isfinite(predict_at(saved["standard"], tmp_path / "loads.csv").frame["reading_low_mm"]).all()
     table.assign(force_N=1e5).to_csv(tmp_path / "heavy.csv", index=False)
-    assert predict_at(saved["standard"], tmp_path / "heavy.csv")["outside"].all()
+    assert predict_at(saved["standard"], tmp_path / "heavy.csv").frame["outside"].all()
     table.assign(force_N=-5e3).to_csv(tmp_path / "pushed.csv", index=False)
-    assert predict_at(saved["standard"], tmp_path / "pushed.csv")["displacement_mm"].isna().all()
+    assert predict_at(saved["standard"], tmp_path / "pushed.csv").frame["displacement_mm"].isna().all()
 
 
 @pytest.mark.parametrize(
@@ -202,3 +205,24 @@ def test_a_sandbag_says_that_one_weight_is_not_enough(realdata, name):
     assert any("hang other weights" in problem for problem in answer.problems)
     assert not answer.fits["together"].estimates[0].identified
     assert (answer.fits["together"].lengths.limit.sum() > 1800) == (name == "182351")
+
+
+def test_a_batch_keeps_the_error_of_the_length(cases, tmp_path):
+    question = BatchRequest(SETUP, diagnose=True)
+    items = plan(cases["weight_ramps"].parent.parent, question, tmp_path).items
+    rows = {item.name: answer(question, item)["rows"][0] for item in items}
+    lifted, held = rows["weight_ramps/record.csv"], rows["standard/record.csv"]
+    assert lifted["error"] is None and lifted["verdict"] == "adequate"
+    assert lifted["rmse_mm"] < NOISE_MM and held["rmse_mm"] is None
+
+
+def test_the_workbench_goes_along_the_lengths_that_the_law_predicts(cases):
+    record = read_record(cases["weight_ramps"])
+    bench = Bench.begin(record, "ramps.csv", SETUP)
+    assert bench.record.carried and bench.fit.rmse == pytest.approx(
+        add_effects(record, replace(SETUP, effects=("creep",))).before.rmse
+    )
+    found = bench.diagnosed()
+    assert found.diagnosis.verdict == diagnose_record(record, SETUP).verdict == "adequate"
+    assert "errors are those of the force at the measured length" in found.diagnosis.sentence
+    assert found.adding("creep").rungs[0] is found.rungs[0]

@@ -42,6 +42,7 @@ MODEL = Template("""<mujoco model="$name">
   </actuator>
 </mujoco>
 """)
+MARK = "def install(model, actuator="
 INSTALL = Template('''
 
 def install(model, actuator="$name", cycle=1.0, temperature_C=20.0):
@@ -166,7 +167,7 @@ def _write(fitted: Fitted, name: str) -> Written:
         f"{name}.xml alone is affine in length: off the fitted model by {made.affine.rms_N:.3g} N rms, "
         f"{made.affine.most_N:.3g} N at most; install() of {name}.py makes it exact"
     )
-    return Written(made.xml, {".py": made.python}, (note,))
+    return Written(made.xml, {".py": made.python}, (note,), MARK)
 
 
 TARGET = Target(".xml", _write)

@@ -1,0 +1,171 @@
+"""Which column of a table holds which quantity: by its name, else by word and unit where that leaves no choice."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from ..core import DataError
+from ..core.units import TO_INTERNAL, is_absolute, known_scale, split_header
+from .cells import Clock, numbers_in
+from .guess import by_name, guess_table, told_by
+from .quantities import QUANTITIES, SHAPES, Source, quantity_of, scale_of
+from .run_constants import GRAVITY, MASSES
+from .table import Table
+
+_CLOCK = re.compile(r"[hms:.,0fdyYMDHTZ \-]*:[hms:.,0fzTZ ]*", re.IGNORECASE)
+"""What stands for a unit above clock times: `hh:mm:ss.000`, `YYYY-MM-DD hh:mm:ss`."""
+Finder = Callable[[Table], dict[str, Source]]
+"""Finds the columns of a table without a columns.toml. Raises DataError."""
+BACKWARDS = 0.1
+"""Share of the steps of a clock, guessed by its name, that may run backwards: more are no clock's."""
+NAMES = {"pressure": "pressure_MPa", "force": "force_N", "displacement": "displacement_mm"}
+
+
+def find_sources(table: Table, constants: Mapping[str, Source] | None = None) -> dict[str, Source]:
+    """The columns of a table by name and unit, and the `constants` of its run. Raises DataError where one is missing,
+    doubled, or of unknown unit."""
+    found: dict[str, int] = {}
+    for position, header in enumerate(table.headers):
+        name = quantity_of(header)
+        if name is None:
+            continue
+        if name in found:
+            first = table.headers[found[name]]
+            if first == header:
+                raise DataError(f"{table.head}: two columns are called {header!r}; keep one")
+            raise DataError(f"{table.place}: columns {first!r} and {header!r} are both {name}; keep one")
+        found[name] = position
+    _refuse_unknown_units(table, found)
+    constants = constants or {}
+    guessed = _guessed(table, {*found, *constants})
+    held = [*found, *guessed, *constants]
+    check_complete(held, table.head, table.headers, _ready(table) if _lacking(held) else "")
+    sources: dict[str, Source] = {}
+    for name, position in (found | guessed).items():
+        header = table.headers[position]
+        unit, guess = split_header(header)[1], name in guessed
+        if name == "time" and (unit is None or _CLOCK.fullmatch(unit)):
+            sources[name] = Source(header, position, unit_missing=True, guessed=guess)
+            continue
+        mass = guess and _is_mass(header)
+        scale = (GRAVITY, 0.0) if mass else scale_of(name, unit, f"{table.place}, column {header!r}")
+        sources[name] = Source(header, position, *scale, absolute=is_absolute(unit), guessed=guess)
+    for name, source in constants.items():
+        if name in sources:
+            raise DataError(f"{table.head}: {name} is a column, and {source.header}; keep one")
+    return check_shape(sources | dict(constants), table.head)
+
+
+def find_states(table: Table) -> dict[str, Source]:
+    """The same of a table of states, which need no force, or no shape where a force is what is carried. What is not
+    there is 0, by a source without a header; of loads the motion is not known, and no time is taken."""
+    given, lacking = {by_name(header) for header in table.headers}, Source("", None)
+    if "force" not in given:
+        return find_sources(table, {"force": lacking})
+    if given & {*SHAPES}:
+        return find_sources(table)
+    found = find_sources(table, {"contraction": lacking})
+    return {name: one for name, one in found.items() if name not in ("time", "cycle", "pressure_set")}
+
+
+def _guessed(table: Table, found: set[str]) -> dict[str, int]:
+    """The columns of what is needed and of the time, as far as neither is `found`, of which word and unit leave no
+    choice: a unit of pressure, force or time decides where one column has it, a length or a ratio needs its word."""
+    names = [by_name(header) if _states(header) else "" for header in table.headers]
+    guessed: dict[str, int] = {}
+    for needed in (("time",), ("pressure",), ("force",), SHAPES):
+        at = [k for k, name in enumerate(names) if name in needed]
+        if len(at) == 1 and not found & set(needed) and (needed != ("time",) or _runs_on(table, at[0])):
+            guessed[names[at[0]]] = at[0]
+    masses = [k for k, header in enumerate(table.headers) if _is_mass(header)]
+    if len(masses) == 1 and "force" not in found and "force" not in names:
+        guessed["force"] = masses[0]
+    return guessed
+
+
+def _states(header: str) -> bool:
+    """Whether a header states a unit that its quantity can have. A ratio needs none, nor does a clock by a whole word:
+    its cells may be clock times, or are refused."""
+    quantity, (name, unit) = by_name(header), split_header(header)
+    if quantity == "time" and (unit is None or _CLOCK.fullmatch(unit)):
+        return len(name) > 1
+    dimension = QUANTITIES.get(quantity, "text")
+    return known_scale(dimension, unit) is not None or (dimension == "ratio" and unit is None)
+
+
+def _is_mass(header: str) -> bool:
+    return header.strip().lower() in MASSES
+
+
+def _runs_on(table: Table, position: int) -> bool:
+    """Whether a column called a time is the rows' clock, not a duration: it goes on, by its first rows."""
+    block = next(iter(table.read([position])), None)
+    if block is None or not len(block):
+        return False
+    seconds = numbers_in(block.cells[position], "time", table.decimal, Clock()).values
+    steps = np.diff(seconds[np.isfinite(seconds)])
+    return bool(np.any(steps > 0.0)) and float(np.mean(steps < 0.0)) < BACKWARDS
+
+
+def passed_over(table: Table, sources: Mapping[str, Source]) -> tuple[int, ...]:
+    """Positions of the columns that are not read; those without a header left out."""
+    read = {source.position for source in sources.values()}
+    return tuple(k for k, header in enumerate(table.headers) if header and k not in read)
+
+
+def _ready(table: Table) -> str:
+    """What a columns.toml would say if guesses were right, by numbers too; empty where no column is left to guess."""
+    if all(map(quantity_of, table.headers)):
+        return ""
+    try:
+        guesses = guess_table(table)
+    except DataError:  # of a row: what is wrong with the header is told first
+        return ""
+    shape = next((k for k, header in enumerate(table.headers) if by_name(header) in SHAPES), None)
+    held = [k for k, g in enumerate(guesses) if g.quantity and (g.quantity not in SHAPES or shape in (None, k))]
+    lines = [told_by(table.names, k, guesses[k]) for k in held]
+    lines += [f'{NAMES[what]} = "?"' for what in _lacking([guess.quantity for guess in guesses])]
+    return f"\nIf the guess is right, the columns.toml is: columns = {{{', '.join(lines)}}}"
+
+
+def check_shape(sources: dict[str, Source], head: str) -> dict[str, Source]:
+    """The sources. Raises DataError where pressure, force or shape is missing, or the shape is there twice."""
+    check_complete([*sources], head, [source.header for source in sources.values()])
+    shapes = [sources[key].header for key in SHAPES if key in sources]
+    if len(shapes) > 1:
+        raise DataError(f"{head}: columns {' and '.join(shapes)} say the same thing; keep one")
+    return sources
+
+
+def _refuse_unknown_units(table: Table, found: dict[str, int]) -> None:
+    """A name with a suffix that is no unit is a slip where nothing else gives the quantity."""
+    for header in table.headers:
+        name, _, unit = split_header(header)[0].rpartition("_")
+        if name in QUANTITIES and name not in found and quantity_of(header) is None:
+            raise DataError(
+                f"{table.head}, column {header!r}: unknown unit {unit!r} for {name}; expected one of "
+                f"{', '.join(TO_INTERNAL.get(QUANTITIES[name], ()))}, or another name if it is something else"
+            )
+
+
+def _lacking(found: Sequence[str]) -> list[str]:
+    """What of pressure, force and shape is not among the quantities found."""
+    return [what for what in NAMES if what not in found and (what in ("pressure", "force") or not {*found} & {*SHAPES})]
+
+
+def check_complete(found: Sequence[str], head: str, headers: Sequence[str], ready: str = "") -> None:
+    """Raise DataError where pressure, force or the muscle's shape is missing, all of them at once; `ready` is a further
+    line that helps."""
+    lacking = _lacking(found)
+    if not lacking:
+        return
+    there = f"among {', '.join(map(repr, headers))[:300]}"
+    cure = "or say in a columns.toml beside the file which it is"
+    if "force" in lacking:
+        cure += " (of a weight that hangs there, load_N under [runs])"
+    if lacking == ["displacement"]:
+        what = "displacement_mm, contraction, contraction_pct or length_mm column"
+        raise DataError(f"{head}: no {what} {there}; name one of them so, {cure}{ready}")
+    what, name = " and no ".join(lacking), " and ".join(NAMES[what] for what in lacking)
+    raise DataError(f"{head}: no {what} column {there}; name it {name} (or with another unit), {cure}{ready}")
