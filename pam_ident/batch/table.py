@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 SCHEMA = schema("batch")
 ROWS_AT_ONCE = 4096
-KEPT = ("branch", "error", "selected", "warnings", "n", "rmse_N", "rmse_mm", "noise_floor_N")
+TAKEN_OVER = ("branch", "error", "selected", "warnings", "n", "rmse_N", "rmse_mm", "noise_floor_N")
 SPECIMEN = {"name": "string", "initial_length_mm": "double", "diameter_mm": "double", "serial_number": "int64"}
 
 
@@ -97,7 +97,7 @@ def _rows(
 
 def _flat(row: Json) -> Json:
     """A row as it is kept, its parameters as columns; without a diagnosis the test for a lack of fit is the verdict."""
-    flat = {key: row.get(key) for key in KEPT}
+    flat = {key: row.get(key) for key in TAKEN_OVER}
     flat["verdict"] = row.get("verdict", row.get("lack_of_fit"))
     for name, (value, stderr) in row.get("parameters", {}).items():
         flat |= {name: value, f"{name}_stderr": stderr}

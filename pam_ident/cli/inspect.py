@@ -22,7 +22,9 @@ def inspect(
 
     found = inspect_record(load(record, specimen, where))
     options.give_json(json, lambda: inspection_json(record, found))
-    text.say(text.title(record, found.record), "", *_columns(found), *_motion(found))
+    stops = grave(found.doubts)
+    told = {doubt.text for doubt in stops}
+    text.say(text.title(record, found.record), "", *_columns(found, told), *_motion(found))
     rows = [
         (
             f"{i.pressure_MPa:g}",
@@ -37,16 +39,15 @@ def inspect(
     text.say(
         *[""] * bool(rows), *text.table(("p [MPa]", "samples", "std. of p [MPa]", "contraction", "force [N]"), rows)
     )
-    stops = grave(found.doubts)
-    advice = [line for line in found.advice if line not in {doubt.text for doubt in stops}]
+    advice = [line for line in found.advice if line not in told]
     if stops:
         text.say("", "Stops naming (meant so? --assume CODE):", *(f"- {doubt.code}: {doubt.text}" for doubt in stops))
     if advice or not stops:
         text.say("", "Advice:" if advice else "Nothing amiss.", *(f"- {line}" for line in advice))
 
 
-def _columns(found: "Inspection") -> list[str]:
-    from ..records.doubt import grave
+def _columns(found: "Inspection", elsewhere: set[str]) -> list[str]:
+    """Where the numbers are from, without notes that are told `elsewhere`."""
     from ..records.package import told
 
     record, s = found.record, found.record.specimen
@@ -62,8 +63,7 @@ def _columns(found: "Inspection") -> list[str]:
     if record.masked:
         lines.append(f"masked      {record.masked} rows marked as slack")
     lines += [f"known       {words}: {value}" for words, value in told(record.metadata)]
-    stops = {doubt.text for doubt in grave(found.doubts)}
-    return lines + [f"noted       {note.text}" for note in record.notes if note.text not in stops]
+    return lines + [f"noted       {note.text}" for note in record.notes if note.text not in elsewhere]
 
 
 def _files(found: "Inspection") -> list[str]:

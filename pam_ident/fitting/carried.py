@@ -17,7 +17,7 @@ import numpy as np
 
 from ..model import Model
 from ..records import Record
-from ..records.notes import Note
+from ..records.notes import Notes
 from .fit import fit
 from .length import at_limit, by_length, equilibrium, weights_of
 
@@ -40,9 +40,7 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
         kept &= inputs.moving | (inputs.pressure_rate == 0.0)
     left = int(np.count_nonzero(~kept))
     if left:
-        text = (
-            f"{left} of {len(record)} samples are left out: they stand at an end of the length, or a weight sticks "
-            "there while the pressure changes, and friction may be anything up to its level"
-        )
-        along = replace(along, notes=(*along.notes, Note("weight_stands", "displacement", text, left)))
+        notes = Notes()
+        notes.add("weight_stands", "displacement", str(len(record)), left)
+        along = replace(along, notes=(*along.notes, *notes.told()))
     return along.take(np.flatnonzero(kept))

@@ -45,6 +45,10 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
         f"friction would be taken for something else. {_name_it(column, where)}"
     ),
     "lever": lambda _, column, where: f"{column} and shape are from torque and angle by the lever: {where}",
+    "weight_stands": lambda n, _, where: (
+        f"{n} of {where} samples are left out: they stand at an end of the length, or a weight sticks there while the "
+        "pressure changes, and friction may be anything up to its level"
+    ),
     "rows_chosen": lambda n, column, where: f"{_rows(n)} left out: {where} does not hold there",
 }
 """Code → its text from the number of rows (or runs), the column, and the place or the cell."""
@@ -79,7 +83,7 @@ class Notes:
         )
 
 
-LEAVE_OUT = ("empty_cells", "frozen_sensor", "impossible_value", "spike", "clipped", "rows_chosen")
+LEAVE_OUT = ("empty_cells", "frozen_sensor", "impossible_value", "spike", "clipped", "weight_stands", "rows_chosen")
 
 
 def _name_it(column: str | None, passed: str) -> str:
