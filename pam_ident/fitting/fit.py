@@ -16,7 +16,7 @@ from . import readings
 from .covariance import Covariance, Sums, clusters, student, sums
 from .estimate import Estimate, estimates_of
 from .identifiability import StandIn, at_its_pressures, stand_ins
-from .length import Lengths, at_limit, by_length, solve_length, sums_of
+from .length import Lengths, by_length, determining, problem_of, solve_length
 from .readings import Errors, in_memory, least, on_disk, with_memory
 from .solve import Solution, jacobian, solve, table
 from .solvers import Solver
@@ -249,10 +249,8 @@ def fit(
         >>> print(f"{found.rmse:.2f} N rms, valid: {found.valid}")
         3.21 N rms, valid: True
     """
-    rows, held = np.ones(len(record), bool) if rows is None else rows, dict(held or {})
-    answered = by_length(record)
-    if answered:
-        rows = rows & ~at_limit(record)
+    held, answered = dict(held or {}), by_length(record)
+    rows = determining(record, np.ones(len(record), bool) if rows is None else rows)
     check(model, record, rows, held)
     model = at_its_pressures(model, record, rows)
     held = model.law.pinned | held
@@ -262,8 +260,10 @@ def fit(
             raise UsageError("weights and losses are for residuals in force; leave them out where the length answered")
         found, even = solve_length(model, record, rows, start or {}, held, solver)
         one = Fit(model, record, rows, found.values, found.converged, found.message, held=held)
-        runs = None if white else clusters(record, rows)
-        return replace(one, sums=sums_of(model, record, rows, found.values, even, runs)) if detail else one
+        if not detail:
+            return one
+        known = problem_of(model, record, rows, even, by_weight=True).table(found.values)
+        return replace(one, sums=sums(known, None if white else clusters(record, rows)))
     if weighing == PLAIN and solver is None and pays_in_chunks(model, record, rows):
         index, first = np.flatnonzero(rows), bool(model.terms)
         every = in_memory(record, index, first, detail and not white)

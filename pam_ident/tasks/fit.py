@@ -191,7 +191,7 @@ def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -
         with open_long(record, setup.specimen) as on_disk:
             fits = {name: fit_long(setup.model, on_disk, name, wishes.held) for name in branches}
         record = fits[branches[0]].record
-        admit(record, by_force=True)
+        admit(record, in_chunks=True)
     isobars, straight = None, ()
     if wishes.method == "two-stage":
         isobars = fit_isobars(setup.model, record, branches, wishes.held)

@@ -213,7 +213,7 @@ def test_what_a_verb_cannot_answer_is_refused():
     weight, locked = (record_of(KINDS[n](np.random.default_rng(1))) for n in ("a dead weight", "locked at one length"))
     admit(weight)
     with pytest.raises(DataError, match="an isotonic test"):
-        admit(weight, by_force=True)
+        admit(weight, in_chunks=True)
     with pytest.raises(PamError, match="the length changes by"):
         may_name(locked, SETUP.model)
     assert fit_record(locked, SETUP).fits["together"].rmse < 3.0
