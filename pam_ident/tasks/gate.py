@@ -138,7 +138,7 @@ def _doubt_length(one: Fit) -> Iterator[Doubt]:
             f"{millimetres(moves)} rms: it explains nothing. Check units, signs and the specimen, or take another law."
         )
         yield Doubt("explains_nothing", text, "displacement", True)
-    if len(np.unique(weight)) == 1:
+    if len(np.unique(weight)) == 1 and not one.shared:
         text = (
             f"all samples carry one weight, about {newtons(weight[0])}: what the law says of another rests on its form "
             "alone. Hang other weights."

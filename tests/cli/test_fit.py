@@ -202,8 +202,11 @@ def test_several_records_are_fitted_together_with_what_they_share(ask, write_rec
     assert mu[0] == mu[1] and friction == pytest.approx([0.0, 12.0], abs=0.3)
     (tmp_path / "one.json").write_text(json.dumps(found[1]), encoding="utf-8")
     assert ask("validate", tmp_path / "one.json", paths[1]).exit_code == 0
-    whole = ask("fit", *paths, "--law", "exponential_law", "--shared", "all", "--branch", "contraction")
-    assert "contraction, shared" in whole.stdout
+    refused = ask("validate", tmp_path / "both.json", paths[1])
+    assert refused.exit_code == 4 and "the fits of 2 records, a line each" in refused.stderr
+    whole = ask("fit", *paths, "--law", "exponential_law", "--shared", "all", "--json", tmp_path / "all.json")
+    assert "together, shared by all 2 records" in whole.stdout
+    assert ask("validate", tmp_path / "all.json", paths[1]).exit_code == 0
 
 
 @pytest.mark.parametrize(
