@@ -17,7 +17,6 @@ from ..core import DataError, Inputs
 from ..effects._history import acceleration
 from ..model import Model
 from ..records import Record
-from ..records.kind import kind_of
 from ..records.roughness import position_noise
 from ..records.run_constants import GRAVITY, MASSES
 from ..records.smoothing import calmed
@@ -78,7 +77,7 @@ class Lengths:
 
 def by_length(record: Record) -> bool:
     """Whether the length answered, so that it is what a model must predict."""
-    return not record.carried and kind_of(record) == "isotonic"
+    return not record.carried and record.kind == "isotonic"
 
 
 def load_of(record: Record) -> Array:

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from .doubt import GRAVE, Doubt
-from .kind import kind_of
 from .plausible import doubt_units
 from .readings import doubt_clock, doubt_force, doubt_temperature, spikes
 from .record import Record
@@ -54,7 +53,7 @@ def _with_header(record: Record, doubt: Doubt) -> Doubt:
 
 def _doubt_wander(record: Record) -> Iterator[Doubt]:
     """The worst isobar whose pressure does not stay within 2 % (2 kPa)."""
-    if kind_of(record) != "isobaric":
+    if record.kind != "isobaric":
         return
     worst, ratio = None, 1.0
     for level in record.levels:

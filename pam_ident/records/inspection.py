@@ -8,7 +8,6 @@ from .advice import advise
 from .doubt import Doubt
 from .files import Files, find_files
 from .gate import doubts_of
-from .kind import kind_of
 from .record import Record
 
 
@@ -66,7 +65,7 @@ def inspect_record(record: Record) -> Inspection:
         None if inputs.time is None else float(inputs.time[-1] - inputs.time[0]),
         None if inputs.temperature is None else (float(inputs.temperature.min()), float(inputs.temperature.max())),
         advise(record, doubts, speeds),
-        kind_of(record),
+        record.kind,
         doubts,
     )
 

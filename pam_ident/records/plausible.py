@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from .doubt import Doubt
-from .kind import kind_of
 from .record import Record
 
 Array = np.ndarray
@@ -202,7 +201,7 @@ def _doubt_isobar(record: Record, likeness: float | None) -> Iterator[Doubt]:
     e, force = record.inputs.contraction[here], record.force[here]
     if likeness is None or not len(e) or np.ptp(e) < 1e-6:
         return
-    if kind_of(record) == "isotonic":  # of a few weights, whose lengths answer the pressure, no curve is seen
+    if record.kind == "isotonic":  # of a few weights, whose lengths answer the pressure, no curve is seen
         yield from _doubt_lift(record)
         return
     level = float(np.median(record.level[here]))

@@ -47,7 +47,7 @@ class Record:
         passed: headers of the columns that were passed over.
         masked: how many slack rows were left out.
         notes: what else was left out, or assumed, while it was read.
-        said_kind: which kind of test it is said to be, empty where the data must show it (`kind_of`).
+        said_kind: which kind of test it is said to be, empty where the data must show it (`kind`).
         metadata: what else is known of it (rig, calibration, operator, date, licence), as `metadata.toml` says.
         groups: of a record of several files the number of a sample's `run` and the length in mm of its `muscle`, (n,).
         carried: whether a load was held, the contraction is what a model predicts of it, and the force what the muscle
@@ -92,6 +92,14 @@ class Record:
     def levels(self) -> Array:
         """The isobars' nominal pressures in MPa, ascending."""
         return np.unique(self.level)
+
+    @cached_property
+    def kind(self) -> str:
+        """`isobaric`, `isometric`, `isotonic` or `dynamic`: as was said (`kind` in specimen.toml or columns.toml), or
+        as the data show it."""
+        inputs = self.inputs
+        columns = (inputs.pressure, inputs.contraction, self.force, self.level)
+        return self.said_kind or find_kind(self.specimen, *columns, inputs.time is not None)
 
     @cached_property
     def turn(self) -> Array:

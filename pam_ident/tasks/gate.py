@@ -19,7 +19,7 @@ from ..model import Model
 from ..records import Record
 from ..records.doubt import GRAVE, Doubt, grave
 from ..records.gate import doubts_of
-from ..records.kind import KINDS, kind_of
+from ..records.kind import KINDS
 from ..records.plausible import FAINT_MPA
 
 LITTLE, UNLIKE = 0.1, 0.3
@@ -261,7 +261,7 @@ def _lacking(record: Record, parameters: int) -> str | None:
     if n / strokes < ROWS_A_STROKE:
         return f"{n / strokes:.2g} rows a stroke, and the least is {ROWS_A_STROKE}"
     off = inputs.pressure - inputs.pressure.mean()
-    if kind_of(record) == "dynamic" and np.mean(off[1:] * off[:-1]) < STEADY * np.mean(off**2):
+    if record.kind == "dynamic" and np.mean(off[1:] * off[:-1]) < STEADY * np.mean(off**2):
         return "the pressure jumps from row to row, faster than it is logged"
     return None
 
