@@ -205,15 +205,19 @@ def diagnosing(
 
 
 def by_form_alone(selection: Selection, fitted: FittedSet, named: list[Term]) -> dict[str, str]:
-    """Of names, largest first, those for which only a form speaks, each with the largest of the others whose form may
-    leave what it explains; a single one of which no driver is likely with nothing."""
-    if len(named) == 1:
-        effect, timed = named[0].effect, selection.record.inputs.time is not None
-        aside = effect.follows and timed and selection.following.likely.isdisjoint(effect.follows)
-        return {effect.name: ""} if aside else {}
-    others = [next(t for t in named if t is not term) for term in named]
-    little = [selection.part(fitted, term) < LITTLE for term in named]
-    return {t.effect.name: other.effect.name for t, other, of in zip(named, others, little, strict=True) if of}
+    """Of names, largest first, those for which only a form speaks: with nothing, where no driver of it is likely; with
+    itself, where it is static in its free form, for only forms tell static effects apart, and that is none; with the
+    largest of the others, where the form of that may leave what it explains."""
+    found, timed = {}, selection.record.inputs.time is not None
+    for term in named:
+        effect, others = term.effect, [t for t in named if t is not term]
+        if timed and effect.follows and selection.following.likely.isdisjoint(effect.follows):
+            found[effect.name] = ""
+        elif others and selection.part(fitted, term) < LITTLE:
+            found[effect.name] = others[0].effect.name
+        elif timed and term.form.free and effect.follows == ("map",):
+            found[effect.name] = effect.name
+    return found
 
 
 def _allowed(

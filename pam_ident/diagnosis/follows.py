@@ -35,9 +35,9 @@ from .track import SharedNoise, TrackError
 Array = np.ndarray
 ROWS = 10_000
 """Rows of a record in time that are looked at: in so many what deserves a name earns ten times its criterion."""
-NO_NOISE = 1.02
-"""Squares that a model leaves of a record with steady inputs, over those with measured ones, from which what was taken
-off was no noise."""
+NO_NOISE = 3.0
+"""Standard deviations by which a model leaves more of a record with steady inputs than with measured ones, from which
+what was taken off was no noise."""
 ORDERS = 120
 """Orders of drivers over which shares are averaged, at most."""
 EQUAL = 20.0
@@ -74,7 +74,8 @@ def steadied(record: Record, model: Model, values: Mapping[str, float]) -> tuple
     """
     fewer = thinned(record, ROWS)
     measured, steady = (fewer.force - model.force(one, values) for one in (fewer.inputs, fewer.steady))
-    if steady @ steady > NO_NOISE * (measured @ measured):
+    chance = 2.0 * math.sqrt(float(measured @ measured) / len(fewer)) * float(np.linalg.norm(steady - measured))
+    if steady @ steady - measured @ measured > NO_NOISE * chance:
         fewer = replace(fewer, steady=fewer.inputs)
     return replace(fewer, inputs=fewer.steady), TrackError.of(fewer, record)
 
@@ -266,12 +267,21 @@ class Following:
 
     @property
     def possible(self) -> frozenset[str]:
-        """The likeliest, and those without which none of these is `needed`."""
+        """The likeliest, and those without which none of these is `needed`; in the place of the map only those at odds
+        as good, for what has no history leaves no more of another driver than chance."""
         return self._within(self._least)
 
     def _within(self, most: float) -> frozenset[str]:
         """The likeliest, and those in the place of one by which no more than that evidence is lost."""
-        return self._alike(self.chosen.union(*(others for loss, others in self._instead.values() if loss <= most)))
+        return self._alike(
+            self.chosen.union(
+                *(
+                    others
+                    for name, (loss, others) in self._instead.items()
+                    if loss <= (EQUAL if name == "map" else most)
+                )
+            )
+        )
 
     @cached_property
     def drivers(self) -> frozenset[str]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core import DataError, FitError, Inputs, UsageError
 from ..core.progress import tell
+from ..effects import in_words
 from ..model import Model
 from ..records import Record
 from . import readings
@@ -48,7 +49,8 @@ class Fit:
         of_all: of a record on disk the errors of all its rows, of which `record` and `rows` are then a sample.
         shared, joint: parameters that were fitted to other records, too, and the covariance that all of them give.
 
-    `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
+    `valid` needs convergence and every parameter identified, but for those by which an effect acts in states that the
+    record does not hold, such as what friction keeps in holds; `problems` says in words what is wrong.
 
     Example:
         >>> from pam_ident.fitting import fit
@@ -143,7 +145,10 @@ class Fit:
     def problems(self) -> list[str]:
         """Why the fit is not valid; empty when it is."""
         found = [] if self.converged else [f"the search did not converge ({self.message})"]
-        loose = [e.name for e in self.estimates if not e.identified]
+        acting = {p.name for t in self.model.terms for p in t.qualified(t.form.linear)}
+        loose = [
+            e.name for e in self.estimates if not (e.identified or (e.verdict.kind == "dead" and e.name in acting))
+        ]
         if loose:
             more = "hang other weights" if self.lengths else "drop an effect, or vary more on the rig"
             found.append(f"the record does not determine {', '.join(loose)}; {more}")
@@ -156,8 +161,18 @@ class Fit:
 
     @property
     def at_bounds(self) -> list[str]:
-        """In words, which parameters stand at a bound."""
-        return [f"{e.words} stands {e.verdict.text}" for e in self.estimates if e.verdict.kind == "at_bound"]
+        """In words, which parameters stand at a bound; of a free form's coefficients how many."""
+        surfaces = {
+            t.effect.name: [p.name for p in t.qualified(t.form.linear)] for t in self.model.terms if t.form.free
+        }
+        stuck = [e for e in self.estimates if e.verdict.kind == "at_bound"]
+        found = []
+        for effect, names in surfaces.items():
+            at = sum(e.name in names for e in stuck)
+            if at:
+                found.append(f"{at} of {len(names)} coefficients of {in_words(effect)}, free form, stand at a bound")
+            stuck = [e for e in stuck if e.name not in names]
+        return [*found, *(f"{e.words} stands {e.verdict.text}" for e in stuck)]
 
     @cached_property
     def shares(self) -> dict[str, float]:

@@ -76,7 +76,7 @@ def stroke_speeds(record: Record) -> tuple[float, ...]:
     if pace is None or moving is None or not moving.any():
         return ()
     values = np.sort(np.array([np.median(pace[record.stroke == k]) for k in np.unique(record.stroke[moving])]))
-    values = values[values > 0]
+    values = values[values > 1e-9]  # a locked length is rounded
     if not len(values):
         return ()
     groups = np.split(values, np.flatnonzero(values[1:] > 4.0 / 3.0 * values[:-1]) + 1)

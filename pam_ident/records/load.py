@@ -54,7 +54,7 @@ def read_record(
     """
     files = find_files(path)
     muscle = specimen_of(files, specimen)
-    where: dict[str, str] = {}
+    where: dict[str, list[str]] = {}
     runs: list[Values] = []
     notes = Notes()
     passed: tuple[str, ...] = ()
@@ -67,13 +67,14 @@ def read_record(
             }
             runs.append(on_length(values, length_mm, muscle.initial_length_mm))
         if not where:
-            where = headers(sources)
             passed, clock = left_out(table, sources)
+        for name, header in headers(sources).items():
+            where.setdefault(name, []).append(header)
     values = join_runs(runs, str(path))
     del runs
     names = record_name(files, muscle), files.given, files_sha256(files)
     note_clock(notes, values, muscle, passed, clock)
-    found = build_loaded(*names, muscle, values, where, notes, said_kind(files, specimen, columns))
+    found = build_loaded(*names, muscle, values, _in_one(where), notes, said_kind(files, specimen, columns))
     return replace(found, metadata=read_metadata(files.folder), passed=passed)
 
 
@@ -138,6 +139,12 @@ def tables_of(
 def headers(sources: dict[str, Source]) -> dict[str, str]:
     """What was read as what: header by quantity."""
     return {key: source.header for key, source in sources.items()}
+
+
+def _in_one(where: dict[str, list[str]]) -> dict[str, str]:
+    """The header of each quantity; where runs differ the first and the last."""
+    told = {name: list(dict.fromkeys(headers)) for name, headers in where.items()}
+    return {name: " … ".join((one[0], one[-1])) if len(one) > 1 else one[0] for name, one in told.items()}
 
 
 def record_name(files: Files, specimen: Specimen) -> str:

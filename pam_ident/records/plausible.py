@@ -51,6 +51,8 @@ largest pressure on, between these quantiles, where the ideal one's is so long. 
 1.23."""
 FALLS, RISES = -0.5, 0.5
 """Correlation of force and contraction along an isobar from which it is said to fall or rise."""
+LONGEST_MM = 1e4
+"""Length of a muscle beyond reason: the longest that are sold have 9 m."""
 
 
 class Pull(NamedTuple):
@@ -64,7 +66,15 @@ class Pull(NamedTuple):
 
 def doubt_units(record: Record) -> Iterator[Doubt]:
     """What looks like a wrong unit, sign or zero."""
-    pressure = record.inputs.pressure
+    pressure, muscle = record.inputs.pressure, record.specimen
+    if not 2.0 * muscle.initial_radius_mm < muscle.initial_length_mm < LONGEST_MM:
+        yield Doubt(
+            "specimen",
+            f"a muscle {muscle.initial_length_mm:g} mm long and {2.0 * muscle.initial_radius_mm:g} mm wide. Check the "
+            "unit of initial_length_mm and initial_radius_mm of the specimen, which are in mm.",
+            None,
+            True,
+        )
     if pressure.min() < -0.02:
         yield Doubt(
             "pressure_sign",

@@ -50,8 +50,8 @@ class Record:
         said_kind: which kind of test it is said to be, empty where the data must show it (`kind`).
         metadata: what else is known of it (rig, calibration, operator, date, licence), as `metadata.toml` says.
         groups: of a record of several files the number of a sample's `run` and the length in mm of its `muscle`, (n,).
-        carried: whether a load was held, the contraction is what a model predicts of it, and the force what the muscle
-            would have there.
+        measured: the record as it was measured, where a load was held, the contraction is what a model predicts of it,
+            and the force what the muscle would have there.
 
     Example:
         >>> from pam_ident.records import read_record
@@ -77,7 +77,7 @@ class Record:
     said_kind: str = ""
     metadata: Mapping[str, Any] = field(default_factory=dict)
     groups: Mapping[str, Array] = field(default_factory=dict)
-    carried: bool = False
+    measured: "Record | None" = None
     passed: tuple[str, ...] = ()
 
     def __len__(self) -> int:
@@ -87,6 +87,11 @@ class Record:
     def specimen(self) -> Specimen:
         """Geometry of the muscle."""
         return self.inputs.specimen
+
+    @property
+    def carried(self) -> bool:
+        """Whether the contraction is what a model predicts under a held load."""
+        return self.measured is not None
 
     @cached_property
     def levels(self) -> Array:
