@@ -10,7 +10,6 @@ from typing import Any
 
 from . import UsageError, blank_nan
 
-
 _measured: set[Path] = set()
 
 

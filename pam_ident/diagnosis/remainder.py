@@ -161,7 +161,7 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 
 def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What strikes now and then is no noise: most of it lies in little of the time, and a sample tells of the next there.
+    """What strikes now and then is no noise: most of it lies in little of the time, where a sample tells of the next.
 
     Noise may be louder for a while, but is no smoother then. Of each two samples in a row the product is looked at,
     for noise with heavy tails strikes single ones. At the corners of the motion what is left is the position's,
