@@ -124,6 +124,15 @@ class Record:
         groups = {name: group[rows] for name, group in self.groups.items()}
         return replace(self, inputs=inputs, steady=steady, groups=groups, **parts)
 
+    def in_tenths(self) -> "Record":
+        """With tenths of the pressure for levels where that was driven; itself where it was held."""
+        if (self.measured or self).kind == "isobaric":
+            return self
+        p = self.inputs.pressure
+        edges = np.linspace(p.min(), p.max(), 11)
+        part = np.clip(np.searchsorted(edges, p, side="right") - 1, 0, 9)
+        return replace(self, level=(0.5 * (edges[1:] + edges[:-1]))[part].round(4))
+
     def branch_rows(self, branch: str) -> Array:
         """Mask of the samples of `contraction`, `extension` or `together` (all).
 
