@@ -10,7 +10,7 @@ from ..core.digits import newtons
 from ..fitting import Fit
 from ..fitting.length import Lengths, weights_of
 from ..records import Record
-from ..records.kind import HELD_LENGTH
+from ..records.kind import held_lengths
 from .style import INK, canvas, styled, thin, zero_line
 
 Array = np.ndarray
@@ -39,7 +39,7 @@ def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Held, .
     """What was held, lowest first, with at most `limit` samples in all."""
     record = fit.record.measured or fit.record
     hung = record.kind == "isotonic"
-    held = weights_of(record) if hung else _lengths(record.inputs.contraction)
+    held = weights_of(record) if hung else held_lengths(record.inputs.contraction)
     measured = record.inputs.displacement_mm if hung else record.force
     models = [None if one is None else _modelled(one, record) for one in (fit, after)]
     shown = thin(len(record), limit)
@@ -59,13 +59,6 @@ def _modelled(fit: Fit, record: Record) -> Array:
         return fit.model.force(record.inputs, fit.values)
     found = Lengths.of(fit.model, record, fit.values)
     return np.where(found.slope < 0.0, record.specimen.initial_length_mm * found.contraction, np.nan)
-
-
-def _lengths(contraction: Array) -> Array:
-    """The contraction that is held at each sample, (n,)."""
-    values, place = np.unique(contraction, return_inverse=True)
-    group = np.r_[0, np.cumsum(np.diff(values) > HELD_LENGTH)][place]
-    return np.array([np.median(contraction[group == g]) for g in range(group.max() + 1)])[group]
 
 
 @styled

@@ -61,6 +61,13 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
     return "dynamic" if switched or _wander(p, level) > HELD_PRESSURE else "isobaric"
 
 
+def held_lengths(contraction: Array) -> Array:
+    """The contraction ratio at which a muscle is locked at each sample, (n,)."""
+    values, place = np.unique(contraction, return_inverse=True)
+    group = np.r_[0, np.cumsum(np.diff(values) > HELD_LENGTH)][place]
+    return np.array([np.median(contraction[group == g]) for g in range(group.max() + 1)])[group]
+
+
 def _turns(values: Array) -> list[int]:
     """Where a track (n,) turns, its ends among them; turns of less than a tenth of its range left out."""
     return pivots(values, 0.1 * float(np.ptp(values)))

@@ -19,6 +19,7 @@ from .quantities import Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
+from .slack import slack_rows
 from .sources import Finder, find_sources, passed_over
 from .specimen_file import read_kind, read_specimen
 from .table import Table
@@ -198,6 +199,10 @@ def build_loaded(
         if clipped.any():
             notes.add("clipped", where["force"], f"sample {int(clipped.argmax()) + 1}", int(clipped.sum()))
             found = found.take(np.flatnonzero(~clipped))
+        slack = slack_rows(found)
+        if slack.any():
+            notes.add("slack", where["force"], f"sample {int(slack.argmax()) + 1}", int(slack.sum()))
+            found = found.take(np.flatnonzero(~slack))
     return replace(found, notes=notes.told())
 
 
