@@ -34,6 +34,7 @@ Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
 """Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
 which explains no more beside others, or follows nothing likely: 9 of 19 were false, and 5 of 8 (docs/validation.md)."""
+ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
 leaves no more."""
@@ -200,6 +201,8 @@ def diagnosing(
         experiment = after_pattern(pattern, selection, fitted)
     else:
         experiment = next_experiment(selection, fitted, classes)
+    if experiment and experiment.protocol and (record.measured or record).kind in ("isometric", "isotonic"):
+        experiment = replace(experiment, text=experiment.text + ANOTHER_RIG)
     ranking = _ranking(base, selection, candidates, named, chance)
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 

@@ -174,17 +174,18 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
     size, time, level = (v[~corner] for v in (selection.view(fitted).residual, inputs.time, record.level))
     window = max(WINDOW, round(MEMORIES * selection.noise.memory_samples(time)))
-    count = (len(size) - 1) // window
+    count = (len(size) - 2) // window
     if count < WINDOW:
         return None
     size = _by_level(size, level)
-    rows = [v[: count * window].reshape(-1, window) for v in (size[1:] * size[:-1], size[1:] ** 2)]
-    pairs = np.abs(rows[0]).mean(axis=1)
+    products = [size[2 - k : len(size) - k] * size[2:] for k in (0, 1, 2)]  # at two distances, lest one hide a swing
+    square, *beside = (v[: count * window].reshape(-1, window) for v in products)
+    pairs = np.abs(beside[0]).mean(axis=1)
     if pairs.mean() < BURSTING * np.median(pairs):
         return None
     struck = pairs > BURSTING * np.median(pairs)
-    alike, before = (rows[0][one].sum() / rows[1][one].sum() for one in (struck, ~struck))
-    if abs(alike - before) < SMOOTHER:
+    there, elsewhere = (np.array([one[at].sum() for one in beside]) / square[at].sum() for at in (struck, ~struck))
+    if np.max(np.abs(there - elsewhere)) < SMOOTHER:
         return None
     share, worst = float(pairs[struck].sum() / pairs.sum()), float(time[window * int(np.argmax(pairs))])
     text = f"bursts: {percent(share)} of what is left in {percent(float(struck.mean()))} of the time, the most at "
