@@ -208,16 +208,16 @@ def diagnosing(
 
 
 def by_form_alone(selection: Selection, fitted: FittedSet, named: list[Term]) -> dict[str, str]:
-    """Of names, largest first, those for which only a form speaks: with nothing, where no driver of it is likely; with
-    itself, where it is static in its free form, for only forms tell static effects apart, and that is none; with the
-    largest of the others, where the form of that may leave what it explains."""
+    """Of names, largest first, those for which only a form speaks: with the largest of the others, where the form of
+    that may leave what it explains; with nothing, where no driver of it is likely; with itself, where it is static in
+    its free form, for only forms tell static effects apart, and that is none."""
     found, timed = {}, selection.record.inputs.time is not None
     for term in named:
         effect, others = term.effect, [t for t in named if t is not term]
-        if timed and effect.follows and selection.following.likely.isdisjoint(effect.follows):
-            found[effect.name] = ""
-        elif others and selection.part(fitted, term) < LITTLE:
+        if others and selection.part(fitted, term) < LITTLE:
             found[effect.name] = others[0].effect.name
+        elif timed and effect.follows and selection.following.likely.isdisjoint(effect.follows):
+            found[effect.name] = ""
         elif timed and term.form.free and effect.follows == ("map",):
             found[effect.name] = effect.name
     return found

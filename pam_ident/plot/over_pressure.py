@@ -11,11 +11,10 @@ from ..fitting import Fit
 from ..fitting.length import Lengths, weights_of
 from ..records import Record
 from ..records.kind import held_lengths
-from .style import INK, canvas, styled, thin, zero_line
+from .style import BLUE, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION, canvas, styled, thin, zero_line
 
 Array = np.ndarray
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Of what is told apart without regard to colour sight (Okabe & Ito 2008)."""
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
 
 @dataclass(frozen=True)
