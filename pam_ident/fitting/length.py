@@ -304,8 +304,8 @@ def solved_from(problem: Problem, beginnings: Sequence[Values], solver: Solver) 
 
 
 def evened(model: Model, record: Record, rows: Array, values: Values) -> Whiten:
-    """Takes out of `rows` (mask, (n,)) what those of a run share, because its load is the mean of a noisy load cell: the
-    inverse root of σ²1 + s²bbᵀ, s the error of the mean and b what a newton of it makes of the length."""
+    """Takes out of `rows` (mask, (n,)) what those of a run share, because its load is the mean of a noisy load cell:
+    the inverse root of σ²1 + s²bbᵀ, s the error of the mean and b what a newton of it makes of the length."""
     spell, force, load = spells_of(record), record.force[rows], load_of(record)[rows]
     if spell is None or np.array_equal(force, load):
         return all_rows
