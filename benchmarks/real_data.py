@@ -24,7 +24,6 @@ from pam_ident.diagnosis.nested import anew, masks_of
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import Record, build_record, read_record, thinned
-from pam_ident.records.kind import kind_of
 from pam_ident.tasks.gate import computing
 from pam_ident.tasks.ladder import climb_ladder
 from pam_ident.tasks.law_choice import settle
@@ -75,7 +74,7 @@ def sets(folder: Path) -> Iterator[tuple[Record, str]]:
 
 def row(record: Record, by: str) -> str:
     """A line of the table."""
-    begun, kind = time.monotonic(), kind_of(record)
+    begun, kind = time.monotonic(), record.kind
     start = f"| {record.name} | {len(record)} | {kind} | {by} |"
     try:
         setup, _ = settle(record, Setup(AUTO, heldout=by))

@@ -1,12 +1,13 @@
 """What a fitted model can be asked elsewhere, and a fit that is read back from its file."""
 
 import json
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core import DataError, Inputs, Specimen, UsageError
+from ..core import DataError, Specimen, UsageError
 from ..core.digits import millimetres, newtons
 from ..core.files import check_target, write_json
 from ..fitting.prediction import Predictor
@@ -15,12 +16,11 @@ from ..tasks.export import export_fit
 from ..tasks.predict import (
     SavedFit,
     Validation,
-    predict,
-    prediction_frame,
+    asked,
     read_fit,
     validate_fit,
 )
-from ..tasks.states import inputs_of, read_states
+from ..tasks.states import States, inputs_of, read_states
 from .record import read
 
 if TYPE_CHECKING:
@@ -44,37 +44,34 @@ class Predicting(ABC):
 
         Args:
             pressure: gauge pressure in MPa, a number or an array; or a Record, a table, or a file, whose pressure and
-                contraction are taken.
+                contraction are taken. Where a table or file holds a force and no length, the length is predicted at
+                which the muscle carries that.
             contraction: ratio of the length at rest, a number or an array.
             more: where effects need them `time_s`, `temperature_C`, `cycle`, `branch` ('contraction' or 'extension').
 
         A reading's interval holds the noise and what the model leaves unexplained; NaN where nothing is known of that.
-        `outside` marks states that the record did not reach, `unexplained` intervals that are wide because the model
-        leaves more than noise: something is missing in it. Raises UsageError, DataError.
+        `outside` marks states that the record did not reach, of which a warning tells, `unexplained` intervals that are
+        wide because the model leaves more than noise: something is missing in it. Raises UsageError, DataError.
         """
         if contraction is not None:
-            inputs = inputs_of(self.specimen, pressure, contraction, **more)
+            states = States(inputs_of(self.specimen, pressure, contraction, **more))
         elif more:
             raise UsageError("predict: give pressure and contraction, or one record, table or file")
         elif isinstance(pressure, Record):
-            inputs = pressure.inputs
+            states = States(pressure.inputs)
         elif isinstance(pressure, str | Path) or hasattr(pressure, "columns"):
-            inputs = _states(pressure, self.specimen)
+            states = read_states(pressure, self.specimen)
         elif isinstance(pressure, Mapping):
             import pandas as pd
 
-            inputs = _states(pd.DataFrame(dict(pressure)), self.specimen)
+            states = read_states(pd.DataFrame(dict(pressure)), self.specimen)
         else:
             raise UsageError("predict: give contraction beside pressure, or one record, table or file")
-        return prediction_frame(inputs, predict(self.predictors, inputs))
-
-
-def _states(given: Any, specimen: Specimen) -> Inputs:
-    """The states of a table or a file. Raises UsageError where the length is asked for, which the command tells."""
-    found = read_states(given, specimen)
-    if found.load is not None:
-        raise UsageError("predict: give the contraction, too; the length under a load is told by `pam-ident predict`")
-    return found.inputs
+        found = asked(self.predictors, states)
+        outside = int(found["outside"].to_numpy().sum())
+        if outside and not isinstance(pressure, Record):
+            warnings.warn(f"{outside} of {len(found)} states lie outside what was fitted", stacklevel=2)
+        return found
 
 
 class SavedResult(Predicting):

@@ -1,10 +1,14 @@
 """The verbs: each takes a record, or what one is read from, and a law and effects, by name or as objects."""
 
+from collections.abc import Mapping
+from inspect import signature
 from pathlib import Path
 from typing import Any, overload
 from warnings import warn
 
+from ..core import UsageError
 from ..core.lmfit_names import from_lmfit_names
+from ..core.nearest import unknown
 from ..fitting import Fit
 from ..fitting import fit as old_fit
 from ..model import Model
@@ -75,7 +79,7 @@ def fit(
            force_N  reading_low_N  reading_high_N
         0    135.0          115.0           155.0
     """
-    if isinstance(record, Model) or old:
+    if _is_old("fit", record, old):
         _say_old("fit", "pam.fit(record, law, effects)", "pam_ident.fitting")
         return old_fit(record, law, *([effects] if effects != () else []), held=held, **old)  # type: ignore[return-value]
     setup = setup_of(law, effects, free_geometry=free_geometry)
@@ -160,7 +164,7 @@ def diagnose(
     from ..diagnosis import diagnose as old_diagnose
     from ..tasks.diagnose import diagnose_record
 
-    if isinstance(record, Model) or old:
+    if _is_old("diagnose", record, old):
         _say_old("diagnose", "pam.diagnose(record, law)", "pam_ident.diagnosis")
         return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
     measured, setup, choice = _asked(
@@ -261,6 +265,16 @@ def _asked(
     else:
         measured = read(record, specimen)
     return measured, *settled(measured, setup_of(law, effects, **more))
+
+
+def _is_old(name: str, record: Any, old: Mapping[str, Any]) -> bool:
+    """Whether a function is called as it was before. Raises UsageError for an argument that it does not have."""
+    if isinstance(record, Model) or "model" in old:
+        return True
+    for word in old:
+        known = signature(globals()[name]).parameters
+        raise UsageError(f"pam.{name}: {unknown('argument', word, set(known) - {'old'}, f'help(pam.{name})')}")
+    return False
 
 
 def _say_old(name: str, new: str, home: str) -> None:

@@ -126,7 +126,7 @@ def describe(found: "Diagnosis") -> list[str]:
         )
         for s in shown
     ]
-    lines += text.table(("candidate", "probability", "rmse after [N]", "held out [N]"), rows)
+    lines += text.table(("candidate", "probability", "alone leaves [N]", "held out [N]"), rows)
     others = [in_words(s.effect, found.best.model.own) for s in tried if s not in shown]
     lines += [f"less likely still: {', '.join(others)}"] if others else []
     for status, words in STATUS.items():

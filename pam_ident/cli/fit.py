@@ -144,7 +144,7 @@ def _together(
         text.say("", text.title(path, answer.record), *text.banner(answer.warnings))
         for branch, one in answer.fits.items():
             text.say(f"{text.branch(branch)}: {text.quality(one)}", *text.parameters(one, False))
-            text.say(*text.checks(answer.checks[branch]))
+            text.say(*text.checks(answer.checks[branch], one.lengths is not None))
     for path, answer in zip(records, answers, strict=True):
         options.stop_if_invalid(path, answer.problems)
 

@@ -51,7 +51,8 @@ Law = Annotated[
     option(
         "--law",
         "LAW",
-        "Force law by name (`pam-ident laws`); auto, the default, takes the one that predicts held-out data best.",
+        "Force law by name (`pam-ident laws`), or a Python file of your own that defines LAW; auto, the default, takes "
+        "the one that predicts held-out data best.",
         autocompletion=law_names,
     ),
 ]

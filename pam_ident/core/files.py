@@ -10,6 +10,13 @@ from typing import Any
 
 from . import UsageError, blank_nan
 
+_measured: set[Path] = set()
+
+
+def spare(path: str | Path) -> None:
+    """Note a file that holds measurements: nothing is written in its place in this process."""
+    _measured.add(Path(path).resolve())
+
 
 def check_target(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
     """`path` as a Path, refused before any work is done where it cannot become a file with one of `suffixes`.
@@ -29,8 +36,13 @@ def check_target(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
 
 
 def write_whole(path: str | Path, content: str | bytes) -> Path:
-    """Write `content` beside `path` and move it there, so that no reader ever sees half a file."""
+    """Write `content` beside `path` and move it there, so that no reader ever sees half a file.
+
+    Raises UsageError where measurements were read from `path`.
+    """
     path = Path(path)
+    if path.resolve() in _measured:
+        raise UsageError(f"{path}: holds what was measured, and is not written over; name another file")
     data = content.encode("utf-8") if isinstance(content, str) else content
     handle, temporary = mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:

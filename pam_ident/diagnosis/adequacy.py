@@ -152,7 +152,7 @@ class Adequacy:
         must be there, whatever else is, and what is left must not follow it.
         """
         following = self.selection.following
-        kept = self._following(following.possible)
+        kept = self._following(following.likely)
         names = sum(t.effect.candidate for t in kept.fitted.terms)
         if kept.unexplained[1] < MAY_LEAVE[min(max(names, 1), len(MAY_LEAVE)) - 1]:
             return kept

@@ -34,6 +34,7 @@ Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
 """Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
 which explains no more beside others, or follows nothing likely: 9 of 19 were false, and 5 of 8 (docs/validation.md)."""
+ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
 leaves no more."""
@@ -200,20 +201,26 @@ def diagnosing(
         experiment = after_pattern(pattern, selection, fitted)
     else:
         experiment = next_experiment(selection, fitted, classes)
+    if experiment and experiment.protocol and (record.measured or record).kind in ("isometric", "isotonic"):
+        experiment = replace(experiment, text=experiment.text + ANOTHER_RIG)
     ranking = _ranking(base, selection, candidates, named, chance)
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
 def by_form_alone(selection: Selection, fitted: FittedSet, named: list[Term]) -> dict[str, str]:
-    """Of names, largest first, those for which only a form speaks, each with the largest of the others whose form may
-    leave what it explains; a single one of which no driver is likely with nothing."""
-    if len(named) == 1:
-        effect, timed = named[0].effect, selection.record.inputs.time is not None
-        aside = effect.follows and timed and selection.following.likely.isdisjoint(effect.follows)
-        return {effect.name: ""} if aside else {}
-    others = [next(t for t in named if t is not term) for term in named]
-    little = [selection.part(fitted, term) < LITTLE for term in named]
-    return {t.effect.name: other.effect.name for t, other, of in zip(named, others, little, strict=True) if of}
+    """Of names, largest first, those for which only a form speaks: with the largest of the others, where the form of
+    that may leave what it explains; with nothing, where no driver of it is likely; with itself, where it is static in
+    its free form, for only forms tell static effects apart, and that is none."""
+    found, timed = {}, selection.record.inputs.time is not None
+    for term in named:
+        effect, others = term.effect, [t for t in named if t is not term]
+        if others and selection.part(fitted, term) < LITTLE:
+            found[effect.name] = others[0].effect.name
+        elif timed and effect.follows and selection.following.likely.isdisjoint(effect.follows):
+            found[effect.name] = ""
+        elif timed and term.form.free and effect.follows == ("map",):
+            found[effect.name] = effect.name
+    return found
 
 
 def _allowed(

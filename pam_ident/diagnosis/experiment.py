@@ -58,6 +58,8 @@ def next_experiment(selection: Selection, fitted: FittedSet, classes: Sequence[S
         runs.append((possible, tuple(s for q in questions for s in q.separations(inputs))))
         if min(s.standard_errors for s in runs[-1][1]) >= ENOUGH:
             break
+    if not runs:
+        return None
     least = ALL * max(_worth(found) for _, found in runs)
     best, found = next(run for run in runs if _worth(run[1]) >= least)
     split = [s for s in found if s.standard_errors >= BARELY]

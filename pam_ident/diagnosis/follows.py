@@ -35,9 +35,9 @@ from .track import SharedNoise, TrackError
 Array = np.ndarray
 ROWS = 10_000
 """Rows of a record in time that are looked at: in so many what deserves a name earns ten times its criterion."""
-NO_NOISE = 1.02
-"""Squares that a model leaves of a record with steady inputs, over those with measured ones, from which what was taken
-off was no noise."""
+NO_NOISE = 3.0
+"""Standard deviations by which a model leaves more of a record with steady inputs than with measured ones, from which
+what was taken off was no noise."""
 ORDERS = 120
 """Orders of drivers over which shares are averaged, at most."""
 EQUAL = 20.0
@@ -46,6 +46,10 @@ SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
+
+STATIC = 500.0
+"""Loss of evidence by which nothing takes the place of pressure and contraction: four static records lost 1,380 to
+1,680, where 1 % of the evidence was 277,000 and more."""
 
 
 def one_speed(record: Record) -> bool:
@@ -74,7 +78,8 @@ def steadied(record: Record, model: Model, values: Mapping[str, float]) -> tuple
     """
     fewer = thinned(record, ROWS)
     measured, steady = (fewer.force - model.force(one, values) for one in (fewer.inputs, fewer.steady))
-    if steady @ steady > NO_NOISE * (measured @ measured):
+    chance = 2.0 * math.sqrt(float(measured @ measured) / len(fewer)) * float(np.linalg.norm(steady - measured))
+    if steady @ steady - measured @ measured > NO_NOISE * chance:
         fewer = replace(fewer, steady=fewer.inputs)
     return replace(fewer, inputs=fewer.steady), TrackError.of(fewer, record)
 
@@ -266,12 +271,15 @@ class Following:
 
     @property
     def possible(self) -> frozenset[str]:
-        """The likeliest, and those without which none of these is `needed`."""
+        """The likeliest, and those without which none of these is `needed`; in the place of the map only those that
+        lose less than STATIC: what has no history leaves nothing to them, however large it is."""
         return self._within(self._least)
 
     def _within(self, most: float) -> frozenset[str]:
         """The likeliest, and those in the place of one by which no more than that evidence is lost."""
-        return self._alike(self.chosen.union(*(others for loss, others in self._instead.values() if loss <= most)))
+        place = self._instead.items()
+        found = [others for name, (loss, others) in place if loss <= (min(most, STATIC) if name == "map" else most)]
+        return self._alike(self.chosen.union(*found))
 
     @cached_property
     def drivers(self) -> frozenset[str]:

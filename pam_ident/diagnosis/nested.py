@@ -20,7 +20,7 @@ from ..laws import get_law, listed
 from ..model import Model
 from ..parallel.executor import Executor
 from ..records import Record
-from ..records.kind import HELD_LENGTH, kind_of
+from ..records.kind import HELD_LENGTH
 from .heldout import FOLDS, heldout_rmse, in_parts
 from .ladder import LEAST_FALL
 from .nouns import Diagnosis, Ladder, Nested, Rung
@@ -39,7 +39,7 @@ def usual(record: Record) -> str:
     """What is held out where nobody says: lengths of an isometric test, cycles of others in time, blocks of a table."""
     if record.inputs.time is None:
         return "length" if record.block_kind == "length" else "pressure"
-    return "length" if kind_of(record) == "isometric" else "cycle"
+    return "length" if record.kind == "isometric" else "cycle"
 
 
 def masks_of(record: Record, by: str) -> list[Array]:
@@ -63,7 +63,7 @@ def _blocks(record: Record, by: str) -> Array:
     if by == "length" and record.block_kind == "length":
         return record.block
     if by == "length":
-        locked = kind_of(record) == "isometric"
+        locked = record.kind == "isometric"
         return _clusters(record.inputs.contraction) if locked else _banded(record.inputs.contraction)
     return record.groups.get(by, alike)
 

@@ -32,6 +32,8 @@ BEYOND_WHITE = 12.0
 """Deviance by which a colour must be better than none."""
 WANDERS = 2.0
 """Size of slow noise, over that of what is left, up to which it may be: it cannot have been small all the time."""
+NOTICED = 1.02
+"""Size of noise with that of the driven sensors, over that without, from which it is asked whether it is there."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour scanned to the same answer."""
 
@@ -131,9 +133,26 @@ def estimate_noise(
     """Noise from what a model leaves: white, or partly a first-order process.
 
     `residual` (N, (n,)) of a model with `parameters` free parameters; `slope` (N/mm) carries what is left of the
-    displacement sensor's noise into force; `outlier` (mask) is found when not given; `white` forbids colour. What
-    comes back with every cycle is left out.
+    displacement sensor's noise, or of an `unsure` track, into force, where it is likelier with that than without:
+    a motion that curves between two samples looks rough, too. `outlier` (mask) is found when not given; `white` forbids
+    colour. What comes back with every cycle is left out.
     """
+    found = _estimated(record, residual, slope, parameters, outlier, white, unsure)
+    fewer = [slope] * bool(found.shared) + [0.0 * slope] * (found.whole > NOTICED * found.sigma or bool(found.shared))
+    others = (_estimated(record, residual, one, parameters, found.outlier, white) for one in fewer)
+    return min((found, *others), key=lambda noise: noise.deviance)
+
+
+def _estimated(
+    record: Record,
+    residual: Array,
+    slope: Array,
+    parameters: float,
+    outlier: Array | None,
+    white: bool,
+    unsure: TrackError | None = None,
+) -> Noise:
+    """The same with the noise of the driven sensors as they show it."""
     middle, shared, calm = _middle(residual), None, residual
     if unsure:
         for _ in range(2):  # the noise's own size is known better once the shared part is down to it

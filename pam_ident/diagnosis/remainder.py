@@ -24,6 +24,8 @@ WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
 """Samples, or memories of the noise where these are longer, over which what is left is averaged, and how many times the
 median of such averages their mean may be: noise is there all the time, however coloured, heavy-tailed, or larger at one
 pressure."""
+SMOOTHER = 0.3
+"""Correlation of neighbouring samples where most of it lies, over that elsewhere, from which it is not louder noise."""
 AT_TURNS = 3.0
 """Times the noise that most of what is left at the turns of the motion exceeds where it is none: in 82 records without
 anything hidden it was 1.5 at most."""
@@ -159,36 +161,42 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 
 def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What strikes now and then is no noise: most of it lies in little of the time.
+    """What strikes now and then is no noise: most of it lies in little of the time, where a sample tells of the next.
 
-    Of each two samples in a row the product is looked at, for noise with heavy tails strikes single ones. At the
-    corners of the motion what is left is the position's, wherever the force is steep.
+    Noise may be louder for a while, but is no smoother then. Of each two samples in a row the product is looked at,
+    for noise with heavy tails strikes single ones. At the corners of the motion what is left is the position's,
+    wherever the force is steep.
     """
     record, inputs = selection.record, selection.record.inputs
     if inputs.time is None:
         return None
     moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
-    size, time, level = (v[~corner] for v in (np.abs(selection.view(fitted).residual), inputs.time, record.level))
+    size, time, level = (v[~corner] for v in (selection.view(fitted).residual, inputs.time, record.level))
     window = max(WINDOW, round(MEMORIES * selection.noise.memory_samples(time)))
-    count = (len(size) - 1) // window
+    count = (len(size) - 2) // window
     if count < WINDOW:
         return None
     size = _by_level(size, level)
-    pairs = (size[1:] * size[:-1])[: count * window].reshape(-1, window).mean(axis=1)
+    products = [size[2 - k : len(size) - k] * size[2:] for k in (0, 1, 2)]  # at two distances, lest one hide a swing
+    square, *beside = (v[: count * window].reshape(-1, window) for v in products)
+    pairs = np.abs(beside[0]).mean(axis=1)
     if pairs.mean() < BURSTING * np.median(pairs):
         return None
     struck = pairs > BURSTING * np.median(pairs)
+    there, elsewhere = (np.array([one[at].sum() for one in beside]) / square[at].sum() for at in (struck, ~struck))
+    if np.max(np.abs(there - elsewhere)) < SMOOTHER:
+        return None
     share, worst = float(pairs[struck].sum() / pairs.sum()), float(time[window * int(np.argmax(pairs))])
     text = f"bursts: {percent(share)} of what is left in {percent(float(struck.mean()))} of the time, the most at "
     return Pattern("other", "time", worst, "s", share, f"{text}{number(worst)} s")
 
 
 def _by_level(size: Array, level: Array) -> Array:
-    """Sizes (n,) beside the median of their pressure's `level` (n,): noise may be larger at one pressure."""
+    """Values (n,) beside the median size at their pressure's `level` (n,): noise may be larger at one pressure."""
     found = size.copy()
     for rows in (level == one for one in np.unique(level)):
-        found[rows] /= max(float(np.median(size[rows])), 1e-9)
+        found[rows] /= max(float(np.median(np.abs(size[rows]))), 1e-9)
     return found
 
 

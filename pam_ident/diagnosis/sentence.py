@@ -69,16 +69,18 @@ def reservations(
     rivals: Mapping[str, float], by_form: Mapping[str, str], follows: str, extra: tuple[Effect, ...]
 ) -> str:
     """What makes named effects less sure, each sentence with a blank before it: the chance that one is something
-    unknown, `by_form` another that may leave as much, or where there is none that the error rather `follows` another.
-    """
+    unknown, and what `by_form_alone` found, the error rather following what it `follows`."""
     said = [
         f" With a chance of {probability(chance)} it is not {in_words(name, extra)} but something unknown."
         for name, chance in rivals.items()
         if chance >= TOLD
     ]
     for name, other in by_form.items():
-        larger = f"It explains little; {in_words(other, extra)} of another form could leave as much."
-        why = larger if other else f"The error rather follows {follows}; only its form speaks for it."
+        why = f"It explains little; {in_words(other, extra)} of another form could leave as much."
+        if other == name:
+            why = "No written form of it fits, and its free form could follow nearly any static error."
+        elif not other:
+            why = f"The error rather follows {follows}; only its form speaks for it."
         said.append(f" Less sure: {in_words(name, extra)}. {why}")
     return "".join(said)
 

@@ -5,14 +5,13 @@ tests. Other packages add theirs by the entry point group `pam_ident.effects`, a
 `--effect-file FILE.py`.
 """
 
-import importlib.util
 from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
 
 from ..core import UsageError
-from ..core.discover import instances
+from ..core.discover import instances, instances_in
 from ..core.nearest import unknown
 from .base import AddsForce, Effect, Form, ScalesForce, TransformsContraction, TransformsPressure
 
@@ -137,16 +136,4 @@ def load_effect_file(path: str | Path) -> tuple[Effect, ...]:
         >>> print(mine.name, mine.forms[0].formula)
         squeak +A exp(−x/length)
     """
-    path = Path(path)
-    spec = importlib.util.spec_from_file_location(f"pam_ident_user_{path.stem}", path)
-    if spec is None or spec.loader is None or not path.is_file():
-        raise UsageError(f"{path}: not a Python file; expected a file that defines EFFECT")
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise UsageError(f"{path}: fails on import ({type(error).__name__}: {error}); fix the file") from None
-    found = tuple(v for k, v in vars(module).items() if k.isupper() and isinstance(v, Effect))
-    if not found:
-        raise UsageError(f"{path}: defines no effect; expected EFFECT = Effect(...)")
-    return found
+    return tuple(instances_in(path, Effect))

@@ -143,13 +143,14 @@ def free_form(
     name: str = "free",
     uses_force: bool = False,
     lower: float = -math.inf,
+    upper: float = math.inf,
     resisting: int = 0,
 ) -> Form:
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
 
     `pressure` and `contraction` are the surface's orders; `text` says the states in the formula, `unit` that of the
-    coefficients with their usual size, `lower` what nature forbids them to fall below. The first `resisting` states
+    coefficients with their usual size, `lower` and `upper` what nature holds them to. The first `resisting` states
     resist everywhere: their surfaces are of Bernstein polynomials, with coefficients above 0.
     """
     orders = [(i, j) for i in range(pressure + 1) for j in range(contraction + 1)]
@@ -159,7 +160,7 @@ def free_form(
             unit[0],
             f"of state {k + 1}, " + (f"B_{i}(p) B_{j}(ε)" if k < resisting else f"(p/0.3 MPa)^{i} (ε/0.1)^{j}"),
             0.0 if k < resisting else max(lower, -MOST * unit[1]),
-            MOST * unit[1],
+            min(upper, MOST * unit[1]),
             scale=unit[1],
         )
         for k in range(count)

@@ -43,6 +43,7 @@ EFFECT = Effect(
             nonlinear=(FADES,),
             role=TransformsContraction,
             unit=("1", 0.1),
+            upper=CYLINDER.high - 1.0,
             resisting=2,
         ),
     ),

@@ -34,7 +34,7 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
     e, slope = equilibrium(model, record.steady, values, weights_of(record))
     inputs, steady = (replace(one, contraction=e) for one in (record.inputs, record.steady))
     force = record.force + model.force(inputs, values) - model.force(record.inputs, values)
-    along = replace(record, inputs=inputs, steady=steady, force=force, carried=True)
+    along = replace(record, inputs=inputs, steady=steady, force=force, measured=record)
     kept = ~at_limit(record) & (slope < 0.0)
     if inputs.moving is not None and inputs.pressure_rate is not None:
         kept &= inputs.moving | (inputs.pressure_rate == 0.0)

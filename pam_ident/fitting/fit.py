@@ -10,13 +10,14 @@ import numpy as np
 
 from ..core import DataError, FitError, Inputs, UsageError
 from ..core.progress import tell
+from ..effects import in_words
 from ..model import Model
 from ..records import Record
 from . import readings
 from .covariance import Covariance, Sums, clusters, student, sums
 from .estimate import Estimate, estimates_of
 from .identifiability import StandIn, at_its_pressures, stand_ins
-from .length import Lengths, at_limit, by_length, solve_length, sums_of
+from .length import Lengths, by_length, determining, problem_of, solve_length
 from .readings import Errors, in_memory, least, on_disk, with_memory
 from .solve import Solution, jacobian, solve, table
 from .solvers import Solver
@@ -48,7 +49,8 @@ class Fit:
         of_all: of a record on disk the errors of all its rows, of which `record` and `rows` are then a sample.
         shared, joint: parameters that were fitted to other records, too, and the covariance that all of them give.
 
-    `valid` needs convergence and every parameter identified; `problems` says in words what is wrong.
+    `valid` needs convergence and every parameter identified, but for those by which an effect acts in states that the
+    record does not hold, such as what friction keeps in holds; `problems` says in words what is wrong.
 
     Example:
         >>> from pam_ident.fitting import fit
@@ -143,7 +145,10 @@ class Fit:
     def problems(self) -> list[str]:
         """Why the fit is not valid; empty when it is."""
         found = [] if self.converged else [f"the search did not converge ({self.message})"]
-        loose = [e.name for e in self.estimates if not e.identified]
+        acting = {p.name for t in self.model.terms for p in t.qualified(t.form.linear)}
+        loose = [
+            e.name for e in self.estimates if not (e.identified or (e.verdict.kind == "dead" and e.name in acting))
+        ]
         if loose:
             more = "hang other weights" if self.lengths else "drop an effect, or vary more on the rig"
             found.append(f"the record does not determine {', '.join(loose)}; {more}")
@@ -156,8 +161,18 @@ class Fit:
 
     @property
     def at_bounds(self) -> list[str]:
-        """In words, which parameters stand at a bound."""
-        return [f"{e.words} stands {e.verdict.text}" for e in self.estimates if e.verdict.kind == "at_bound"]
+        """In words, which parameters stand at a bound; of a free form's coefficients how many."""
+        surfaces = {
+            t.effect.name: [p.name for p in t.qualified(t.form.linear)] for t in self.model.terms if t.form.free
+        }
+        stuck = [e for e in self.estimates if e.verdict.kind == "at_bound"]
+        found = []
+        for effect, names in surfaces.items():
+            at = sum(e.name in names for e in stuck)
+            if at:
+                found.append(f"{at} of {len(names)} coefficients of {in_words(effect)}, free form, stand at a bound")
+            stuck = [e for e in stuck if e.name not in names]
+        return [*found, *(f"{e.words} stands {e.verdict.text}" for e in stuck)]
 
     @cached_property
     def shares(self) -> dict[str, float]:
@@ -249,10 +264,8 @@ def fit(
         >>> print(f"{found.rmse:.2f} N rms, valid: {found.valid}")
         3.21 N rms, valid: True
     """
-    rows, held = np.ones(len(record), bool) if rows is None else rows, dict(held or {})
-    answered = by_length(record)
-    if answered:
-        rows = rows & ~at_limit(record)
+    held, answered = dict(held or {}), by_length(record)
+    rows = determining(record, np.ones(len(record), bool) if rows is None else rows)
     check(model, record, rows, held)
     model = at_its_pressures(model, record, rows)
     held = model.law.pinned | held
@@ -262,8 +275,10 @@ def fit(
             raise UsageError("weights and losses are for residuals in force; leave them out where the length answered")
         found, even = solve_length(model, record, rows, start or {}, held, solver)
         one = Fit(model, record, rows, found.values, found.converged, found.message, held=held)
-        runs = None if white else clusters(record, rows)
-        return replace(one, sums=sums_of(model, record, rows, found.values, even, runs)) if detail else one
+        if not detail:
+            return one
+        known = problem_of(model, record, rows, even, by_weight=True).table(found.values)
+        return replace(one, sums=sums(known, None if white else clusters(record, rows)))
     if weighing == PLAIN and solver is None and pays_in_chunks(model, record, rows):
         index, first = np.flatnonzero(rows), bool(model.terms)
         every = in_memory(record, index, first, detail and not white)

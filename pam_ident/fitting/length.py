@@ -7,7 +7,7 @@ stable, and none is predicted.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -17,12 +17,10 @@ from ..core import DataError, Inputs
 from ..effects._history import acceleration
 from ..model import Model
 from ..records import Record
-from ..records.kind import kind_of
 from ..records.roughness import position_noise
 from ..records.run_constants import GRAVITY, MASSES
 from ..records.smoothing import calmed
 from ..records.turning import pivots
-from .covariance import Sums, sums
 from .problem import Problem, Solution, Whiten, all_rows
 from .readings import with_memory
 from .solve import solve, table
@@ -79,7 +77,7 @@ class Lengths:
 
 def by_length(record: Record) -> bool:
     """Whether the length answered, so that it is what a model must predict."""
-    return not record.carried and kind_of(record) == "isotonic"
+    return not record.carried and record.kind == "isotonic"
 
 
 def load_of(record: Record) -> Array:
@@ -171,6 +169,11 @@ def _stopped(x: Array, p: Array, going: Array, band: float) -> Array:
     return end if way > STOPPED * band else np.zeros(len(x), bool)
 
 
+def determining(record: Record, rows: Array) -> Array:
+    """Those of `rows` (mask, (n,)) that tell of a law: where the length answered, not at its mechanical limit."""
+    return rows & ~at_limit(record) if by_length(record) else rows
+
+
 def equilibrium(model: Model, inputs: Inputs, values: Values, load: Array) -> tuple[Array, Array]:
     """The contraction at which a model carries `load` (n,) in N, and the slope of its force there, (n,) in N each.
 
@@ -223,8 +226,23 @@ def _root(over: Callable[[Array], Array], a: Array, b: Array, fa: Array, fb: Arr
     return e
 
 
-def problem_of(model: Model, inputs: Inputs, load: Array, whiten: Whiten = all_rows) -> Problem:
-    """Least squares of the length in mm that a model predicts under `load` (n,) in N, all its parameters curved."""
+def problem_of(
+    model: Model, record: Record, rows: Array, whiten: Whiten = all_rows, by_weight: bool = False
+) -> Problem:
+    """Least squares of the length in mm that a model predicts over `rows` (mask, (n,)), all its parameters curved.
+
+    With `by_weight` slopes are those at the weights as they were held, for errors of the parameters: what inertia and
+    friction make of a measured load is no second weight, without which most laws are known but for a factor.
+
+    Raises DataError for an effect that remembers the way, which would predict the length by the length.
+    """
+    inputs, load, weight = record.inputs.take(rows), load_of(record)[rows], weights_of(record)[rows]
+    memory = with_memory(model, inputs, load)
+    if memory:
+        raise DataError(
+            f"{record.source or record.name}: {memory[0].label} remembers the way, and in an isotonic test the way is "
+            "what the model must predict; leave the effect out, or let `add` or `diagnose` fit it"
+        )
     length, last = inputs.specimen.initial_length_mm, {}
 
     def solved(values: Values) -> tuple[Array, Array]:
@@ -238,7 +256,8 @@ def problem_of(model: Model, inputs: Inputs, load: Array, whiten: Whiten = all_r
         return np.empty((len(load), 0)), length * solved(values)[0]
 
     def slopes(values: Values) -> Array:
-        return length * implicit(model, inputs, values, load, *solved(values))
+        held, there = (weight, equilibrium(model, inputs, values, weight)) if by_weight else (load, solved(values))
+        return length * implicit(model, inputs, values, held, *there)
 
     return Problem((), model.bounded(inputs), design, inputs.displacement_mm, whiten=whiten, slopes=slopes)
 
@@ -262,36 +281,31 @@ def solve_length(
     those of a fit of the force, which is blind where there is one load, and those of an ideal braid's force. What the
     rows of a run share of the error of its load is evened out, by what is returned beside the solution.
 
-    Raises DataError for an effect that remembers the way, which would predict the length by the length.
+    Raises DataError as `problem_of` does.
     """
-    inputs, load, _ = taken = _rows(record, rows)
-    memory = with_memory(model, inputs, load)
-    if memory:
-        raise DataError(
-            f"{record.source or record.name}: {memory[0].label} remembers the way, and in an isotonic test the way is "
-            "what the model must predict; leave the effect out, or let `add` or `diagnose` fit it"
-        )
-    problem = problem_of(model, inputs, load).holding(**held)
-    beginnings = [start] if start and set(start) >= set(model.names) else _beginnings(model, *taken, held)
-    ways = [_from(problem, one) for one in beginnings]
-    ranked = sorted(ways, key=lambda way: way.starts(1)[0].cost)
+    problem = problem_of(model, record, rows).holding(**held)
+    given = start and set(start) >= set(model.names)
+    beginnings = [start] if given else _beginnings(model, record, rows, held)
     solver = solver or VariableProjection(keep=1)
-    found = [solver.solve(way) for way in ranked[:2]]
-    best = min(found, key=lambda one: float(np.sum(problem.residual(one.values) ** 2)))
-    even = _evened(model, record, rows, {**best.values, **held})
+    best = solved_from(problem, beginnings, solver)
+    even = evened(model, record, rows, {**best.values, **held})
     if even is not all_rows:
-        best = solver.solve(_from(replace(problem, whiten=even), best.values))
+        best = solved_from(replace(problem, whiten=even), [best.values], solver)
     return replace(best, values=best.values | dict(held)), even
 
 
-def _from(problem: Problem, values: Values) -> Problem:
+def solved_from(problem: Problem, beginnings: Sequence[Values], solver: Solver) -> Solution:
+    """The best solution of a curved problem from the two of some beginnings that are nearest."""
     names = {p.name for p in problem.params}
-    return replace(problem, start={name: value for name, value in values.items() if name in names})
+    ways = [replace(problem, start={k: v for k, v in one.items() if k in names}) for one in beginnings]
+    ranked = sorted(ways, key=lambda way: way.starts(1)[0].cost)
+    found = [solver.solve(way) for way in ranked[:2]]
+    return min(found, key=lambda one: float(np.sum(problem.residual(one.values) ** 2)))
 
 
-def _evened(model: Model, record: Record, rows: Array, values: Values) -> Whiten:
-    """Takes out of `rows` what those of a run share, because its load is the mean of a noisy load cell: the inverse
-    root of σ²1 + s²bbᵀ, s the error of the mean and b what a newton of it makes of the length."""
+def evened(model: Model, record: Record, rows: Array, values: Values) -> Whiten:
+    """Takes out of `rows` (mask, (n,)) what those of a run share, because its load is the mean of a noisy load cell:
+    the inverse root of σ²1 + s²bbᵀ, s the error of the mean and b what a newton of it makes of the length."""
     spell, force, load = spells_of(record), record.force[rows], load_of(record)[rows]
     if spell is None or np.array_equal(force, load):
         return all_rows
@@ -317,14 +331,10 @@ def _evened(model: Model, record: Record, rows: Array, values: Values) -> Whiten
     return even if shared else all_rows
 
 
-def _rows(record: Record, rows: Array) -> tuple[Inputs, Array, Array]:
-    """Inputs, load and held weight of some rows (mask, (n,))."""
-    return record.inputs.take(rows), load_of(record)[rows], weights_of(record)[rows]
-
-
-def _beginnings(model: Model, inputs: Inputs, load: Array, weight: Array, held: Values) -> list[dict[str, float]]:
+def _beginnings(model: Model, record: Record, rows: Array, held: Values) -> list[dict[str, float]]:
+    inputs, load = record.inputs.take(rows), load_of(record)[rows]
     neutral, found = model.neutral(inputs), []
-    if len(np.unique(weight)) > 1:
+    if len(np.unique(weights_of(record)[rows])) > 1:
         found.append(solve(model, inputs, load, all_rows, quick=True, held=held).values)
     p, e = (np.linspace(float(v.min()), float(v.max()), 12) for v in (inputs.pressure, inputs.contraction))
     p, e = (grid.ravel() for grid in np.meshgrid(p, e))
@@ -333,16 +343,3 @@ def _beginnings(model: Model, inputs: Inputs, load: Array, weight: Array, held: 
     states = Inputs(p, e, inputs.specimen, np.zeros(len(p)))
     ideal = solve(law, states, inputs.specimen.ideal_force(p, e), all_rows, quick=True, held=own)
     return [*found, {**neutral, **ideal.values, **held}]
-
-
-def sums_of(model: Model, record: Record, rows: Array, values: Values, even: Whiten, cluster: Array | None) -> Sums:
-    """Sums of the length's Jacobian and residual over `rows` (mask, (n,)), in mm, as `even` makes them.
-
-    The slopes are those at the weights as they were held: what inertia and friction make of a measured load is no
-    second weight, without which most laws are known but for a factor.
-    """
-    inputs, load, weight = _rows(record, rows)
-    length = inputs.specimen.initial_length_mm
-    slopes = length * implicit(model, inputs, values, weight, *equilibrium(model, inputs, values, weight))
-    residual = length * equilibrium(model, inputs, values, load)[0] - inputs.displacement_mm
-    return sums(even(np.column_stack([slopes, residual])), cluster)

@@ -83,7 +83,7 @@ class Problem:
     def residual(self, values: Mapping[str, float]) -> Array:
         """whiten(model − target), shape (m,); entries that are no number, or beyond it, are HUGE."""
         columns, fixed = self.design(values)
-        coefficients = np.array([values[p.name] for p in self.linear])
+        coefficients = self._coefficients(values)
         with np.errstate(over="ignore", invalid="ignore"):
             found = self.whiten(fixed + columns @ coefficients - self.target)
             return np.nan_to_num(np.clip(found, -HUGE, HUGE), nan=HUGE)
@@ -95,7 +95,7 @@ class Problem:
     def table(self, values: Mapping[str, float]) -> Array:
         """The Jacobian and the residual as they are, side by side, shape (m, len(params) + 1)."""
         columns, fixed = self.design(values)
-        coefficients = np.array([values[p.name] for p in self.linear])
+        coefficients = self._coefficients(values)
         k = len(coefficients)
         found = np.empty((len(self.target), len(self.params) + 1))
         with np.errstate(over="ignore", invalid="ignore"):
@@ -122,6 +122,21 @@ class Problem:
                 columns, fixed = (b - a if not c else 4.0 * b - 3.0 * a - c[0] for a, b, *c in taken)
                 found[:, k] = (fixed + columns @ coefficients) / span
         return found
+
+    def curved(self) -> "Problem":
+        """The same problem with all its parameters among the nonlinear ones, and their slopes."""
+
+        def force(values: Mapping[str, float]) -> tuple[Array, Array]:
+            columns, fixed = self.design(values)
+            return np.empty((len(fixed), 0)), fixed + columns @ self._coefficients(values)
+
+        def slopes(values: Mapping[str, float]) -> Array:
+            return np.column_stack([self.design(values)[0], self._slopes(values, self._coefficients(values))])
+
+        return replace(self, linear=(), nonlinear=self.params, design=force, slopes=slopes)
+
+    def _coefficients(self, values: Mapping[str, float]) -> Array:
+        return np.array([values[p.name] for p in self.linear])
 
     def holding(self, **values: float) -> "Problem":
         """The same problem with parameters held at values, which no longer count among its own.

@@ -1,5 +1,6 @@
 """One fit to several records: parameters that all of them share, and parameters that are each record's own."""
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -12,12 +13,14 @@ from ..model import Model
 from ..records import Record
 from .covariance import Covariance, clusters, sums
 from .estimate import Estimate, estimates_of
-from .fit import Fit, check_held, check_needs, fit, picker
-from .problem import Problem
+from .fit import Fit, check_held, check_needs, fit
+from .length import by_length, determining, evened, problem_of, solved_from
+from .problem import Problem, Solution, Whiten, all_rows
 from .solve import separated
 from .solvers import VariableProjection
 
 Array = np.ndarray
+_SOLVER = VariableProjection(keep=1)
 
 
 def fit_together(
@@ -29,8 +32,9 @@ def fit_together(
 ) -> tuple[Fit, ...]:
     """Least-squares fit of a model to several records at once, a Fit each.
 
-    A residual counts in units of what the model leaves of its record alone, so that a noisy or strong muscle does not
-    decide for all. Standard errors are those of the whole fit; with nothing shared it is the fits of each record alone.
+    The residual is that of the force, in mm of the length in records in which that answered. It counts in units of
+    what the model leaves of its record alone, so that a noisy or strong muscle does not decide for all. Standard errors
+    are those of the whole fit; with nothing shared it is the fits of each record alone.
 
     Args:
         model, records: what to fit to what.
@@ -55,12 +59,12 @@ def fit_together(
     """
     held = dict(held or {})
     _check(model, records, shared, held)
-    rows = [record.branch_rows(branch) for record in records]
+    rows = [determining(record, record.branch_rows(branch)) for record in records]
     alone = [_alone(model, record, mask, held) for record, mask in zip(records, rows, strict=True)]
-    weights = [np.full(len(record), 1.0 / s) for record, s in zip(records, _sizes(alone), strict=True)]
+    sizes = _sizes(alone, [False] * len(records))
     parts = [
-        separated(model, record.inputs, record.force, one.values if one else {}, picker(mask, weight)).holding(**held)
-        for record, one, mask, weight in zip(records, alone, rows, weights, strict=True)
+        separated(model, record.inputs, record.force, one.values if one else {}, _scaled(size, mask)).holding(**held)
+        for record, one, mask, size in zip(records, alone, rows, sizes, strict=True)
     ]
     problem = stacked(parts, shared)
     n = sum(int(np.count_nonzero(mask)) for mask in rows)
@@ -68,9 +72,14 @@ def fit_together(
         raise FitError(f"{n} samples for {len(problem.params)} parameters; measure more samples, or share more of them")
     tell("fitting together")
     solution = VariableProjection().solve(problem)
+    answered = [by_length(record) for record in records]
+    if any(answered):
+        sizes = _sizes(alone, answered)
+        solution, problem = _in_length(model, records, rows, parts, alone, sizes, shared, held, solution)
     known = sums(problem.table(solution.values), _clusters(records, rows))
     estimates, covariance = estimates_of(problem.params, solution.values, {}, known)
     free = [e.name for e in estimates if not e.at_bound]
+    weights = [np.full(len(record), 1.0 / size) for record, size in zip(records, sizes, strict=True)]
     found = []
     for k, (record, mask) in enumerate(zip(records, rows, strict=True)):
         values = {p.name: solution.values[_own(p.name, k, shared)] for p in parts[k].params} | held
@@ -99,6 +108,16 @@ def stacked(parts: Sequence[Problem], shared: Collection[str]) -> Problem:
             columns[place, [where[_own(p.name, k, shared)] for p in part.linear]] = own
         return columns, fixed
 
+    def slopes(values: Mapping[str, float]) -> Array:
+        found, where = np.zeros((edges[-1], len(nonlinear))), {p.name: k for k, p in enumerate(nonlinear)}
+        for k, (part, place) in enumerate(zip(parts, places, strict=True)):
+            assert part.slopes is not None
+            own = {p.name: values[_own(p.name, k, shared)] for p in part.nonlinear}
+            found[place, [where[_own(p.name, k, shared)] for p in part.nonlinear]] = part.slopes(own)
+        return found
+
+    known = not linear and all(part.slopes for part in parts)
+
     def whiten(rows: Array) -> Array:
         return np.concatenate([part.whiten(rows[place]) for part, place in zip(parts, places, strict=True)])
 
@@ -108,9 +127,8 @@ def stacked(parts: Sequence[Problem], shared: Collection[str]) -> Problem:
         if p.name in shared and near:
             nonlinear[k] = replace(p, grid=(p.clip(float(np.mean(near))), *p.grid))
             del start[p.name]
-    return Problem(
-        tuple(linear), tuple(nonlinear), design, np.concatenate([part.target for part in parts]), start, whiten
-    )
+    target = np.concatenate([part.target for part in parts])
+    return Problem(tuple(linear), tuple(nonlinear), design, target, start, whiten, slopes=slopes if known else None)
 
 
 def _union(each: Sequence[Sequence[Param]], shared: Collection[str]) -> list[Param]:
@@ -145,11 +163,62 @@ def _alone(model: Model, record: Record, rows: Array, held: Mapping[str, float])
         return None
 
 
-def _sizes(alone: Sequence[Fit | None]) -> list[float]:
-    """What a residual of each record is measured by, in N; the median where a record cannot tell it."""
-    own = [one and one.rmse * np.sqrt(one.n / (one.n - len(one.model.params) + len(one.held))) for one in alone]
-    known = [size for size in own if size]
-    return [max(size or np.median(known), 1e-9 * max(known)) for size in own] if known else [1.0] * len(own)
+def _in_length(
+    model: Model,
+    records: Sequence[Record],
+    rows: Sequence[Array],
+    by_force: Sequence[Problem],
+    alone: Sequence[Fit | None],
+    sizes: Sequence[float],
+    shared: Collection[str],
+    held: Mapping[str, float],
+    near: Solution,
+) -> tuple[Solution, Problem]:
+    """The solution in which records whose length answered count by that, begun `near` that of the force and at each
+    record's own; and the problem that errors of the parameters come from."""
+
+    def problem(even: Sequence[Whiten], by_weight: bool = False) -> Problem:
+        parts = []
+        for k, (record, mask) in enumerate(zip(records, rows, strict=True)):
+            part = replace(by_force[k].curved(), whiten=_scaled(sizes[k], mask))
+            if by_length(record):
+                whiten = _scaled(sizes[k], slice(None), even[k])
+                part = problem_of(model, record, mask, whiten, by_weight).holding(**held)
+            parts.append(part)
+        return stacked(parts, shared)
+
+    own = {_own(name, k, shared): x for k, one in enumerate(alone) for name, x in (one.values if one else {}).items()}
+    found = solved_from(problem([all_rows] * len(records)), [near.values, {**near.values, **own}], _SOLVER)
+    even = [
+        evened(model, record, mask, {n: found.values.get(_own(n, k, shared), held.get(n, 0.0)) for n in model.names})
+        if by_length(record)
+        else all_rows
+        for k, (record, mask) in enumerate(zip(records, rows, strict=True))
+    ]
+    found = solved_from(problem(even), [found.values], _SOLVER)
+    return found, problem(even, by_weight=True)
+
+
+def _scaled(size: float, rows: Array | slice, even: Whiten = all_rows) -> Whiten:
+    """Some rows, `even`, in units of a size."""
+    return lambda m: even(m[rows]) / size
+
+
+def _sizes(alone: Sequence[Fit | None], answered: Sequence[bool]) -> list[float]:
+    """What a residual of each record is measured by, in N, or in mm where the length has `answered`; the median of
+    those alike where a record cannot tell it."""
+    own = [one and _size(one, length) for one, length in zip(alone, answered, strict=True)]
+    found = []
+    for size, length in zip(own, answered, strict=True):
+        known = [s for s, kind in zip(own, answered, strict=True) if s and kind == length]
+        found.append(max(size or float(np.median(known)), 1e-9 * max(known)) if known else 1.0)
+    return found
+
+
+def _size(one: Fit, length: bool) -> float:
+    errors = one.length_errors if length else one.errors
+    assert errors is not None
+    return errors.rmse * math.sqrt(one.n / (one.n - len(one.model.params) + len(one.held)))
 
 
 def _clusters(records: Sequence[Record], rows: Sequence[Array]) -> Array | None:

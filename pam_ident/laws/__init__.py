@@ -3,9 +3,11 @@
 from functools import cache
 
 from ..core import UsageError
-from ..core.discover import instances
+from ..core.discover import instances, instances_in
 from ..core.nearest import unknown
 from .base import Law
+
+_own: dict[str, Law] = {}
 
 __all__ = ["Law", "catalogue", "get_law", "listed"]
 
@@ -28,10 +30,11 @@ def listed() -> tuple[Law, ...]:
 
 
 def get_law(name: str) -> Law:
-    """A law by its name.
+    """A law by its name, or of a Python file of the user's own that defines LAW (`my_law.py`), which is then known by
+    its name, too.
 
     Raises:
-        UsageError: for an unknown name, with those that look like it.
+        UsageError: for an unknown name, with those that look like it, and for a file that defines no law.
 
     Example:
         >>> from pam_ident.laws import get_law
@@ -39,7 +42,11 @@ def get_law(name: str) -> Law:
         >>> print(law.formula, "has", len(law.params), "parameters")
         F = (a0 + a1 p) − (b0 + b1 p) ε + (c0 + c1 p) exp(−μ ε) has 7 parameters
     """
-    laws = catalogue()
+    if name.endswith(".py"):
+        (law, *_) = instances_in(name, Law)
+        _own[law.name] = law
+        return law
+    laws = catalogue() | _own
     if name not in laws:
         raise UsageError(unknown("law", name, laws, "`pam-ident laws`"))
     return laws[name]

@@ -4,7 +4,7 @@ import json
 import re
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -104,7 +104,7 @@ def read_answer(path: str | Path) -> Answer:
     commands = [f"`pam-ident {kind} RECORD --law LAW{' --effect NAME' * (kind == 'add')} --json F`" for kind in FITTED]
     hint = f"expected a file of {' or '.join(commands)}"
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = _content(path, path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; {hint}") from None
     except OSError as error:
@@ -123,6 +123,38 @@ def read_answer(path: str | Path) -> Answer:
     if found not in [schema(kind) for kind in FITTED]:
         raise DataError(f"{path}: has the schema {found or None}; {hint}")
     return Answer(path, content)
+
+
+def _content(path: Path, text: str) -> Any:
+    """What a file holds: an object, or the one that lines of a fit to several records of one muscle come to, which has
+    seen what all of them have.
+
+    Raises DataError for lines that differ in more, and ValueError for what is no JSON.
+    """
+    try:
+        return json.loads(text)
+    except ValueError:
+        lines = [json.loads(line) for line in text.splitlines()]
+    if not all(isinstance(one, dict) and "shared" in one for one in lines):
+        raise ValueError
+    first, answers = lines[0], [Answer(path, one) for one in lines]
+    values = [{name: one.values(holder) for name, holder in one.stages[0][1].items()} for one in answers]
+    muscles = [replace(read_specimen_of(one), name="") for one in answers]
+    if any(one != values[0] for one in values) or any(one != muscles[0] for one in muscles):
+        raise DataError(
+            f"{path}: holds the fits of {len(lines)} records, a line each, with parameters of their own; give the line "
+            "that is meant as a file of its own"
+        )
+    for name, table in ((name, holder["reading"]) for name, holder in first["branches"].items()):
+        each = [one["branches"][name]["reading"] for one in lines]
+        table["pressures_MPa"] = sorted({p for one in each for p in one["pressures_MPa"]})
+        table["contraction"] = _ends([one["contraction"] for one in each])
+    first["range"] = {key: _ends([one["range"][key] for one in lines]) for key in first["range"]}
+    return first
+
+
+def _ends(each: list[list[float]]) -> list[float]:
+    return [min(low for low, _ in each), max(high for _, high in each)]
 
 
 def _fit_of(diagnosis: Mapping[str, Any]) -> str:

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 
 from ..core.digits import newtons
 from ..fitting import Fit
+from . import over_pressure
 from .curves import CELLS, by_isobar, label_isobars, model_curve, stride
 from .style import (
     BRANCH_COLOUR,
@@ -78,10 +79,13 @@ def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Curve, 
 
 @styled
 def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
-    """Force over contraction on top; below it the error of `fit`, and of `after` on the same scale.
+    """Force over contraction on top; below it the error of `fit`, and of `after` on the same scale. Where the pressure
+    was driven and length or load held, what answered, over the pressure.
 
     The grey band in the lowest panel is the 95 % interval of the last fit's curve, the widest of all isobars.
     """
+    if over_pressure.suits(fit.record):
+        return over_pressure.draw(fit, after, limit)
     curves = data(fit, after, limit)
     panels = 3 if after else 2
     figure = canvas(4.2 + 1.5 * (panels - 1))
@@ -116,7 +120,9 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
 
 
 def isobars(fit: Fit) -> dict[str, float]:
-    """Pressures in MPa by the id that the parts of an isobar have in the figure."""
+    """Pressures in MPa by the id that the parts of an isobar have in the figure; none where the pressure was driven."""
+    if over_pressure.suits(fit.record):
+        return {}
     levels = dict.fromkeys(level for level, _, _ in by_isobar(fit.record, fit.rows))
     return {f"isobar-{k}": level for k, level in enumerate(levels, start=1)}
 

@@ -63,7 +63,7 @@ def data(before: Fit, after: Fit, limit: int = 1500) -> Signature:
         running_mean(new, window)[pick],
         (after.force - before.force)[order][pick],
         window,
-        _isobars(record.level[order], place),
+        _isobars(record.level[order], place) if record.inputs.pressure_rate is None else (),
     )
 
 

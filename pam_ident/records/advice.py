@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from .doubt import Doubt
-from .kind import kind_of
 from .record import Record
 
 
@@ -19,7 +18,7 @@ def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
     """What the record cannot show."""
     inputs = record.inputs
     levels = len(record.levels)
-    if levels < 3 and kind_of(record) == "isobaric":
+    if levels < 3 and record.kind == "isobaric":
         yield (
             f"{levels} pressure level{'s' if levels > 1 else ''}: what grows with pressure cannot be told from what "
             "does not. Measure at least three, better five."

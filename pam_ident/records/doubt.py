@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 GRAVE = {
+    "specimen": "the size of the muscle is in another unit",
     "pressure_sign": "the pressure is negative where a muscle works",
     "pressure_absolute": "the pressure counts from vacuum, not from the air's",
     "scale": "force, pressure or radius is in another unit",

@@ -7,6 +7,7 @@ from glob import glob, has_magic
 from pathlib import Path
 
 from ..core import DataError
+from ..core.files import spare
 from ..core.nearest import nearest
 from .datasets import bundled, dataset_names
 from .formats import catalogue
@@ -107,6 +108,7 @@ def find_files(path: str | Path) -> Files:
 
 def read_tables(path: Path, mapping: Mapping | None = None) -> list[Table]:
     """The tables of a file, by its ending; what ends in no known way is read as text. Raises DataError."""
+    spare(path)
     ending = _ending(path)
     if ending == ".xls":
         raise DataError(f"{path}: an old Excel file; save it as .xlsx or as CSV")

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from .doubt import GRAVE, Doubt
-from .kind import kind_of
 from .plausible import doubt_units
 from .readings import doubt_clock, doubt_force, doubt_temperature, spikes
 from .record import Record
@@ -24,7 +23,7 @@ def doubts_of(record: Record) -> tuple[Doubt, ...]:
         >>> print([(doubt.code, doubt.grave) for doubt in doubts_of(record)])
         [('force_sign', False)]
     """
-    found = [_with_header(record, doubt) for doubt in _all_of(record)]
+    found = [_with_header(record, doubt) for doubt in _all_of(record.measured or record)]
     found += [Doubt(note.code, note.text, note.column, note.code in GRAVE) for note in record.notes]
     return tuple(sorted(found, key=lambda doubt: not doubt.grave))
 
@@ -54,7 +53,7 @@ def _with_header(record: Record, doubt: Doubt) -> Doubt:
 
 def _doubt_wander(record: Record) -> Iterator[Doubt]:
     """The worst isobar whose pressure does not stay within 2 % (2 kPa)."""
-    if kind_of(record) != "isobaric":
+    if record.kind != "isobaric":
         return
     worst, ratio = None, 1.0
     for level in record.levels:

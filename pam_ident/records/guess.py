@@ -26,7 +26,7 @@ WORDS = {
 }
 """Words of a header that name a quantity, the narrower first."""
 ABSOLUTE = "bar_abs", "kPa_abs", "MPa_abs"
-SYNONYMS = "degC", "sec"
+SYNONYMS = "degC", "sec", "kg"
 ROWS, FIRST = 400, 2000
 """Rows that are looked at to tell columns apart by their numbers, and the first ones that they are taken from."""
 
@@ -78,6 +78,7 @@ def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Gue
         if clock is not None:
             found[clock] = "time"
             free.remove(clock)
+    free = [k for k in free if not np.all(np.diff(values[k]) == 1.0)]  # a count of the rows
     needed = [name for name in ("pressure", "force") if name not in named]
     needed += ["displacement"] * (not named & set(SHAPES))
     for k, quantity in _by_numbers(needed, free, found, values):

@@ -8,7 +8,6 @@ from .advice import advise
 from .doubt import Doubt
 from .files import Files, find_files
 from .gate import doubts_of
-from .kind import kind_of
 from .record import Record
 
 
@@ -66,7 +65,7 @@ def inspect_record(record: Record) -> Inspection:
         None if inputs.time is None else float(inputs.time[-1] - inputs.time[0]),
         None if inputs.temperature is None else (float(inputs.temperature.min()), float(inputs.temperature.max())),
         advise(record, doubts, speeds),
-        kind_of(record),
+        record.kind,
         doubts,
     )
 
@@ -77,7 +76,7 @@ def stroke_speeds(record: Record) -> tuple[float, ...]:
     if pace is None or moving is None or not moving.any():
         return ()
     values = np.sort(np.array([np.median(pace[record.stroke == k]) for k in np.unique(record.stroke[moving])]))
-    values = values[values > 0]
+    values = values[values > 1e-9]  # a locked length is rounded
     if not len(values):
         return ()
     groups = np.split(values, np.flatnonzero(values[1:] > 4.0 / 3.0 * values[:-1]) + 1)

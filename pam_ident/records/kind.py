@@ -1,14 +1,9 @@
 """Which kind of test a record is: what was driven, what was held, what answered."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..core import DataError, Specimen
 from .turning import pivots
-
-if TYPE_CHECKING:
-    from .record import Record
 
 Array = np.ndarray
 KINDS = {
@@ -42,16 +37,9 @@ def check_kind(kind: object, where: str) -> str:
     return kind
 
 
-def kind_of(record: "Record") -> str:
-    """`isobaric`, `isometric`, `isotonic` or `dynamic`: as was said (`kind` in specimen.toml or columns.toml), or as
-    the data show it. A static table is isobaric unless one of length and force never changes."""
-    inputs = record.inputs
-    columns = (inputs.pressure, inputs.contraction, record.force, record.level)
-    return record.said_kind or find_kind(record.specimen, *columns, inputs.time is not None)
-
-
 def find_kind(specimen: Specimen, pressure: Array, contraction: Array, force: Array, level: Array, timed: bool) -> str:
-    """The kind of columns (n,) in MPa, 1, N and MPa, `level` the nominal pressures, as the data show it."""
+    """The kind of columns (n,) in MPa, 1, N and MPa, `level` the nominal pressures, as the data show it. A static table
+    is isobaric unless one of length and force never changes."""
     step = max(1, len(force) // LOOKED_AT)
     with np.errstate(all="ignore"):
         return _found(specimen, pressure[::step], contraction[::step], force[::step], level[::step], timed)
@@ -71,6 +59,13 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
             return kind
     switched = driven and np.count_nonzero(np.diff(level)) >= len(_turns(e))
     return "dynamic" if switched or _wander(p, level) > HELD_PRESSURE else "isobaric"
+
+
+def held_lengths(contraction: Array) -> Array:
+    """The contraction ratio at which a muscle is locked at each sample, (n,)."""
+    values, place = np.unique(contraction, return_inverse=True)
+    group = np.r_[0, np.cumsum(np.diff(values) > HELD_LENGTH)][place]
+    return np.array([np.median(contraction[group == g]) for g in range(group.max() + 1)])[group]
 
 
 def _turns(values: Array) -> list[int]:

@@ -19,6 +19,7 @@ from .quantities import Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
+from .slack import slack_rows
 from .sources import Finder, find_sources, passed_over
 from .specimen_file import read_kind, read_specimen
 from .table import Table
@@ -54,7 +55,7 @@ def read_record(
     """
     files = find_files(path)
     muscle = specimen_of(files, specimen)
-    where: dict[str, str] = {}
+    where: dict[str, list[str]] = {}
     runs: list[Values] = []
     notes = Notes()
     passed: tuple[str, ...] = ()
@@ -67,13 +68,14 @@ def read_record(
             }
             runs.append(on_length(values, length_mm, muscle.initial_length_mm))
         if not where:
-            where = headers(sources)
             passed, clock = left_out(table, sources)
+        for name, header in headers(sources).items():
+            where.setdefault(name, []).append(header)
     values = join_runs(runs, str(path))
     del runs
     names = record_name(files, muscle), files.given, files_sha256(files)
     note_clock(notes, values, muscle, passed, clock)
-    found = build_loaded(*names, muscle, values, where, notes, said_kind(files, specimen, columns))
+    found = build_loaded(*names, muscle, values, _in_one(where), notes, said_kind(files, specimen, columns))
     return replace(found, metadata=read_metadata(files.folder), passed=passed)
 
 
@@ -140,6 +142,12 @@ def headers(sources: dict[str, Source]) -> dict[str, str]:
     return {key: source.header for key, source in sources.items()}
 
 
+def _in_one(where: dict[str, list[str]]) -> dict[str, str]:
+    """The header of each quantity; where runs differ the first and the last."""
+    told = {name: list(dict.fromkeys(headers)) for name, headers in where.items()}
+    return {name: " … ".join((one[0], one[-1])) if len(one) > 1 else one[0] for name, one in told.items()}
+
+
 def record_name(files: Files, specimen: Specimen) -> str:
     """The file's name, or the specimen's where the file has none that says anything."""
     return specimen.name if files.name in ("", "record") else files.name
@@ -191,6 +199,10 @@ def build_loaded(
         if clipped.any():
             notes.add("clipped", where["force"], f"sample {int(clipped.argmax()) + 1}", int(clipped.sum()))
             found = found.take(np.flatnonzero(~clipped))
+        slack = slack_rows(found)
+        if slack.any():
+            notes.add("slack", where["force"], f"sample {int(slack.argmax()) + 1}", int(slack.sum()))
+            found = found.take(np.flatnonzero(~slack))
     return replace(found, notes=notes.told())
 
 

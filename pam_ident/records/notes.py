@@ -17,6 +17,10 @@ TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
     "clipped": lambda n, column, where: (
         f"{_rows(n)} left out: column {column!r} is at the end of its range there or next to it (first {where})"
     ),
+    "slack": lambda n, column, where: (
+        f"{_rows(n)} left out: column {column!r} stands at zero there while the pressure changes, as of a muscle that "
+        f"hangs slack (first {where})"
+    ),
     "decimal_point": lambda _, column, where: (
         f"column {column!r}: {where} was read with a decimal point, but nothing in the file says that the point does "
         "not part thousands. Say decimal = '.' or ',' under [file] in a columns.toml"
@@ -83,7 +87,16 @@ class Notes:
         )
 
 
-LEAVE_OUT = ("empty_cells", "frozen_sensor", "impossible_value", "spike", "clipped", "weight_stands", "rows_chosen")
+LEAVE_OUT = (
+    "empty_cells",
+    "frozen_sensor",
+    "impossible_value",
+    "spike",
+    "clipped",
+    "slack",
+    "weight_stands",
+    "rows_chosen",
+)
 
 
 def _name_it(column: str | None, passed: str) -> str:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from .doubt import Doubt
-from .kind import kind_of
 from .record import Record
 
 Array = np.ndarray
@@ -52,6 +51,8 @@ largest pressure on, between these quantiles, where the ideal one's is so long. 
 1.23."""
 FALLS, RISES = -0.5, 0.5
 """Correlation of force and contraction along an isobar from which it is said to fall or rise."""
+LONGEST_MM = 1e4
+"""Length of a muscle beyond reason: the longest that are sold have 9 m."""
 
 
 class Pull(NamedTuple):
@@ -65,7 +66,15 @@ class Pull(NamedTuple):
 
 def doubt_units(record: Record) -> Iterator[Doubt]:
     """What looks like a wrong unit, sign or zero."""
-    pressure = record.inputs.pressure
+    pressure, muscle = record.inputs.pressure, record.specimen
+    if not 2.0 * muscle.initial_radius_mm < muscle.initial_length_mm < LONGEST_MM:
+        yield Doubt(
+            "specimen",
+            f"a muscle {muscle.initial_length_mm:g} mm long and {2.0 * muscle.initial_radius_mm:g} mm wide. Check the "
+            "unit of initial_length_mm and initial_radius_mm of the specimen, which are in mm.",
+            None,
+            True,
+        )
     if pressure.min() < -0.02:
         yield Doubt(
             "pressure_sign",
@@ -202,7 +211,7 @@ def _doubt_isobar(record: Record, likeness: float | None) -> Iterator[Doubt]:
     e, force = record.inputs.contraction[here], record.force[here]
     if likeness is None or not len(e) or np.ptp(e) < 1e-6:
         return
-    if kind_of(record) == "isotonic":  # of a few weights, whose lengths answer the pressure, no curve is seen
+    if record.kind == "isotonic":  # of a few weights, whose lengths answer the pressure, no curve is seen
         yield from _doubt_lift(record)
         return
     level = float(np.median(record.level[here]))

@@ -7,7 +7,6 @@ import numpy as np
 from ..core.digits import newtons
 from .clipped import ends_piled_up
 from .doubt import Doubt
-from .kind import kind_of
 from .record import Record
 
 Array = np.ndarray
@@ -106,7 +105,7 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
 
 def _doubt_pace(record: Record, time: Array) -> Iterator[Doubt]:
     pace, moving = record.inputs.stroke_speed, record.inputs.moving
-    if pace is None or moving is None or not moving.any() or kind_of(record) == "isometric":
+    if pace is None or moving is None or not moving.any() or record.kind == "isometric":
         return
     fastest = float(np.abs(pace[moving]).max())
     rate = fastest / record.specimen.initial_length_mm

@@ -47,11 +47,11 @@ class Record:
         passed: headers of the columns that were passed over.
         masked: how many slack rows were left out.
         notes: what else was left out, or assumed, while it was read.
-        said_kind: which kind of test it is said to be, empty where the data must show it (`kind_of`).
+        said_kind: which kind of test it is said to be, empty where the data must show it (`kind`).
         metadata: what else is known of it (rig, calibration, operator, date, licence), as `metadata.toml` says.
         groups: of a record of several files the number of a sample's `run` and the length in mm of its `muscle`, (n,).
-        carried: whether a load was held, the contraction is what a model predicts of it, and the force what the muscle
-            would have there.
+        measured: the record as it was measured, where a load was held, the contraction is what a model predicts of it,
+            and the force what the muscle would have there.
 
     Example:
         >>> from pam_ident.records import read_record
@@ -77,7 +77,7 @@ class Record:
     said_kind: str = ""
     metadata: Mapping[str, Any] = field(default_factory=dict)
     groups: Mapping[str, Array] = field(default_factory=dict)
-    carried: bool = False
+    measured: "Record | None" = None
     passed: tuple[str, ...] = ()
 
     def __len__(self) -> int:
@@ -88,10 +88,23 @@ class Record:
         """Geometry of the muscle."""
         return self.inputs.specimen
 
+    @property
+    def carried(self) -> bool:
+        """Whether the contraction is what a model predicts under a held load."""
+        return self.measured is not None
+
     @cached_property
     def levels(self) -> Array:
         """The isobars' nominal pressures in MPa, ascending."""
         return np.unique(self.level)
+
+    @cached_property
+    def kind(self) -> str:
+        """`isobaric`, `isometric`, `isotonic` or `dynamic`: as was said (`kind` in specimen.toml or columns.toml), or
+        as the data show it."""
+        inputs = self.inputs
+        columns = (inputs.pressure, inputs.contraction, self.force, self.level)
+        return self.said_kind or find_kind(self.specimen, *columns, inputs.time is not None)
 
     @cached_property
     def turn(self) -> Array:
@@ -110,6 +123,15 @@ class Record:
         parts = {name: getattr(self, name)[rows] for name in ("force", "level", "stroke", "block")}
         groups = {name: group[rows] for name, group in self.groups.items()}
         return replace(self, inputs=inputs, steady=steady, groups=groups, **parts)
+
+    def in_tenths(self) -> "Record":
+        """With tenths of the pressure for levels where that was driven; itself where it was held."""
+        if (self.measured or self).kind == "isobaric":
+            return self
+        p = self.inputs.pressure
+        edges = np.linspace(p.min(), p.max(), 11)
+        part = np.clip(np.searchsorted(edges, p, side="right") - 1, 0, 9)
+        return replace(self, level=(0.5 * (edges[1:] + edges[:-1]))[part].round(4))
 
     def branch_rows(self, branch: str) -> Array:
         """Mask of the samples of `contraction`, `extension` or `together` (all).

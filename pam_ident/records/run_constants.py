@@ -15,6 +15,8 @@ GRAVITY = 9.80665
 LOADS = {"load_N": 1.0, "load_kg": GRAVITY}
 MASSES = ("load_kg", "mass_kg")
 """Names of a mass that hangs on the muscle: what is accelerated with it."""
+NEEDED = {"pressure", "force", "load", "displacement", "contraction", "length"}
+"""What each run must have, as a constant or in a column of its own."""
 LENGTH, SPECIMEN = "initial_length_mm", "specimen"
 
 
@@ -26,13 +28,13 @@ class Runs:
     constants: Mapping[str, Mapping[str, Constant]]
 
     def check(self, folder: Path, names: list[str], elsewhere: set[str]) -> None:
-        """Raises DataError for a run that is no file, and for one that lacks what others have; quantities given
-        `elsewhere` for all runs may be left out."""
+        """Raises DataError for a run that is no file, and for one that lacks what others have, but for what it may have
+        in a column; quantities given `elsewhere` for all runs may be left out."""
         for name in self.constants:
             if not (folder / name).is_file():
                 raise DataError(f"{self.path}: [runs.{name!r}], but {folder} has no such file; fix the name")
         given = {name: {_what(key): key for key in self.constants.get(name, ())} for name in names}
-        needed = {what: key for keys in given.values() for what, key in keys.items() if what not in elsewhere}
+        needed = {what: key for keys in given.values() for what, key in keys.items() if what not in elsewhere | NEEDED}
         for name, keys in given.items():
             if lacking := sorted(set(needed) - set(keys)):
                 raise DataError(f"{self.path}: {needed[lacking[0]]} is given for other runs, not for {name!r}; add it")

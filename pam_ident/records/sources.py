@@ -163,9 +163,9 @@ def check_complete(found: Sequence[str], head: str, headers: Sequence[str], read
     there = f"among {', '.join(map(repr, headers))[:300]}"
     cure = "or say in a columns.toml beside the file which it is"
     if "force" in lacking:
-        cure += " (of a weight that hangs there, load_N under [runs])"
+        cure += " (of a weight that hangs in FILE: [runs.'FILE'] load_kg = 5)"
     if lacking == ["displacement"]:
         what = "displacement_mm, contraction, contraction_pct or length_mm column"
-        raise DataError(f"{head}: no {what} {there}; name one of them so, {cure}{ready}")
+        raise DataError(f"{head}: no {what} {there}; name one of them so, {cure}.{ready}")
     what, name = " and no ".join(lacking), " and ".join(NAMES[what] for what in lacking)
-    raise DataError(f"{head}: no {what} column {there}; name it {name} (or with another unit), {cure}{ready}")
+    raise DataError(f"{head}: no {what} column {there}; name it {name} (or with another unit), {cure}.{ready}")

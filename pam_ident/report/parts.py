@@ -7,6 +7,7 @@ from .. import plot
 from ..core.prose import capital
 from ..diagnosis.nouns import Diagnosis
 from ..effects import named
+from ..records import Record
 from . import tables
 from .easel import Easel, Part, live
 from .opening import held_out, opening
@@ -43,14 +44,28 @@ def _numbers(section: Section, easel: Easel) -> Part:
         ("error", " → ".join(newtons(one.rmse) for one in fits) + " rms"),
         ("held-out error", held_out(section)),
         ("noise", newtons(section.noise_floor)),
-        ("record", f"{len(section.record)} samples, {len(section.record.levels)} isobars"),
+        ("record", f"{len(section.record)} samples, {_kind(section.record)}"),
     )
     text = () if section.ladder else (section.diagnosis.sentence,)  # a ladder says it of each of its steps
     return Part(f"{easel.prefix}-numbers", "The answer in numbers", text, facts=facts)
 
 
+def _kind(record: Record) -> str:
+    return f"{len(record.levels)} isobars" if record.inputs.pressure_rate is None else f"{record.kind}: pressure driven"
+
+
 def _measured(section: Section, easel: Easel) -> Part:
     before, after = section.before, section.after
+    if plot.over_pressure.suits(section.record):
+        figure = plot.measured_against_model.draw(before, after, easel.points)
+        label = f"The answer to the pressure, measured and modelled by the {before.model.words}, and the error below"
+        caption = (
+            "What answered the pressure: points are measured, lines are the model. Below, the error measured − model"
+        )
+        caption += ", before and after adding the effects, on one scale." if after else "."
+        return Part(
+            f"{easel.prefix}-measured", "Measured against model", pictures=(easel.hang(figure, label, caption),)
+        )
     figure = plot.measured_against_model.draw(before, after, easel.points)
     label = f"Force over contraction, measured and modelled by the {before.model.words}, and the error below"
     caption = (

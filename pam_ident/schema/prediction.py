@@ -41,7 +41,7 @@ def validation_json(fit: str, record: str, found: "Validation") -> Json:
         "effects": list(found.saved.effects),
         "n": len(found.record),
         **_trial(found.trial, found.in_mm, found.in_force),
-        **({"left_out": found.left_out} if found.in_mm else {}),
+        **({"left_out": found.left_out, "unstable": found.unstable} if found.in_mm else {}),
         "coverage": found.coverage,
         "outside_share": found.outside,
         "simpler": [{"name": name, **_trial(one, found.in_mm)} for name, one in found.simpler.items()],

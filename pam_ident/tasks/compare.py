@@ -19,9 +19,6 @@ from ..records import Record
 from .gate import admit, computing, require_rows
 from .setup import Setup
 
-PARTS = 10
-"""Parts of a driven pressure's range for which the error is told."""
-
 
 def compare_record(record: Record, setup: Setup) -> Comparison:
     """Fit `setup.model` to both branches together and split the error by place: where the length answered that of the
@@ -37,14 +34,10 @@ def _compare_length(one: Fit) -> Comparison:
     """What it follows is that of the force at the measured length. Under one weight it is not asked: the length is a
     line over pressure, and all drivers that go with the pressure are one."""
     assert one.lengths is not None
-    p = one.record.inputs.pressure
-    edges = np.linspace(p.min(), p.max(), PARTS + 1)
-    part = np.clip(np.searchsorted(edges, p, side="right") - 1, 0, PARTS - 1)
-    record = replace(one.record, level=(0.5 * (edges[1:] + edges[:-1]))[part].round(4))
     follows: tuple[Follows, ...] = ()
     if len(np.unique(one.lengths.weight[one.rows])) > 1:
         follows = what_it_follows(fit(one.model, driven(one.model, one.record, one.values)))
-    found = compare(InLength.of(replace(one, record=record)), follows)
+    found = compare(InLength.of(replace(one, record=one.record.in_tenths())), follows)
     by = {"load_N": tuple(_by_weight(one)), **found.by}
     return replace(found, fit=one, by=by, sentence=_sentence(one, replace(found, by=by)))
 

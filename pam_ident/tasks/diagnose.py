@@ -51,7 +51,8 @@ def diagnose_record(record: Record, setup: Setup) -> Diagnosis:
 def fit_command(found: Diagnosis, record: str, setup: Setup) -> str:
     """The command line that fits the model with what was missing, so that it can be used."""
     model = found.best.model
-    return replace(setup, law=model.law.name, effects=tuple(model.labels)).command("fit", record, "--json", "fit.json")
+    law = setup.law if setup.law.endswith(".py") else model.law.name
+    return replace(setup, law=law, effects=tuple(model.labels)).command("fit", record, "--json", "fit.json")
 
 
 def diagnosing_record(record: Record, setup: Setup) -> Iterator[Diagnosis]:
@@ -88,7 +89,7 @@ def diagnose_records(records: Iterable[str], setup: Setup) -> Iterator[tuple[str
     setup.check()
     one = partial(_diagnose, setup)
     paths = list(records)
-    if len(paths) < 3 or setup.extra:
+    if len(paths) < 3 or setup.own:
         yield from ((path, *one(path)) for path in paths)
         return
     for path, found in zip(paths, Executor.of_cores().in_order(one, paths, "records"), strict=True):

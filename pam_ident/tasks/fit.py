@@ -24,7 +24,6 @@ from ..fitting.weigh import LOSSES, Weighing
 from ..parallel.executor import Executor
 from ..records import Record
 from ..records.doubt import Doubt
-from ..records.kind import kind_of
 from ..records.long import open_long
 from .gate import admit, computing, warnings_of
 from .intervals import bootstrap_of, profiles_of
@@ -102,12 +101,12 @@ class FitAnswer:
     @cached_property
     def loops(self) -> Mapping[float, float]:
         """The modelled loops in J by pressure; none where the pressure was driven, for then there is no isobar."""
-        return model_loops(self.fits) if kind_of(self.record) == "isobaric" else {}
+        return model_loops(self.fits) if self.record.kind == "isobaric" else {}
 
     @cached_property
     def measured_loops(self) -> Mapping[float, float]:
         """The loops of the record in J by pressure; none where the pressure was driven."""
-        return loop_energies(self.record, self.record.force) if kind_of(self.record) == "isobaric" else {}
+        return loop_energies(self.record, self.record.force) if self.record.kind == "isobaric" else {}
 
     @cached_property
     def spreads(self) -> Mapping[str, ReadingSpread]:
@@ -191,7 +190,7 @@ def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -
         with open_long(record, setup.specimen) as on_disk:
             fits = {name: fit_long(setup.model, on_disk, name, wishes.held) for name in branches}
         record = fits[branches[0]].record
-        admit(record, by_force=True)
+        admit(record, in_chunks=True)
     isobars, straight = None, ()
     if wishes.method == "two-stage":
         isobars = fit_isobars(setup.model, record, branches, wishes.held)

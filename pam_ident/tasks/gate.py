@@ -19,7 +19,7 @@ from ..model import Model
 from ..records import Record
 from ..records.doubt import GRAVE, Doubt, grave
 from ..records.gate import doubts_of
-from ..records.kind import KINDS, kind_of
+from ..records.kind import KINDS
 from ..records.plausible import FAINT_MPA
 
 LITTLE, UNLIKE = 0.1, 0.3
@@ -138,7 +138,7 @@ def _doubt_length(one: Fit) -> Iterator[Doubt]:
             f"{millimetres(moves)} rms: it explains nothing. Check units, signs and the specimen, or take another law."
         )
         yield Doubt("explains_nothing", text, "displacement", True)
-    if len(np.unique(weight)) == 1:
+    if len(np.unique(weight)) == 1 and not one.shared:
         text = (
             f"all samples carry one weight, about {newtons(weight[0])}: what the law says of another rests on its form "
             "alone. Hang other weights."
@@ -186,9 +186,8 @@ def warnings_of(one: Fit) -> tuple[Doubt, ...]:
     return (*doubts_about(one), *(Doubt("effect", f"{capital(e.title)}: {e.warning}") for e in effects if e.warning))
 
 
-def admit(record: Record, by_force: bool = False) -> None:
-    """Raises Refused where the clock stands, for a force beyond arithmetic, and, where only an error of the force is
-    known (`by_force`), for an isotonic test."""
+def admit(record: Record, in_chunks: bool = False) -> None:
+    """Raises Refused where the clock stands, for a force beyond arithmetic, and for an isotonic test `in_chunks`."""
     if not np.abs(record.force).max() < BEYOND_N:
         row = int(np.abs(record.force).argmax())
         text = f"sample {row + 1} reads a force of {newtons(record.force[row])}. Fix or delete the row"
@@ -197,10 +196,10 @@ def admit(record: Record, by_force: bool = False) -> None:
     if time is not None and len(record) > 1 and np.ptp(time) < LEAST_STEP_S * len(record):
         text = f"the clock advances by {np.ptp(time):.3g} s in {len(record)} rows. Fix its unit, or leave the time out"
         raise _refused(Refused, record, "clock_scale", text)
-    if by_force and by_length(record):
+    if in_chunks and by_length(record):
         text = (
-            f"an isotonic test, {KINDS['isotonic']}: it is answered one record at a time, not in chunks. Give it "
-            'alone, or say `kind = "isobaric"` at the top of specimen.toml if this is one'
+            f"an isotonic test, {KINDS['isotonic']}: it is answered from memory, not in chunks. Give a part "
+            'of it, or say `kind = "isobaric"` at the top of specimen.toml if this is one'
         )
         raise _refused(Refused, record, "kind", text)
 
@@ -262,7 +261,7 @@ def _lacking(record: Record, parameters: int) -> str | None:
     if n / strokes < ROWS_A_STROKE:
         return f"{n / strokes:.2g} rows a stroke, and the least is {ROWS_A_STROKE}"
     off = inputs.pressure - inputs.pressure.mean()
-    if kind_of(record) == "dynamic" and np.mean(off[1:] * off[:-1]) < STEADY * np.mean(off**2):
+    if record.kind == "dynamic" and np.mean(off[1:] * off[:-1]) < STEADY * np.mean(off**2):
         return "the pressure jumps from row to row, faster than it is logged"
     return None
 

@@ -61,7 +61,7 @@ def _nested(found: Ladder, record: Record, setup: Setup, executor: Executor) -> 
         return diagnose(model, record, *setup.tried)
 
     # Effects of the user's own could not be looked up by another process.
-    who, again = (HERE, partial(_again, setup)) if setup.extra else (executor, partial(_again, setup.bare()))
+    who, again = (HERE, partial(_again, setup)) if setup.own else (executor, partial(_again, setup.bare()))
     try:
         return nested(found, again, ended, setup.held_out, who)
     except (FitError, UsageError):

@@ -19,7 +19,7 @@ from ..model import Model
 from ..records import Record
 from ..records.doubt import Doubt
 from ..records.gate import doubts_of
-from .states import read_states
+from .states import States, read_states
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 Array = np.ndarray
 AS_WELL = 1.05
 """How much larger the error of a simpler model may be for it to predict as well."""
+MOST_LOST = 0.5
+"""Share of the rows for which a fit has no stable length, from which nothing is said of its lengths."""
 SIMPLER = {
     "mean_over_pressure": "the mean force over pressure",
     "contraction_over_pressure": "a line of the contraction over pressure",
@@ -83,7 +85,8 @@ class Validation(Shown):
     is known; `simpler` the same errors of models that any muscle model must beat, fitted to what the fit was.
 
     Of an isotonic record `trial` and `simpler` are errors of the length in mm, `in_force` those of the force at the
-    measured length in N; `left_out` are the rows at its mechanical limit, which are in none of them."""
+    measured length in N; `left_out` are the rows at its mechanical limit, and `unstable` those for which the fit has no
+    stable length, which are in none of them."""
 
     record: Record
     saved: SavedFit
@@ -93,6 +96,7 @@ class Validation(Shown):
     simpler: Mapping[str, ErrorsThere]
     in_force: ErrorsThere | None = None
     left_out: int = 0
+    unstable: int = 0
 
     def __repr__(self) -> str:
         told = {"the fit": self.trial, **{SIMPLER[name]: one for name, one in self.simpler.items()}}
@@ -129,6 +133,8 @@ class Validation(Shown):
         share = probability(self.coverage)
         known = "" if math.isnan(self.coverage) else f" {share} of the readings lie in their 95 % interval."
         names = " and ".join(SIMPLER[name] for name in self.as_well)
+        if self.unstable:
+            known += f" It has no length for {self.unstable} of the samples."
         rest = f" No better than {names}." if names else " No simpler model does as well." if self.simpler else ""
         what, error = ("the length of ", millimetres) if self.in_mm else ("", newtons)
         return f"The fit predicts {what}{self.record.name} to {error(self.trial.rmse)} rms.{known}{rest}"
@@ -273,19 +279,25 @@ def length_frame(inputs: Inputs, load: Array, found: LengthPrediction) -> "pd.Da
 
 
 def predict_at(saved: SavedFit, at: str | Path) -> Predicted:
-    """The force of a saved fit at each row of a file, which needs no force; or, where it gives a force and no length,
-    the length at which the muscle carries that. Raises DataError, UsageError."""
+    """The force of a saved fit at each row of a file, as `asked` has it. Raises DataError, UsageError."""
     states = read_states(at, saved.specimen)
-    inputs, force = states.inputs, states.load
-    if force is None:
-        frame = prediction_frame(inputs, predict(saved.branches, inputs))
-    else:
-        frame = length_frame(inputs, force, predict_length(saved.branches, inputs, force))
+    frame = asked(saved.branches, states)
     warnings = [*states.warnings, *([_beyond(saved, frame)] if frame["outside"].to_numpy().any() else [])]
     if "unexplained" in frame and frame["unexplained"].to_numpy().any():
         lack = "the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks"
         warnings.append(lack)
+    if states.load is not None and not frame["reading_low_mm"].notna().to_numpy().any():
+        warnings.append("no interval of readings: how far lengths lie off was not learned from the record fitted")
     return Predicted(frame, tuple(warnings))
+
+
+def asked(branches: Mapping[str, Predictor], states: States) -> "pd.DataFrame":
+    """Force at some states, or where they give a force and no length, the length at which the muscle carries that.
+    Raises DataError, UsageError."""
+    inputs, load = states.inputs, states.load
+    if load is None:
+        return prediction_frame(inputs, predict(branches, inputs))
+    return length_frame(inputs, load, predict_length(branches, inputs, load))
 
 
 def _beyond(saved: SavedFit, frame: "pd.DataFrame") -> str:
@@ -334,13 +346,16 @@ def _validate_length(saved: SavedFit, record: Record, error: Array, plain: Simpl
     inputs, load = record.inputs.take(rows), load_of(record)[rows]
     found = predict_length(saved.branches, inputs, load)
     lost = np.isnan(found.contraction)
-    if lost.any():
+    if lost.mean() > MOST_LOST:
         row = int(rows[lost.argmax()]) + 1
         state = f"{load[lost][0]:.3g} N at {inputs.pressure[lost][0]:.3g} MPa"
         raise DataError(
             f"{record.source or record.name}: sample {row} ({state}), and {int(lost.sum()) - 1} more: the fit of "
             f"{saved.path or saved.law} has no stable length there. Leave them out with --where, or fit such states"
         )
+    rows, load = rows[~lost], load[~lost]
+    inputs = record.inputs.take(rows)
+    found = predict_length(saved.branches, inputs, load)
     x, length = inputs.displacement_mm, record.specimen.initial_length_mm
     off = x - length * found.contraction
     known = np.isfinite(found.half_reading)
@@ -353,5 +368,6 @@ def _validate_length(saved: SavedFit, record: Record, error: Array, plain: Simpl
         float(found.outside.mean()),
         {name: ErrorsThere.of(x - length * e, x) for name, e in beside.items()},
         ErrorsThere.of(error[rows], record.force[rows]),
-        len(record) - len(rows),
+        len(record) - len(rows) - int(lost.sum()),
+        int(lost.sum()),
     )

@@ -6,7 +6,7 @@ from ..core import FitError
 from ..core.prose import capital
 from ..diagnosis import compare
 from ..diagnosis.nested import HERE
-from ..diagnosis.nouns import Diagnosis, Ladder
+from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
 from ..fitting import Fit, IsobarTable, fit_isobars, loop_energies
 from ..fitting.energy import energy_warning, model_loops
 from ..model import Model
@@ -31,18 +31,24 @@ def build_section(record: Record, setup: Setup, executor: Executor = HERE) -> Se
 
 def section_of(record: Record, base: Fit, diagnosis: Diagnosis, ladder: Ladder, best: Fit | None) -> Section:
     """The section of what has been found: `base` is the law as given, `best` the completed model, None without one."""
-    loops = model_loops({"together": best or base})
+    held = record.kind == "isobaric"
+    loops = model_loops({"together": best or base}) if held else {}
     return Section(
         record,
-        compare(base),
+        _compared(base),
         diagnosis,
-        compare(best) if best is not None else None,
+        _compared(best) if best is not None else None,
         ladder,
-        _isobars(base.model, record),
-        loop_energies(record, record.force),
+        _isobars(base.model, record) if held else (),
+        loop_energies(record, record.force) if held else {},
         loops,
         _warnings(base, best or base, loops),
     )
+
+
+def _compared(one: Fit) -> Comparison:
+    """Where a fit fails, by tenths of a pressure that was driven."""
+    return compare(replace(one, record=one.record.in_tenths()))
 
 
 def completed(diagnosis: Diagnosis, ladder: Ladder) -> Fit | None:

@@ -42,7 +42,8 @@ class Setup:
     """What a task is asked: a law by name with effects, the user's own effect files, and the specimen's file.
 
     Args:
-        law: name of a law of the catalogue, or `auto` for a task that chooses one.
+        law: name of a law of the catalogue, a Python file that defines one of the user's own, or `auto` for a task that
+            chooses one.
         effects: `name` or `name:form` each.
         effect_files: Python files that define effects of the user's own.
         free_geometry: whether radius and braid angle are fitted, too.
@@ -81,6 +82,11 @@ class Setup:
     def extra(self) -> tuple[Effect, ...]:
         """The effects of the user's own files. Raises UsageError where one cannot be loaded."""
         return load_effect_files(self.effect_files)
+
+    @property
+    def own(self) -> bool:
+        """Whether a law or an effect is the user's own, which another process could not look up."""
+        return bool(self.extra) or self.law.endswith(".py")
 
     @property
     def held_out(self) -> str:

@@ -54,7 +54,7 @@ def fit_records(
     names = shared_names(setup.model, shared)
     with one_blas_thread():
         for record in records:
-            admit(record, by_force=True)
+            admit(record)
         each = {b: fit_together(setup.model, records, names, b, wishes.held) for b in branch_names(wishes.branch)}
         answers = []
         for k, record in enumerate(records):

@@ -212,7 +212,20 @@ def test_29_predict_without_what_an_effect_needs_says_so(rubbing):
 
 
 def test_30_predict_beyond_the_record_says_so(fitted):
-    assert fitted.predict([0.3, 0.9], 0.05)["outside"].tolist() == [False, True]
+    with pytest.warns(UserWarning, match="1 of 2 states lie outside what was fitted"):
+        assert fitted.predict([0.3, 0.9], 0.05)["outside"].tolist() == [False, True]
+
+
+@pytest.mark.filterwarnings("ignore:.* states lie outside")
+def test_30a_the_length_under_a_load_is_predicted_from_a_table(fitted):
+    found = fitted.predict({"pressure_MPa": [0.4, 0.4], "force_N": [250.0, 350.0]})
+    longer, shorter = found["displacement_mm"]
+    assert longer > shorter and fitted.predict(0.4, found["contraction"][0])["force_N"].item() == pytest.approx(250.0)
+
+
+def test_an_argument_that_there_is_not_is_told_with_what_it_may_have_meant(record):
+    with pytest.raises(UsageError, match="unknown argument 'effect'; did you mean effects"):
+        pam.fit(record, "sarosi", effect=["creep"])
 
 
 def test_30b_predict_where_no_muscle_is_is_refused_as_the_command_does(fitted):

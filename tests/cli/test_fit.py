@@ -187,6 +187,32 @@ def test_an_effect_of_the_users_own(answer, clean, tmp_path):
     assert refused.exit_code == 2 and "comes by --effect-file FILE.py" in refused.stderr
 
 
+OWN_LAW = """from pam_ident.core import Param
+from pam_ident.laws import Law
+
+
+def columns(p, e, specimen, values):
+    return p.__array_namespace__().stack([p, p * e, e]).T
+
+
+LAW = Law("plane", "plane of mine", "F = p (f0 + f1 ε) + f2 ε", "mine",
+          tuple(Param(f"f{k}", "N/MPa", "mine", scale=1000.0) for k in range(3)), columns=columns)
+"""
+
+
+def test_a_law_of_the_user_s_own_comes_by_its_file(ask, write_record, tmp_path):
+    record, own = write_record(seed=5), tmp_path / "plane.py"
+    own.write_text(OWN_LAW, encoding="utf-8")
+    result = ask("fit", record, "--law", own, "--json", tmp_path / "own.json")
+    assert result.exit_code == 0 and "plane: F = p (f0 + f1 ε) + f2 ε" in result.stdout
+    assert ask("validate", tmp_path / "own.json", record).exit_code == 0
+    found = ask("ladder", record, "--law", own)
+    assert found.exit_code == 0 and "plane of mine" in found.stdout
+    (tmp_path / "none.py").write_text("EFFECT = 1", encoding="utf-8")
+    refused = ask("fit", record, "--law", tmp_path / "none.py")
+    assert refused.exit_code == 2 and "defines no law; expected LAW = Law(...)" in refused.stderr
+
+
 def test_several_records_are_fitted_together_with_what_they_share(ask, write_record, tmp_path):
     paths = [write_record(seed=seed, friction=friction) for seed, friction in ((5, 0.0), (6, 12.0))]
     words = ("--law", "exponential_law", "--effect", "coulomb_friction:held", "--shared", "mu", "--shared", "b1")
@@ -202,8 +228,11 @@ def test_several_records_are_fitted_together_with_what_they_share(ask, write_rec
     assert mu[0] == mu[1] and friction == pytest.approx([0.0, 12.0], abs=0.3)
     (tmp_path / "one.json").write_text(json.dumps(found[1]), encoding="utf-8")
     assert ask("validate", tmp_path / "one.json", paths[1]).exit_code == 0
-    whole = ask("fit", *paths, "--law", "exponential_law", "--shared", "all", "--branch", "contraction")
-    assert "contraction, shared" in whole.stdout
+    refused = ask("validate", tmp_path / "both.json", paths[1])
+    assert refused.exit_code == 4 and "the fits of 2 records, a line each" in refused.stderr
+    whole = ask("fit", *paths, "--law", "exponential_law", "--shared", "all", "--json", tmp_path / "all.json")
+    assert "together, shared by all 2 records" in whole.stdout
+    assert ask("validate", tmp_path / "all.json", paths[1]).exit_code == 0
 
 
 @pytest.mark.parametrize(

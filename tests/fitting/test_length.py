@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from pam_ident.core import DataError, Specimen, UsageError
-from pam_ident.fitting import Weighing, fit
+from pam_ident.fitting import Weighing, fit, fit_together
 from pam_ident.fitting.length import Lengths, at_limit, equilibrium, implicit, load_of, weights_of
 from pam_ident.model import Model
 from pam_ident.records import Record, record_from_frame
@@ -67,6 +67,27 @@ def test_weights_and_isobars_give_one_muscle_the_same_parameters(seed):
         assert abs(one.value - other.value) < 3.0 * np.hypot(one.stderr, other.stderr)
         assert abs(one.value - getattr(truth, one.name)) < 3.0 * one.stderr
     assert rms_mm(LAW, isobars.values, record(seed)) < SENSORS_MM
+
+
+def test_records_of_one_weight_each_are_fitted_together_as_one_of_all():
+    whole = fit(LAW, record(3))
+    for one in fit_together(LAW, [under(record(3), k) for k in range(3)], LAW.names):
+        assert one.valid and one.length_errors.rmse < SENSORS_MM
+        for mine, its in zip(one.estimates, whole.estimates, strict=True):
+            assert mine.value == pytest.approx(its.value, abs=0.1 * its.stderr)
+            assert mine.stderr == pytest.approx(its.stderr, rel=0.1)
+
+
+def test_a_weight_and_isobars_are_fitted_together_each_by_what_answered():
+    records, truth = [record(3, "standard"), under(record(3), 1)], rig(3).muscle.law
+    isobars, weight = fit_together(LAW, records, LAW.names)
+    assert isobars.valid and weight.valid and weight.length_errors.rmse < SENSORS_MM
+    for one, alone in zip(isobars.estimates, fit(LAW, records[0]).estimates, strict=True):
+        assert one.stderr < alone.stderr and abs(one.value - getattr(truth, one.name)) < 3.0 * one.stderr
+    isobars, weight = fit_together(LAW, [records[0], record(3)])
+    for one, alone in ((isobars, fit(LAW, records[0])), (weight, fit(LAW, record(3)))):
+        for mine, its in zip(one.estimates, alone.estimates, strict=True):
+            assert (mine.value, mine.stderr) == pytest.approx((its.value, its.stderr), rel=1e-3)
 
 
 @pytest.mark.parametrize("law", ["exponential_law", "modified_chou_hannaford", "hildebrandt", "martens_boblan"])

@@ -13,6 +13,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.text import Text
 
 from pam_ident import plot
+from pam_ident.core import Specimen
 from pam_ident.diagnosis.compare import compare
 from pam_ident.diagnosis.nouns import Follows, Pattern
 from pam_ident.fitting import fit, fit_isobars
@@ -20,7 +21,8 @@ from pam_ident.leg.anatomy import KNEE
 from pam_ident.leg.muscle import Muscle
 from pam_ident.leg.track import Tracking, TrackRung
 from pam_ident.model import Model
-from pam_ident.plot import batch_spread, batch_trend, failure_map, loop_diagram, style, tracking
+from pam_ident.plot import batch_spread, batch_trend, failure_map, loop_diagram, over_pressure, style, tracking
+from pam_ident.records import build_record
 from pam_ident.records.datasets import dataset_path
 from pam_ident.validation.calibration import reliability
 
@@ -75,6 +77,18 @@ def hidden_and_named():
     return {(a, b): 3 if a == b else 1 for a in names for b in names}
 
 
+def locked():
+    """A muscle locked at some lengths, its pressure driven up and down."""
+    p, e = (
+        np.tile(np.r_[np.linspace(0.05, 0.5, 100), np.linspace(0.5, 0.05, 100)], 4),
+        np.repeat([0, 0.05, 0.1, 0.15], 200),
+    )
+    muscle = Specimen("locked", 200.0, 10.0, 25.4)
+    force = 0.9 * muscle.ideal_force(p, e) + np.random.default_rng(1).normal(0.0, 2.0, 800)
+    record = build_record("locked", muscle, p, e, force, time=0.05 * np.arange(800))
+    return [fit(Model.build("chou_hannaford", effects), record) for effects in ((), ("threshold_pressure",))]
+
+
 DRAW = {
     "batch_spread": lambda d, _: batch_spread.draw(spread_panels()),
     "batch_trend": lambda d, _: batch_trend.draw(trend_panels()),
@@ -95,6 +109,7 @@ DRAW = {
     "laws_compared": lambda d, _: plot.laws_compared.draw([d.base, fit(Model.build("chou_hannaford"), d.base.record)]),
     "loop_diagram": lambda d, _: loop_diagram.draw(),
     "measured_against_model": lambda d, _: plot.measured_against_model.draw(d.base, d.best),
+    "over_pressure": lambda d, _: over_pressure.draw(*locked()),
     "profiles": lambda d, _: plot.profiles.draw(compare(d.base)),
     "residual_pattern": lambda d, _: plot.residual_pattern.draw(
         d.best, Pattern("local", "contraction", 12.0, "mm", 0.2, "")

@@ -18,7 +18,6 @@ from pam_ident.records.datasets import dataset_names, dataset_record
 from pam_ident.records.doubt import GRAVE
 from pam_ident.records.gate import doubts_of
 from pam_ident.records.inspection import inspect_record
-from pam_ident.records.kind import kind_of
 from pam_ident.tasks.compare import compare_record
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.fit import fit_record
@@ -89,7 +88,7 @@ def test_there_are_sixty_kinds_of_degenerate_records():
 @pytest.mark.parametrize("name", [n for n in dataset_names() if n not in ("gait",)])
 def test_no_data_set_is_stopped(name):
     record = read_record(dataset_record(name))
-    assert not codes(record) and kind_of(record) == "isobaric"
+    assert not codes(record) and record.kind == "isobaric"
     may_name(record, Setup("exponential_law").model)
 
 
@@ -205,15 +204,15 @@ def test_a_law_that_explains_nothing_is_said_first(fine):
 )
 def test_the_kind_of_test_is_found_and_can_be_said(name, kind):
     record = record_of(KINDS[name](np.random.default_rng(1)))
-    assert kind_of(record) == kind
-    assert kind_of(replace(record, said_kind="isobaric")) == "isobaric"
+    assert record.kind == kind
+    assert replace(record, said_kind="isobaric").kind == "isobaric"
 
 
 def test_what_a_verb_cannot_answer_is_refused():
     weight, locked = (record_of(KINDS[n](np.random.default_rng(1))) for n in ("a dead weight", "locked at one length"))
     admit(weight)
     with pytest.raises(DataError, match="an isotonic test"):
-        admit(weight, by_force=True)
+        admit(weight, in_chunks=True)
     with pytest.raises(PamError, match="the length changes by"):
         may_name(locked, SETUP.model)
     assert fit_record(locked, SETUP).fits["together"].rmse < 3.0
