@@ -1,6 +1,5 @@
 """What a fitted model can be asked elsewhere, and a fit that is read back from its file."""
 
-import json
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -11,6 +10,7 @@ from ..core import DataError, Specimen, UsageError
 from ..core.digits import millimetres, newtons
 from ..core.files import check_target, write_json
 from ..fitting.prediction import Predictor
+from ..leg.fit_file import content_of
 from ..records import Record
 from ..tasks.export import export_fit
 from ..tasks.predict import (
@@ -155,7 +155,7 @@ def load(path: str | Path) -> Any:
         135 N
     """
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = content_of(Path(path), Path(path).read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; expected what to_json or --json wrote") from None
     except OSError as error:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
+OTHER_WEIGHTS = "hang other weights, or fit records under several together (`--shared all`)"
 BY_READINGS = "by readings of all rows"
 
 
@@ -150,7 +151,7 @@ class Fit:
             e.name for e in self.estimates if not (e.identified or (e.verdict.kind == "dead" and e.name in acting))
         ]
         if loose:
-            more = "hang other weights" if self.lengths else "drop an effect, or vary more on the rig"
+            more = OTHER_WEIGHTS if self.lengths else "drop an effect, or vary more on the rig"
             found.append(f"the record does not determine {', '.join(loose)}; {more}")
         return found
 

@@ -104,7 +104,7 @@ def read_answer(path: str | Path) -> Answer:
     commands = [f"`pam-ident {kind} RECORD --law LAW{' --effect NAME' * (kind == 'add')} --json F`" for kind in FITTED]
     hint = f"expected a file of {' or '.join(commands)}"
     try:
-        content = _content(path, path.read_text(encoding="utf-8"))
+        content = content_of(path, path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; {hint}") from None
     except OSError as error:
@@ -125,7 +125,7 @@ def read_answer(path: str | Path) -> Answer:
     return Answer(path, content)
 
 
-def _content(path: Path, text: str) -> Any:
+def content_of(path: Path, text: str) -> Any:
     """What a file holds: an object, or the one that lines of a fit to several records of one muscle come to, which has
     seen what all of them have.
 
@@ -135,7 +135,7 @@ def _content(path: Path, text: str) -> Any:
         return json.loads(text)
     except ValueError:
         lines = [json.loads(line) for line in text.splitlines()]
-    if not all(isinstance(one, dict) and "shared" in one for one in lines):
+    if not lines or not all(isinstance(one, dict) and "shared" in one for one in lines):
         raise ValueError
     first, answers = lines[0], [Answer(path, one) for one in lines]
     values = [{name: one.values(holder) for name, holder in one.stages[0][1].items()} for one in answers]
