@@ -111,7 +111,7 @@ class Figures:
 
     def _name_isobars(self, on: Any) -> None:
         """The pressure of each stripe that has room for it."""
-        whole = self.shown.isobars[-1][1] - self.shown.isobars[0][0] or 1.0
+        whole = float(np.ptp(self.shown.x)) or 1.0
         for begin, end, level in self.shown.isobars:
             if (end - begin) / whole > LEAST_ROOM:
                 look: dict[str, Any] = {"text_align": "center", "text_font_size": "11px", "text_color": "gray"}

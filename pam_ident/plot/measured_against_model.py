@@ -120,9 +120,7 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
 
 
 def isobars(fit: Fit) -> dict[str, float]:
-    """Pressures in MPa by the id that the parts of an isobar have in the figure; none where the pressure was driven."""
-    if over_pressure.suits(fit.record):
-        return {}
+    """Pressures in MPa by the id that the parts of an isobar have in the figure."""
     levels = dict.fromkeys(level for level, _, _ in by_isobar(fit.record, fit.rows))
     return {f"isobar-{k}": level for k, level in enumerate(levels, start=1)}
 

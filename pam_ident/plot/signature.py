@@ -137,7 +137,7 @@ def _added(before: Fit, after: Fit) -> str:
 
 def _mark_isobars(axes: Axes, shown: Signature, width: float) -> None:
     """Pale stripes for every second isobar and the pressure in each, as far as there is room."""
-    whole = shown.isobars[-1][1] - shown.isobars[0][0] or 1.0
+    whole = float(np.ptp(shown.x)) or 1.0
     room = 0.075 * WIDTH / width
     for i, (begin, end, level) in enumerate(shown.isobars):
         if i % 2 == 0:

@@ -9,10 +9,10 @@ import pytest
 
 from pam_ident.batch.record import answer
 from pam_ident.batch.request import BatchRequest, plan
-from pam_ident.core import DataError, UsageError
+from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.fitting import fit
 from pam_ident.fitting.carried import driven
-from pam_ident.records import read_record
+from pam_ident.records import build_record, read_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
 from pam_ident.schema.diagnosis import comparison_json
 from pam_ident.schema.fit import fit_json
@@ -25,6 +25,7 @@ from pam_ident.tasks.gate import GraveDoubt, Refused
 from pam_ident.tasks.ladder import climb_ladder
 from pam_ident.tasks.law_choice import choose_for_all, settle
 from pam_ident.tasks.predict import predict_at, read_fit, validate_fit
+from pam_ident.tasks.report import report_record
 from pam_ident.tasks.setup import AUTO, Setup
 from pam_ident.workbench.bench import Bench
 
@@ -226,3 +227,23 @@ def test_the_workbench_goes_along_the_lengths_that_the_law_predicts(cases):
     assert found.diagnosis.verdict == diagnose_record(record, SETUP).verdict == "adequate"
     assert "errors are those of the force at the measured length" in found.diagnosis.sentence
     assert found.adding("creep").rungs[0] is found.rungs[0]
+
+
+def locked_record():
+    """A muscle locked at four lengths, its pressure driven up and down, with friction that grows with it."""
+    muscle, rng = Specimen("locked", 200.0, 10.0, 25.4), np.random.default_rng(3)
+    ramp = np.r_[np.linspace(0.05, 0.5, 100), np.linspace(0.5, 0.05, 100)]
+    p, e = np.tile(ramp, 4), np.repeat([0.0, 0.05, 0.1, 0.15], 200)
+    rub = -20.0 * p * np.tile(np.repeat([1.0, -1.0], 100), 4)
+    force = muscle.ideal_force(p, e) + rub + rng.normal(0.0, 2.0, 800)
+    return build_record("locked", muscle, p, e, force, time=0.2 * np.arange(800))
+
+
+@pytest.mark.parametrize("kind", ["isometric", "isotonic"])
+def test_a_report_of_a_driven_pressure_tells_of_no_isobar(cases, tmp_path, kind):
+    record = locked_record() if kind == "isometric" else read_record(cases["weight_ramps"])
+    out = tmp_path / "report.html"
+    report_record(record, Setup("modified_chou_hannaford", only=("pressure_friction",), heldout="refit"), str(out))
+    page = out.read_text(encoding="utf-8")
+    assert f"samples, {kind}: pressure driven" in page and "What answered the pressure" in page
+    assert "Isobar by isobar" not in page and "Energy of the loops" not in page
