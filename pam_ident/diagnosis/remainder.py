@@ -24,8 +24,9 @@ WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
 """Samples, or memories of the noise where these are longer, over which what is left is averaged, and how many times the
 median of such averages their mean may be: noise is there all the time, however coloured, heavy-tailed, or larger at one
 pressure."""
-SMOOTHER = 0.3
-"""Correlation of neighbouring samples where most of it lies, over that elsewhere, from which it is not louder noise."""
+SMOOTHER = 3.0
+"""Standard deviations of Fisher's z by which the correlation of neighbours where most of it lies exceeds that elsewhere
+or falls short of it, from which it is not louder noise."""
 AT_TURNS = 3.0
 """Times the noise that most of what is left at the turns of the motion exceeds where it is none: in 82 records without
 anything hidden it was 1.5 at most."""
@@ -184,8 +185,9 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if pairs.mean() < BURSTING * np.median(pairs):
         return None
     struck = pairs > BURSTING * np.median(pairs)
-    there, elsewhere = (np.array([one[at].sum() for one in beside]) / square[at].sum() for at in (struck, ~struck))
-    if np.max(np.abs(there - elsewhere)) < SMOOTHER:
+    alike = (np.array([one[at].sum() for one in beside]) / square[at].sum() for at in (struck, ~struck))
+    there, elsewhere = (np.arctanh(np.clip(one, -0.999, 0.999)) for one in alike)
+    if np.max(np.abs(there - elsewhere)) * math.sqrt(square[struck].size) < SMOOTHER:
         return None
     share, worst = float(pairs[struck].sum() / pairs.sum()), float(time[window * int(np.argmax(pairs))])
     text = f"bursts: {percent(share)} of what is left in {percent(float(struck.mean()))} of the time, the most at "
