@@ -201,7 +201,7 @@ def diagnosing(
         experiment = after_pattern(pattern, selection, fitted)
     else:
         experiment = next_experiment(selection, fitted, classes)
-    if experiment and experiment.protocol and (record.measured or record).kind in ("isometric", "isotonic"):
+    if experiment and experiment.protocol and record.drives_pressure:
         experiment = replace(experiment, text=experiment.text + ANOTHER_RIG)
     ranking = _ranking(base, selection, candidates, named, chance)
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)

@@ -20,7 +20,7 @@ from ..laws import get_law, listed
 from ..model import Model
 from ..parallel.executor import Executor
 from ..records import Record
-from ..records.kind import HELD_LENGTH
+from ..records.kind import held_lengths
 from .heldout import FOLDS, heldout_rmse, in_parts
 from .ladder import LEAST_FALL
 from .nouns import Diagnosis, Ladder, Nested, Rung
@@ -54,7 +54,7 @@ def masks_of(record: Record, by: str) -> list[Array]:
 
 
 def _blocks(record: Record, by: str) -> Array:
-    """Number of each sample's block, shape (n,); all alike where a record has no such blocks."""
+    """What tells each sample's block from others, shape (n,); all alike where a record has no such blocks."""
     alike = np.zeros(len(record), int)
     if by == "cycle":
         return alike if record.inputs.time is None else record.block
@@ -64,14 +64,8 @@ def _blocks(record: Record, by: str) -> Array:
         return record.block
     if by == "length":
         locked = record.kind == "isometric"
-        return _clusters(record.inputs.contraction) if locked else _banded(record.inputs.contraction)
+        return held_lengths(record.inputs.contraction) if locked else _banded(record.inputs.contraction)
     return record.groups.get(by, alike)
-
-
-def _clusters(values: Array) -> Array:
-    """Number (n,) of each value's cluster; they are further apart than a locked muscle creeps."""
-    order = np.unique(values)
-    return np.r_[0, np.cumsum(np.diff(order) > HELD_LENGTH)][np.searchsorted(order, values)]
 
 
 def _banded(values: Array) -> Array:

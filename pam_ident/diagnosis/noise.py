@@ -138,8 +138,12 @@ def estimate_noise(
     colour. What comes back with every cycle is left out.
     """
     found = _estimated(record, residual, slope, parameters, outlier, white, unsure)
-    fewer = [slope] * bool(found.shared) + [0.0 * slope] * (found.whole > NOTICED * found.sigma or bool(found.shared))
-    others = (_estimated(record, residual, one, parameters, found.outlier, white) for one in fewer)
+    slopes = []  # without what the track shares, and without any noise of the driven sensors
+    if found.shared:
+        slopes = [slope, np.zeros_like(slope)]
+    elif found.whole > NOTICED * found.sigma:
+        slopes = [np.zeros_like(slope)]
+    others = (_estimated(record, residual, one, parameters, found.outlier, white) for one in slopes)
     return min((found, *others), key=lambda noise: noise.deviance)
 
 

@@ -72,10 +72,10 @@ def _plain(record: Record) -> Strokes | None:
     """The least run that stands by itself: at most three of the record's pressures, two speeds a factor of 20 apart;
     None where no pressure has a stroke."""
     inputs = record.inputs
-    x = (record.measured or record).inputs.displacement_mm
+    x = record.as_measured.inputs.displacement_mm
     bottom = round(float(np.quantile(x, 0.01)), 1) + 0.0
     levels = [float(p) for p in record.levels]
-    if record.measured is None:
+    if not record.carried:
         levels = [p for p in levels if x[record.level == p].max() - bottom > SHORTEST * (x.max() - bottom)]
     if not levels:
         return None
@@ -99,7 +99,7 @@ def _within_reach(strokes: Strokes, record: Record, model: Model, values: dict[s
 
     The order of the pressures is changed, lest they rise with time.
     """
-    longest = float(np.max((record.measured or record).inputs.displacement_mm))
+    longest = float(np.max(record.as_measured.inputs.displacement_mm))
     order = strokes.pressures_MPa[1::2] + strokes.pressures_MPa[::2]
     ends = {p: _end(p, longest, record, model, values) for p in order}
     kept = tuple(p for p in order if ends[p] - strokes.bottom_mm > SHORTEST * (longest - strokes.bottom_mm))
@@ -109,7 +109,7 @@ def _within_reach(strokes: Strokes, record: Record, model: Model, values: dict[s
 def _end(pressure: float, longest: float, record: Record, model: Model, values: dict[str, float]) -> float:
     """Where a stroke ends at a pressure, in mm: where it did in the record, or where the law's force does."""
     measured = np.isclose(record.level, pressure, rtol=0.03)
-    if measured.any() and record.measured is None:
+    if measured.any() and not record.carried:
         end = float(np.max(record.inputs.displacement_mm[measured]))
     else:
         x = np.linspace(0.0, longest, 200)

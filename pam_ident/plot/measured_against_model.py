@@ -84,7 +84,7 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
 
     The grey band in the lowest panel is the 95 % interval of the last fit's curve, the widest of all isobars.
     """
-    if over_pressure.suits(fit.record):
+    if fit.record.drives_pressure:
         return over_pressure.draw(fit, after, limit)
     curves = data(fit, after, limit)
     panels = 3 if after else 2

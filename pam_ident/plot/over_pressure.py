@@ -29,14 +29,9 @@ class Held:
     after: Array | None
 
 
-def suits(record: Record) -> bool:
-    """Whether the pressure was driven and the length, or the load, held."""
-    return (record.measured or record).kind in ("isometric", "isotonic")
-
-
 def data(fit: Fit, after: Fit | None = None, limit: int = 1500) -> tuple[Held, ...]:
     """What was held, lowest first, with at most `limit` samples in all."""
-    record = fit.record.measured or fit.record
+    record = fit.record.as_measured
     hung = record.kind == "isotonic"
     held = weights_of(record) if hung else held_lengths(record.inputs.contraction)
     measured = record.inputs.displacement_mm if hung else record.force
@@ -63,7 +58,7 @@ def _modelled(fit: Fit, record: Record) -> Array:
 @styled
 def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
     """The answer over the pressure on top; below it the error of `fit`, and of `after` on the same scale."""
-    record, curves = fit.record.measured or fit.record, data(fit, after, limit)
+    record, curves = fit.record.as_measured, data(fit, after, limit)
     answer, unit = ("shortening", "mm") if record.kind == "isotonic" else ("force", "N")
     panels = 3 if after else 2
     figure = canvas(4.2 + 1.5 * (panels - 1))

@@ -23,7 +23,7 @@ def doubts_of(record: Record) -> tuple[Doubt, ...]:
         >>> print([(doubt.code, doubt.grave) for doubt in doubts_of(record)])
         [('force_sign', False)]
     """
-    found = [_with_header(record, doubt) for doubt in _all_of(record.measured or record)]
+    found = [_with_header(record, doubt) for doubt in _all_of(record.as_measured)]
     found += [Doubt(note.code, note.text, note.column, note.code in GRAVE) for note in record.notes]
     return tuple(sorted(found, key=lambda doubt: not doubt.grave))
 

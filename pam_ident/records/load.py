@@ -195,14 +195,11 @@ def build_loaded(
         **{key: values.get(key) for key in ("time", "cycle", "temperature")},
     )
     if found.inputs.time is not None:  # the motion goes on while the load cell is at its end
-        clipped = clipped_rows(found.inputs, found.force)
-        if clipped.any():
-            notes.add("clipped", where["force"], f"sample {int(clipped.argmax()) + 1}", int(clipped.sum()))
-            found = found.take(np.flatnonzero(~clipped))
-        slack = slack_rows(found)
-        if slack.any():
-            notes.add("slack", where["force"], f"sample {int(slack.argmax()) + 1}", int(slack.sum()))
-            found = found.take(np.flatnonzero(~slack))
+        for code, rows_of in (("clipped", lambda r: clipped_rows(r.inputs, r.force)), ("slack", slack_rows)):
+            out = rows_of(found)
+            if out.any():
+                notes.add(code, where["force"], f"sample {int(out.argmax()) + 1}", int(out.sum()))
+                found = found.take(np.flatnonzero(~out))
     return replace(found, notes=notes.told())
 
 

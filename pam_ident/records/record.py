@@ -93,6 +93,16 @@ class Record:
         """Whether the contraction is what a model predicts under a held load."""
         return self.measured is not None
 
+    @property
+    def as_measured(self) -> "Record":
+        """The record as it was measured: itself unless it is `carried`."""
+        return self.measured or self
+
+    @property
+    def drives_pressure(self) -> bool:
+        """Whether the pressure was driven, and the length or the load held."""
+        return self.as_measured.kind in ("isometric", "isotonic")
+
     @cached_property
     def levels(self) -> Array:
         """The isobars' nominal pressures in MPa, ascending."""
@@ -126,7 +136,7 @@ class Record:
 
     def in_tenths(self) -> "Record":
         """With tenths of the pressure for levels where that was driven; itself where it was held."""
-        if (self.measured or self).kind == "isobaric":
+        if self.as_measured.kind == "isobaric":
             return self
         p = self.inputs.pressure
         edges = np.linspace(p.min(), p.max(), 11)

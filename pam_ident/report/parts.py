@@ -56,7 +56,7 @@ def _kind(record: Record) -> str:
 
 def _measured(section: Section, easel: Easel) -> Part:
     before, after = section.before, section.after
-    if plot.over_pressure.suits(section.record):
+    if section.record.drives_pressure:
         figure = plot.measured_against_model.draw(before, after, easel.points)
         label = f"The answer to the pressure, measured and modelled by the {before.model.words}, and the error below"
         caption = (
