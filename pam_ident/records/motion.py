@@ -164,8 +164,10 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
     missed, rests, scatter, by_rests, freedom = [], [], [], 0.0, np.zeros(2)
     for begin, end in pairwise(middles):
         t, rows = time[begin : end + 1], slice(begin, end + 1)
-        if len(t) < FEWEST or t[-1] <= t[0]:
+        if t[-1] <= t[0]:
             return []
+        if len(t) < FEWEST:  # too few rows to tell a smooth stroke by
+            continue
         even = np.linspace(t[0], t[-1], len(t))  # between few rows at rest a curve could do as it likes
         way, still = np.interp(even, t, x[rows]), np.interp(even, t, held[rows].astype(float)) > 0.0
         waves = chebyshev_waves(even, min(SLOW_ORDERS, len(t) // 3))
