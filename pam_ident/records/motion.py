@@ -181,6 +181,8 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
         freedom[0] += len(t) - waves.shape[1]
         rests.append(still)
         scatter.append(roughness(way)[np.convolve(still, np.ones(5), "valid") == 0.0])
+    if not missed:
+        return []
     off, still = np.concatenate(missed), np.concatenate(rests)
     # Of the moving rows, too: there a jittering clock's noise grows with the speed.
     whole = np.sqrt(np.mean(np.concatenate([[noise], *scatter]) ** 2))
