@@ -70,9 +70,9 @@ def _as_nature_allows(best: Fit, wrong: list[Estimate]) -> Fit:
     ranges = {e.name: e.range for e in wrong if e.range}
     if not ranges:
         return best
-    terms = tuple(_within(term, ranges) for term in best.model.terms)
-    changed = {t.effect.name for t, was in zip(terms, best.model.terms, strict=True) if t is not was}
-    start = {k: v for k, v in best.values.items() if k.partition(".")[0] not in changed}
+    named = {name.partition(".")[0] for name in ranges}
+    terms = tuple(_within(t, ranges) if t.effect.name in named else t for t in best.model.terms)
+    start = {k: v for k, v in best.values.items() if k.partition(".")[0] not in named}
     law = {k: min(max(best.values[k], r.low), r.high) for k, r in ranges.items() if "." not in k}
     inside = fit(replace(best.model, terms=terms), best.record, start=start, held=law)
     ends = law | {e.name: e.value for e in inside.estimates if e.name in ranges and e.at_bound}
@@ -93,8 +93,6 @@ def _within(term: Term, ranges: Mapping[str, Range]) -> Term:
 
     form = term.form
     linear, nonlinear = tuple(map(bounded, form.linear)), tuple(map(bounded, form.nonlinear))
-    if (linear, nonlinear) == (form.linear, form.nonlinear):
-        return term
     return replace(term, form=replace(form, linear=linear, nonlinear=nonlinear))
 
 
