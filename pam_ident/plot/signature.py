@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..core.digits import newtons
 from ..fitting import Fit
 from ..records import Record
-from .style import BLUE, GREY, INK, SKY, VERMILION, WIDTH, canvas, running_mean, styled, thin, zero_line
+from .style import BLUE, GREY, INK, SKY, VERMILION, WIDTH, canvas, cloud, running_mean, styled, thin, zero_line
 
 Array = np.ndarray
 
@@ -102,21 +102,13 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
     panels = figure.subplots(2 if after else 1, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     top, low = panels[0], panels[-1]
     smooth = f"mean of {shown.window} samples" if shown.window > 1 else ""
-    dots = {
-        "linestyle": "",
-        "marker": ".",
-        "markersize": 3.2 if len(shown.x) > 300 else 6.0,
-        "markeredgewidth": 0.0,
-        "color": GREY,
-        "alpha": 0.45,
-    }
-
-    top.plot(shown.x, shown.before, **dots)
+    size = 3.2 if len(shown.x) > 300 else 6.0
+    cloud(top, shown.x, shown.before, GREY, size, 0.45, marker=".")
     top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label=smooth or "error")
     top.set_title(f"{'Before' if after else 'Error'}: {newtons(before.rmse)} rms")
     if after is not None:
         top.plot(shown.line, shown.effect, color=VERMILION, linewidth=1.0, label="what is added")
-        low.plot(shown.x, shown.after, **dots)
+        cloud(low, shown.x, shown.after, GREY, size, 0.45, marker=".")
         low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=smooth or "error")
         low.set_title(f"After{'' if width < WIDTH else _added(before, after)}: {newtons(after.rmse)} rms")
     for axes in panels:
@@ -143,13 +135,5 @@ def _mark_isobars(axes: Axes, shown: Signature, width: float) -> None:
         if i % 2 == 0:
             axes.axvspan(begin, end, color=SKY, alpha=0.1, linewidth=0.0, zorder=0)
         if (end - begin) / whole > room:
-            axes.text(
-                0.5 * (begin + end),
-                0.98,
-                f"{level:.3g} MPa",
-                transform=axes.get_xaxis_transform(),
-                ha="center",
-                va="top",
-                fontsize=8.0,
-                color=GREY,
-            )
+            place = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top"}
+            axes.text(0.5 * (begin + end), 0.98, f"{level:.3g} MPa", fontsize=8.0, color=GREY, **place)
