@@ -24,9 +24,7 @@ def batch(
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
     diagnose: Annotated[bool, typer.Option("--diagnose", help="Name what each record's model lacks, too.")] = False,
-    branch: Annotated[
-        str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
-    ] = "together",
+    branch: options.Branch = "together",
     assume: options.Assume = None,
     workers: options.Workers = None,
     scheduler: options.Scheduler = None,

@@ -40,9 +40,7 @@ def fit(
             "repeatable. Any other is each record's own.",
         ),
     ] = None,
-    branch: Annotated[
-        str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
-    ] = "together",
+    branch: options.Branch = "together",
     method: Annotated[
         str,
         typer.Option(

@@ -165,13 +165,13 @@ def _with_memory(
     """First and later block with the names of the memory, less what is never read or is there twice; no later block
     where the first says all."""
     ends, shape = jax.tree.flatten(memory)
-    begins = [_one(end) for end in ends]
+    begins = [end.item() for end in ends]
     slots = [graph.name(f"memory{k}") for k in range(len(begins))]
 
     def after() -> tuple[int, list[int]]:
         known = jax.tree.unflatten(shape, [np.array([slot], dtype=object) for slot in slots])
         found, remembered = _traced(graph, lambda m, *rest: _instant(fitted, m, *rest), known, given, values)
-        return _one(found), [_one(end) for end in jax.tree.leaves(remembered)]
+        return found.item(), [end.item() for end in jax.tree.leaves(remembered)]
 
     _, becomes = after()
     twins: dict[tuple[int, int], int] = {}
@@ -188,9 +188,9 @@ def _with_memory(
         read = more
     kept = sorted(slots.index(slot) for slot in read)
     names = tuple(str(graph.nodes[slots[k]].leaf) for k in kept)
-    if not kept and then == _one(force):
+    if not kept and then == force.item():
         return Block(then), None, ()
-    first = Block(_one(force), tuple(begins[k] for k in kept))
+    first = Block(force.item(), tuple(begins[k] for k in kept))
     return first, Block(then, tuple(becomes[k] for k in kept)), names
 
 
@@ -205,10 +205,6 @@ def _constant(graph: Graph, node: int) -> bool:
     """Whether a node needs nothing but parameters."""
     needed = (graph.nodes[n] for n in graph.reached([node]))
     return all(str(one.leaf).startswith("=") for one in needed if one.op == "name")
-
-
-def _one(nodes: np.ndarray) -> int:
-    return nodes.item()
 
 
 def _geometry(fitted: Fitted, name: str) -> bool:

@@ -76,10 +76,6 @@ class Window:
     start_s: float = 0.0
     duration_s: float = 0.2
 
-    def times(self, step_s: float) -> np.ndarray:
-        """Times from start to end, both kept, `step_s` apart; shape (n,)."""
-        return self.start_s + step_s * np.arange(round(self.duration_s / step_s) + 1)
-
 
 def winter(cadence_Hz: float = 1.0) -> Gait:
     """The bundled stride of one adult (Winter, Table A.4)."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core import Param
-from ..fitting import Fit
 from ..model import Values
 
 Array = np.ndarray
@@ -18,11 +17,6 @@ class ParameterSpread:
 
     names: tuple[str, ...]
     matrix: Array
-
-    @classmethod
-    def of(cls, fit: Fit) -> "ParameterSpread | None":
-        """That of a fit; None where no errors were asked for."""
-        return None if fit.covariance is None else cls(fit.free, fit.covariance.matrix)
 
     def given(self, held: Sequence[str]) -> "ParameterSpread":
         """What is left where some of the parameters are known: a conditional normal distribution."""

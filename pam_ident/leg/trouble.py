@@ -51,17 +51,12 @@ def troubles(pair: Pair, log: Log, task: Task, judged: slice) -> list[Trouble]:
     flexion, reference, force, opening = (a[judged] for a in (log.flexion, log.reference, log.force, log.opening))
     error = np.degrees(flexion - np.asarray(task.target)[judged])
     lost = ~(np.abs(error) < LOST_DEG)
-    begin = judged.start
+    begin, found = judged.start, []
     if lost.any():
-        first = begin + int(np.argmax(lost))
-        found = [
-            Trouble("unstable", first * SAMPLE_S, float(np.mean(lost)), "lower the gains, or let `track` tune them")
-        ]
-    else:
-        found = []
-    found += _event(
-        "slack", np.min(force, axis=1) <= 0.0, "raise the mean pressure or the muscles' rest stretch", begin
-    )
+        first = (begin + int(np.argmax(lost))) * SAMPLE_S
+        found = [Trouble("unstable", first, float(np.mean(lost)), "lower the gains, or let `track` tune them")]
+    slack = np.min(force, axis=1) <= 0.0
+    found += _event("slack", slack, "raise the mean pressure or the muscles' rest stretch", begin)
     most = min(pair.highest_MPa, 1e-6 * (pair.supply.pressure_Pa - ATMOSPHERE))
     full = np.max(reference, axis=1) >= most - 1e-9
     found += _event("supply", full, "raise the supply pressure, or lower cadence or load", begin)

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from .versions import schema, warnings_json
+from .versions import picked, schema, warnings_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,11 +21,7 @@ def parameters(estimates: "tuple[Estimate, ...]") -> Json:
     """Parameters by name, in full."""
     return {
         e.name: {
-            "value": e.value,
-            "stderr": e.stderr,
-            "unit": e.unit,
-            "at_bound": e.at_bound,
-            "identified": e.identified,
+            **picked(e, "value", "stderr", "unit", "at_bound", "identified"),
             "interval": [e.low, e.high],
             "freedom": e.dof,
             "verdict": e.verdict.kind,
@@ -57,7 +53,7 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
             {
                 "pressure_MPa": row.pressure_MPa,
                 "branch": row.branch,
-                "parameters": {e.name: {"value": e.value, "stderr": e.stderr} for e in row.estimates},
+                "parameters": {e.name: picked(e, "value", "stderr") for e in row.estimates},
                 "rmse_N": row.rmse,
             }
             for row in answer.isobars.rows

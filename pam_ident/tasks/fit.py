@@ -33,6 +33,7 @@ BRANCHES = ("together", "separate", "contraction", "extension")
 METHODS = ("global", "two-stage", "both")
 INTERVALS = ("linear", "profile", "bootstrap")
 WEIGHTS = ("equal", "sensors")
+PLAIN = {"method": "global", "weights": "equal", "loss": "linear", "intervals": "linear"}
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,11 @@ class FitOptions:
                 raise UsageError(f"{what} {given!r}: expected one of {', '.join(known)}")
         if self.executor != Executor() and self.intervals == "linear":
             raise UsageError("--workers and --scheduler are for --intervals profile or bootstrap; ask for one of them")
+
+    @property
+    def special(self) -> Mapping[str, str]:
+        """What is asked for besides the plain fit, by the option's name: only one record in force and memory has it."""
+        return {name: asked for name, plain in PLAIN.items() if (asked := getattr(self, name)) != plain}
 
     @property
     def weighing(self) -> Weighing:
@@ -213,26 +219,22 @@ def answer_of(one: Fit) -> FitAnswer:
 
 def _check_length(record: Record, wishes: FitOptions) -> None:
     """Raises UsageError for a wish that is for residuals in force, where the length answered."""
-    plain = FitOptions()
-    for name in ("method", "weights", "loss", "intervals"):
-        if by_length(record) and getattr(wishes, name) != getattr(plain, name):
-            raise UsageError(
-                f"{record.source or record.name}: in an isotonic test the length answers, and --{name} "
-                f"{getattr(wishes, name)} is for a force that does; leave it out"
-            )
+    for name, asked in wishes.special.items() if by_length(record) else ():
+        raise UsageError(
+            f"{record.source or record.name}: in an isotonic test the length answers, and --{name} {asked} is for a "
+            "force that does; leave it out"
+        )
 
 
 def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:
     """Raises UsageError for a wish that a record in chunks cannot be given."""
     if setup.where is not None:
         raise UsageError(f"{path} is read in chunks: --where needs all of it in memory; fit a part of the record")
-    plain = FitOptions(wishes.branch, held=wishes.held)
-    for name in ("method", "weights", "loss", "intervals"):
-        if getattr(wishes, name) != getattr(plain, name):
-            raise UsageError(
-                f"{path} is read in chunks: --{name} {getattr(wishes, name)} needs all of it in memory at once; leave "
-                "that out, or fit a part of the record"
-            )
+    for name, asked in wishes.special.items():
+        raise UsageError(
+            f"{path} is read in chunks: --{name} {asked} needs all of it in memory at once; leave that out, or fit a "
+            "part of the record"
+        )
 
 
 def checks_of(one: Fit) -> Checks:

@@ -45,12 +45,8 @@ def fit_records(
     wishes = wishes or FitOptions()
     if setup.law == AUTO:
         raise UsageError("several records are fitted together by one law; name it by --law")
-    plain = FitOptions(wishes.branch, held=wishes.held)
-    for name in ("method", "weights", "loss", "intervals"):
-        if getattr(wishes, name) != getattr(plain, name):
-            raise UsageError(
-                f"--{name} {getattr(wishes, name)} is for one record; leave it out to fit several together"
-            )
+    for name, asked in wishes.special.items():
+        raise UsageError(f"--{name} {asked} is for one record; leave it out to fit several together")
     names = shared_names(setup.model, shared)
     with one_blas_thread():
         for record in records:

@@ -18,7 +18,7 @@ from ..model import Term
 from ..records import Record
 from ..records.doubt import Doubt, grave
 from ..report import Story, render
-from ..report.provenance import provenance
+from ..report.story import provenance
 from ..schema.diagnosis import candidates
 from ..tasks.diagnose import diagnosing_record
 from ..tasks.gate import admit, computing, doubts_about
