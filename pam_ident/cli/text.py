@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, TextIO
 
 import typer
 
+from ..schema.fit import in_order
+
 if TYPE_CHECKING:
     from ..core import Param
     from ..diagnosis.nouns import Bin
@@ -68,25 +70,19 @@ def _broken(line: str, width: int) -> str:
     return "\n".join(wrapper.wrap(line.strip()))
 
 
-def number(value: float | None, digits: int = 4) -> str:
-    """As `core.digits` has it, which waits for the first number: `--help` needs none."""
-    from ..core import digits as told
+def _later(name: str) -> Callable[..., str]:
+    """A function of `core.digits`, which waits for the first number: `--help` needs none."""
 
-    return told.number(value, digits)
+    def told(*given: float | None) -> str:
+        from ..core import digits
 
+        return getattr(digits, name)(*given)
 
-def newtons(value: float | None) -> str:
-    """A force in N with three digits."""
-    from ..core.digits import newtons
-
-    return newtons(value)
+    return told
 
 
-def millimetres(value: float | None) -> str:
-    """A length in mm with three digits."""
-    from ..core.digits import millimetres
-
-    return millimetres(value)
+number, newtons, millimetres = _later("number"), _later("newtons"), _later("millimetres")
+percent, probability = _later("percent"), _later("probability")
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> list[str]:
@@ -195,11 +191,6 @@ def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:
     return table(head, rows, left=(0, 4, 5)) + notes
 
 
-def in_order(estimates: "Sequence[Estimate]") -> "list[Estimate]":
-    """The law's parameters by name, then the effects' as they come."""
-    return sorted(estimates, key=lambda e: (1, "") if "." in e.name else (0, e.name))
-
-
 def quality(fit: "Fit") -> str:
     """The fit's errors in one line; where the length answered, those of the length first."""
     length = fit.length_errors
@@ -233,20 +224,6 @@ def title(path: str, record: "Record") -> str:
 def banner(doubts: "Sequence[Doubt]") -> list[str]:
     """A line for each doubt, above the verdict."""
     return [str(doubt) for doubt in doubts]
-
-
-def percent(share: float | None) -> str:
-    """A share in per cent."""
-    from ..core.digits import percent
-
-    return percent(share)
-
-
-def probability(share: float) -> str:
-    """A probability in per cent; nothing is certain."""
-    from ..core.digits import probability
-
-    return probability(share)
 
 
 def mean(one: "Bin") -> str:

@@ -13,9 +13,8 @@ from ..core.recursion import Slot
 from ..effects import Effect
 from ..model import GEOMETRY, Model, Values
 from .arrays import Array, jnp
-from .fit_file import fitted_branches, read_answer, read_specimen_of
+from .fit_file import ParameterSpread, fitted_branches, read_answer, read_specimen_of
 from .loop_check import loop_fault
-from .spread import ParameterSpread
 
 ByBranch = Mapping[str, Values]
 """Parameter values by branch and name."""

@@ -91,7 +91,7 @@ def canvas(height: float, width: float = WIDTH) -> Figure:
 
 
 def small_multiples(panels: int, most: int, head: float, each: float, sharey: bool = False) -> tuple[Figure, Array]:
-    """A figure with at most `most` panels in a row, `head` + `each` inches a row high, and its grid of axes."""
+    """A figure of `head` + `each` inches a row, at most `most` panels in each, and its axes, shape (rows, columns)."""
     columns = min(max(panels, 1), most)
     rows = max(-(-panels // columns), 1)
     figure = canvas(head + each * rows)

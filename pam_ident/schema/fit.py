@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 
 
+def in_order(estimates: "Sequence[Estimate]") -> "list[Estimate]":
+    """The law's parameters by name, as its formula is read, then the effects' as they come."""
+    return sorted(estimates, key=lambda e: (1, "") if "." in e.name else (0, e.name))
+
+
 def parameters(estimates: "tuple[Estimate, ...]") -> Json:
     """Parameters by name, in full."""
     return {

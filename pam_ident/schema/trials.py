@@ -6,9 +6,20 @@ from .fit import Json
 from .versions import picked, schema
 
 if TYPE_CHECKING:
+    from ..batch.run import Batch
     from ..tasks.demo import Demo
     from ..validation.challenge import Challenge
     from ..validation.selftest import SelfTest
+
+
+def batch_json(found: "Batch") -> Json:
+    """Schema pam-ident/batch-summary/1: how many records, what went wrong, and where the results are."""
+    return {
+        "schema": schema("batch-summary"),
+        **picked(found, "records", "kept", "errors"),
+        "table": str(found.table),
+        "page": str(found.page),
+    }
 
 
 def demo_json(found: "Demo") -> Json:

@@ -56,7 +56,7 @@ def fit_records(
         for k, record in enumerate(records):
             fits = {branch: found[k] for branch, found in each.items()}
             checks = {branch: checks_of(one) for branch, one in fits.items()}
-            answers.append(FitAnswer(record, fits, wishes, checks))
+            answers.append(FitAnswer(record, fits, checks))
     return tuple(answers)
 
 
