@@ -20,7 +20,7 @@ from ..tasks.fit import FitAnswer
 from ..tasks.law_choice import LawChoice
 from ..tasks.predict import SavedFit, Validation, validate_fit
 from .asking import ObjectSetup, codes
-from .record import ShownRecord, read
+from .record import ShownRecord, axes_of, read
 from .saved import Predicting, parameter_table
 
 if TYPE_CHECKING:
@@ -162,7 +162,6 @@ class FitResult(Predicting):
         """Measured and modelled force over contraction; the Axes' figure has the error below. Of several branches the
         last is given back."""
         from ..plot import measured_against_model
-        from .drawing import axes_of
 
         return [axes_of(measured_against_model.draw, one) for one in self.fits.values()][-1]
 

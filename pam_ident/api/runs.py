@@ -11,8 +11,8 @@ from ..schema.trials import batch_json
 from ..tasks.law_choice import AUTO
 from .answers import RecordAnswer, ShownAnswer
 from .asking import setup_of
-from .drawing import axes_of
 from .fitted import FitResult
+from .record import axes_of
 from .working import worked
 
 if TYPE_CHECKING:

@@ -176,6 +176,12 @@ def bounds(param: "Param") -> str:
     return f"{low} to {high}" if low and high else f"{low} or more" if low else f"{high} or less" if high else "any"
 
 
+def meanings(params: "Sequence[Param]") -> list[str]:
+    """A table of what parameters mean, with their bounds."""
+    rows = [(named(p), p.unit, bounds(p), p.doc) for p in params]
+    return table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3))
+
+
 def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:
     """A table of every parameter with standard error, interval and unit, and a line for each that is not pinned; of a
     fit to several records those that are `shared`, or those that are not."""

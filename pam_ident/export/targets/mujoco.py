@@ -110,9 +110,10 @@ def mujoco_actuator(fitted: Fitted, name: str) -> Written:
     span, length_mm = fitted.span or USUAL, fitted.specimen.initial_length_mm
     line = affine(fitted, made)
     (p_low, p_high), (e_low, e_high) = span
+    about = harmless(f"{fitted.model.law.name} fitted to {fitted.record} by pam-ident.")
     xml = MODEL.substitute(
         name=name,
-        about=escape(_in_comment(f"{fitted.model.law.name} fitted to {fitted.record} by pam-ident.")),
+        about=escape(about.replace("--", "- -").rstrip("-")),  # which cannot end a comment of XML
         length=repr(length_mm / 1000.0),
         down=repr(min(e_low, 0.0) * length_mm / 1000.0),
         up=repr(e_high * length_mm / 1000.0),
@@ -148,11 +149,6 @@ def affine(fitted: Fitted, made: Program) -> Affine:
     missed = force - columns @ found
     gain0, gain1, bias0, bias1 = (float(x) for x in found)
     return Affine((gain0, gain1), (bias0, bias1), float(np.sqrt(np.mean(missed**2))), float(np.abs(missed).max()))
-
-
-def _in_comment(text: str) -> str:
-    """Text that cannot end a comment of XML."""
-    return harmless(text).replace("--", "- -").rstrip("-")
 
 
 TARGET = Target(".xml", mujoco_actuator)
