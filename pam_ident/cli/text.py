@@ -33,11 +33,7 @@ unfinished: Callable[[], None] | None = None
 
 def say(*lines: str) -> None:
     """Print lines, unless silent; on a terminal broken between words where they are wider than that."""
-    if unfinished is not None:
-        unfinished()
-    width = columns()
-    for line in () if silent.get() else lines:
-        typer.echo(line if width is None or len(line) <= width else _broken(line, width))
+    _echo(() if silent.get() else lines, sys.stdout)
 
 
 def say_table(table: str) -> None:
@@ -48,11 +44,15 @@ def say_table(table: str) -> None:
 
 def warn(message: str) -> None:
     """Say on stderr what is doubtful or wrong; on a terminal broken as `say` does."""
+    _echo(message.splitlines(), sys.stderr)
+
+
+def _echo(lines: Sequence[str], stream: TextIO) -> None:
     if unfinished is not None:
         unfinished()
-    width = _width(sys.stderr)
-    for line in message.splitlines():
-        typer.echo(line if width is None or len(line) <= width else _broken(line, width), err=True)
+    width = _width(stream)
+    for line in lines:
+        typer.echo(line if width is None or len(line) <= width else _broken(line, width), err=stream is sys.stderr)
 
 
 def columns() -> int | None:

@@ -1,6 +1,6 @@
 """A fitted model as a program: the force of one muscle at one instant, from numbers and a memory."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -12,7 +12,7 @@ from ..core.recursion import Live, Slot
 from ..leg.arrays import jax, jnp
 from ..leg.muscle import SPEED_OF_REVERSAL, count_reversals
 from ..model import GEOMETRY
-from .fitted import Fitted
+from .fitted import Fitted, Parameter
 from .graph import Graph
 from .scalars import scalars
 
@@ -62,8 +62,7 @@ class Program:
 
     def values(self, fitted: Fitted) -> dict[str, float]:
         """Values of the parameters that occur, by their names in the graph."""
-        named = {constant_name(fitted, b, p.name): p.value for b, all_ in fitted.branches.items() for p in all_}
-        return {name: named[name] for name in self.constants}
+        return {name: p.value for name, p in named_parameters(fitted) if name in self.constants}
 
 
 def program(fitted: Fitted, live: bool = False) -> Program:
@@ -92,18 +91,20 @@ def program(fitted: Fitted, live: bool = False) -> Program:
     blocks = [first] if later is None else [first, later]
     used = {graph.nodes[n].leaf for n in graph.reached(end for block in blocks for end in block.ends)}
     arguments = tuple(name for k, name in enumerate(ARGUMENTS) if k < 2 or name in used)
-    constants = tuple(
-        constant_name(fitted, branch, p.name)
-        for branch, parameters in fitted.branches.items()
-        for p in parameters
-        if constant_name(fitted, branch, p.name) in used
-    )
+    constants = tuple(name for name, _ in named_parameters(fitted) if name in used)
     return Program(graph, arguments, constants, names, first, later)
 
 
 def constant_name(fitted: Fitted, branch: str, name: str) -> str:
     """A parameter's name in a program; `=` keeps it apart from an argument of the same name."""
     return f"={name}" if len(fitted.branches) == 1 else f"={branch}_{name}"
+
+
+def named_parameters(fitted: Fitted) -> Iterator[tuple[str, Parameter]]:
+    """Every parameter of every branch under its name in a program."""
+    for branch, parameters in fitted.branches.items():
+        for p in parameters:
+            yield constant_name(fitted, branch, p.name), p
 
 
 def _instant(fitted: Fitted, memory: Tree, given: Tree, values: Tree) -> tuple[Any, Tree]:
