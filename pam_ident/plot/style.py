@@ -90,6 +90,23 @@ def canvas(height: float, width: float = WIDTH) -> Figure:
     return _maker.get()(figsize=(width, height), layout="constrained")
 
 
+def small_multiples(panels: int, most: int, head: float, each: float, sharey: bool = False) -> tuple[Figure, Array]:
+    """A figure of `head` + `each` inches a row, at most `most` panels in each, and its axes, shape (rows, columns)."""
+    columns = min(max(panels, 1), most)
+    rows = max(-(-panels // columns), 1)
+    figure = canvas(head + each * rows)
+    grid = figure.subplots(rows, columns, squeeze=False, sharey=sharey)
+    for axes in grid.flat[panels:]:
+        axes.set_axis_off()
+    return figure, grid
+
+
+def cloud(axes: Axes, x: Array, y: Array, colour: str, size: float, alpha: float = 0.5, **more: Any) -> None:
+    """Samples (n,) as pale marks without an edge."""
+    look = {"linestyle": "", "marker": "o", "markersize": size, "markeredgewidth": 0.0, "color": colour, "alpha": alpha}
+    axes.plot(x, y, **look | more)
+
+
 def zero_line(axes: Axes) -> None:
     """A thin line at zero error."""
     axes.axhline(0.0, color=GREY, linewidth=0.9, zorder=1.5)
