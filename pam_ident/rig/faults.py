@@ -4,8 +4,6 @@ Every fault takes the table (n, 7) in the order of record.COLUMNS and returns a 
 NaN is written empty, and a row whose time is NaN is not written.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Small integrators on an uneven time grid, exact or implicit so that long holds keep them stable."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Protocols as TOML files: a table [protocol] with the keys of KEYS."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 from typing import Any

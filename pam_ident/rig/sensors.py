@@ -1,7 +1,5 @@
 """Sensor noise of several colours, the temperature of the day, and the rounding of the log."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
