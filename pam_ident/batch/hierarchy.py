@@ -10,13 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core import Inputs, Param, UsageError
+from ..core import Array, Inputs, Param, UsageError
 from ..fitting import Problem, VariableProjection
 from ..fitting.problem import Design
 from ..model import Model
 from ..records import Record
 
-Array = np.ndarray
 ROUNDS = 200
 SETTLED = 1e-5
 WIDEST = 1e6

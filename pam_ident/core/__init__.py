@@ -3,6 +3,7 @@
 from .errors import DataError, FitError, PamError, UsageError
 from .inputs import Inputs, Sensors, Specimen
 from .param import Param, Range
+from .recursion import Array as Array  # no word of the glossary, and so not in the list below
 from .tables import blank_nan
 
 __all__ = [

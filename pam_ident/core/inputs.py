@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 
 from .errors import DataError
-from .recursion import Live
-
-Array = np.ndarray
+from .recursion import Array, Live
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ..core import Array
 from .problem import norms
 
-Array = np.ndarray
 Design = Callable[[float], tuple[Array, Array]]
 """Columns (n, k) and fixed part (n,) of a model at a value of its nonlinear parameter."""
 COUNT = 16

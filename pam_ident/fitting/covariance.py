@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..core import Array
 from ..records import Record
 
-Array = np.ndarray
 LEVEL = 0.95
 """Level of all intervals."""
 FLAT = 1e-8

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core import DataError, FitError, Inputs, UsageError
+from ..core import Array, DataError, FitError, Inputs, UsageError
 from ..core.progress import tell
 from ..effects import in_words
 from ..model import Model
@@ -26,7 +26,6 @@ from .weigh import PLAIN, Weighing
 if TYPE_CHECKING:
     from ..records.long import LongRecord
 
-Array = np.ndarray
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
 OTHER_WEIGHTS = "hang other weights, or fit records under several together (`--shared all`)"

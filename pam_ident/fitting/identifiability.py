@@ -8,12 +8,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..core import Inputs, Param
+from ..core import Array, Inputs, Param
 from ..model import Model, Values
 from ..records import Record
 from .covariance import FLAT, Covariance
 
-Array = np.ndarray
 Kind = Literal["pinned", "held", "at_bound", "dead", "flat", "traded", "loose"]
 INFLATION = 10.0
 """Standard error over what it were with all else known, from which a parameter may be called traded."""

@@ -3,12 +3,9 @@
 from dataclasses import fields
 from functools import cached_property
 
-import numpy as np
-
+from ..core import Array
 from .fit import Fit
 from .readings import Errors
-
-Array = np.ndarray
 
 
 class InLength(Fit):

@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core import FitError
+from ..core import Array, FitError
 from ..laws import Law
 from ..model import Model
 from ..records import Record
 from .fit import Estimate, Fit, fit
 
-Array = np.ndarray
 FOLDED = {"exponential_law": ("a", "b", "c")}
 """Laws whose linear parameters come in pairs x0 + x1 p, and the names of x per isobar."""
 

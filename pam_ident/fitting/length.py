@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..core import DataError, Inputs
+from ..core import Array, DataError, Inputs
 from ..effects._history import acceleration
 from ..model import Model
 from ..records import Record
@@ -26,7 +26,6 @@ from .readings import with_memory
 from .solve import solve, table
 from .solvers import Solver, VariableProjection
 
-Array = np.ndarray
 Values = Mapping[str, float]
 ROOM = 0.05
 """Contraction by which a muscle may be off what its braid could reach, because its angle or length at rest are."""

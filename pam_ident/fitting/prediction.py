@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core import FitError, Inputs, Specimen
+from ..core import Array, FitError, Inputs, Specimen
 from ..core.progress import steps
 from ..model import Model
 from ..records import Record, thinned
@@ -17,7 +17,6 @@ from .floor import repeat_noise
 from .length import equilibrium
 from .solve import jacobian, solve
 
-Array = np.ndarray
 ROWS = 4_000
 """Rows of a longer record that are enough to learn how far readings lie off."""
 NEAR_MPA = 0.01

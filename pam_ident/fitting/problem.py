@@ -10,9 +10,8 @@ from itertools import islice, product
 
 import numpy as np
 
-from ..core import Param, UsageError
+from ..core import Array, Param, UsageError
 
-Array = np.ndarray
 Design = Callable[[Mapping[str, float]], tuple[Array, Array]]
 Whiten = Callable[[Array], Array]
 """Selects rows and decorrelates noise: (n,) or (n, k) → (m,) or (m, k), linear."""

@@ -4,14 +4,13 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
-from ..core import Param
+from ..core import Array, Param
 from ..core.progress import steps
 from . import batch
 from .batch import Nodes, Refits
 from .fit import Fit, picker
 from .solve import nonlinear_within_bounds, solve
 
-Array = np.ndarray
 REACH = 10.0
 """Half the interval in which the nonlinear parameter is sought at first, in standard errors."""
 

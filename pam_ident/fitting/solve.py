@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..core import Inputs, Param
+from ..core import Array, Inputs, Param
 from ..effects import Form
 from ..model import Model
 from .descent import GIVEN_UP
@@ -16,7 +16,6 @@ from .solvers import QUICK, Solver, VariableProjection
 
 __all__ = ["Solution", "Whiten", "bounded_lstsq", "jacobian", "nonlinear_within_bounds", "solve", "table"]
 
-Array = np.ndarray
 ACTING = 1.03
 """How much larger the sum of squares may be before the force acts back as the model's own, not as measured."""
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..core import Param, UsageError
+from ..core import Array, Param, UsageError
 from ..core.lmfit_names import from_lmfit_names, to_parameters
 from .descent import descend, settle
 from .problem import Problem, Solution
@@ -15,8 +15,6 @@ from .problem import Problem, Solution
 if TYPE_CHECKING:
     import jax
     import lmfit
-
-Array = np.ndarray
 
 
 class Solver(Protocol):

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..core import FitError, Param, UsageError
+from ..core import Array, FitError, Param, UsageError
 from ..core.progress import tell
 from ..model import Model
 from ..records import Record
@@ -19,7 +19,6 @@ from .problem import Problem, Solution, Whiten, all_rows
 from .solve import separated
 from .solvers import VariableProjection
 
-Array = np.ndarray
 _SOLVER = VariableProjection(keep=1)
 
 

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core import UsageError
+from ..core import Array, UsageError
 from ..model import Model, Values
 from ..records import Record
 from .identifiability import slopes
 
-Array = np.ndarray
 TUNING = 1.345
 """Huber's constant: 95 % efficiency where the noise is normal (Huber 1964, Annals of Math. Statistics 35, 73–101)."""
 LOSSES = ("linear", "huber")

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..core import Array
 from .table import number_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = np.ndarray
 EMPTY = {"", "-", "--", "---", "na", "n/a", "nan", "nat", "none", "null", "<na>", "#n/a"}
 """Words for a reading that is missing, in lower case."""
 DAY = 86400.0

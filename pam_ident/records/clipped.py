@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from ..core import Inputs
+from ..core import Array, Inputs
 
-Array = np.ndarray
 CHANCE = 1e-6
 """Chance that as many rows read the very same extreme force, if it is as likely as a step of the gauge next to it."""
 NEXT, PILED = 5, 3.0

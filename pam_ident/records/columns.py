@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..core import DataError
+from ..core import Array, DataError
 from ..core.units import ATMOSPHERE_MPA, conversion
 from .cells import Clock, numbers_in
 from .frozen import frozen_rows
@@ -16,7 +16,6 @@ from .ranges import Values, check_empty, check_ranges, place_of
 from .spikes import impossible_rows, spike_rows
 from .table import Table, TableRows
 
-Array = np.ndarray
 SENSORS = {"time", "pressure", "pressure_set", *SHAPES, "force", "temperature", "cycle", "torque", "angle"}
 """Quantities whose empty cells cost a row; branch and slack must be said in each."""
 FAULTS = {"frozen_sensor": frozen_rows, "impossible_value": impossible_rows, "spike": spike_rows}

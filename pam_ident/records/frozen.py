@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-Array = np.ndarray
+from ..core import Array
+
 SENSORS = ("pressure", "displacement", "contraction", "length", "force")
 LEAST = 5
 """Repeats of a reading from which it may hang."""

@@ -8,11 +8,11 @@ from itertools import permutations
 
 import numpy as np
 
+from ..core import Array
 from ..core.units import TO_INTERNAL, known_scale, split_header
 from .quantities import QUANTITIES, SHAPES
 from .table import Table, number_of
 
-Array = np.ndarray
 WORDS = {
     "pressure_set": r"soll\w*|set|setpoint|target|command\w*|cmd|consigne",
     "temperature": r"temp|temperatur\w*",

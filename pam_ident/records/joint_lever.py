@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ..core import DataError
+from ..core import Array, DataError
 from ..core.units import split_header
 from .quantities import Source
 
-Array = np.ndarray
 UNITS = {
     "torque": {"Nm": 1000.0, "Ncm": 10.0, "Nmm": 1.0},
     "angle": {"deg": math.pi / 180.0, "rad": 1.0},

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from ..core import DataError, Specimen
+from ..core import Array, DataError, Specimen
 from .turning import pivots
 
-Array = np.ndarray
 KINDS = {
     "isobaric": "the pressure is held and the length driven",
     "isometric": "the length is held and the pressure driven",

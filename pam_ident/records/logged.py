@@ -4,12 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..core import Array
 from .guess import by_name, numbers_of, rises
 from .ranges import Values
 from .table import Table
 from .turning import pivots
 
-Array = np.ndarray
 MANY = 100
 """Rows from which a record may be a log."""
 JUMP, FEW = 0.1, 0.05

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from ..core import Inputs, Specimen
+from ..core import Array, Inputs, Specimen
 from .columns import pause_between, read_pieces, same_quantities
 from .columns_on_disk import STRETCH, Columns
 from .files import Files, find_files
@@ -24,7 +24,6 @@ from .ranges import Values, contraction_of
 from .record import Record, nominal
 from .run_constants import on_length
 
-Array = np.ndarray
 CHUNK = 1 << 16
 """Rows that are handed on at a time."""
 

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..core import Array
 from .columns_on_disk import STRETCH, Columns
 from .motion import follow, long_pause
 from .record import turns
 from .roughness import NORMAL_MEDIAN, roughness
 
-Array = np.ndarray
 KINDS = {"branch": np.int8, "moving": np.bool_, "segment": np.int32, "stroke": np.int32, "turn": np.int32}
 """How columns are kept that are no floating-point numbers."""
 

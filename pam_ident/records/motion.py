@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..core import Array
 from . import turning
 from .roughness import NORMAL_MEDIAN, position_noise, roughness
 from .smoothing import FEWEST, LARGEST, NOISE_ONLY, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
 from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
-Array = np.ndarray
 Read = Callable[[int, int], tuple[Array, Array, Array]]
 """Time in s, position in mm and nominal pressure in MPa of some rows, begin … end."""
 SLOW_ORDERS = 12

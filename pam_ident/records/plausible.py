@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core import Array
 from .doubt import Doubt
 from .record import Record
 
-Array = np.ndarray
 ATMOSPHERE_MPA = 0.101325
 SLIPS = (
     (4.2, "pound-force and N (4.4) or radius and diameter (4)"),

@@ -4,11 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..core import DataError
+from ..core import Array, DataError
 from .quantities import SHAPES, Source
 from .table import Table, TableRows
 
-Array = np.ndarray
 MOST_CONTRACTION = 0.95
 MOST = {
     "time": (1e13, "s", "seconds"),

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..core import Array
 from ..core.digits import newtons
 from .clipped import ends_piled_up
 from .doubt import Doubt
 from .record import Record
 
-Array = np.ndarray
 MOST_N = 1e6
 """Force that no muscle reaches; arithmetic with much larger ones overflows."""
 SPIKE, FEW = 5.0, 0.02

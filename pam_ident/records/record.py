@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..core import DataError, Inputs, Specimen
+from ..core import Array, DataError, Inputs, Specimen
 from .kind import find_kind
 from .motion import find_motion
 from .notes import Note
 from .smoothing import calmed
 
-Array = np.ndarray
 SHORT_LIST = 200
 """Most pressures that may each be an isobar's own value; more are one sensor's noise about fewer."""
 CROWD = 3

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from ..core import Array
 from .kind import held_lengths
 from .record import Record
 from .roughness import position_noise
 
-Array = np.ndarray
 BAND, NEAR = 4.0, 0.02
 """Noises of the force, and share of its largest, within which it stands where it begins; and of zero."""
 INSIDE, AFTER, STOPPED = 0.98, 0.1, 8.0

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ..core import Array
 from .roughness import position_noise
 from .turning import quantile
 
-Array = np.ndarray
 FEWEST = 12
 """Samples of a stroke that a polynomial is fitted to."""
 LARGEST = 4.0

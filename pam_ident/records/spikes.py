@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-Array = np.ndarray
+from ..core import Array
+
 LEAST = 20
 """Rows below which a reading is not held against the others."""
 RARE = 0.01

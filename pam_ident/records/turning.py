@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-Array = np.ndarray
+from ..core import Array
+
 BLOCK = 64
 """Samples that are passed over at once where none of them can be a turn."""
 PIECE = 1 << 20

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core import Param
+from ..core import Array, Param
 from ..effects import Effect, Form, catalogue
 from ..fitting import fit
 from ..fitting.solve import jacobian
@@ -21,7 +21,6 @@ from ..laws import get_law
 from ..model import Model, Term
 from ..records import Record
 
-Array = np.ndarray
 Values = dict[str, float]
 UNITS = {"1", "N", "kN", "MPa", "mm", "s", "m", "min", "K", "deg", "kg"}
 FIELDS = {
