@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..core import Param, UsageError, blank_nan
 from ..schema.versions import schema
+from .record import Store
 from .request import BatchRequest, Item, WorkList
-from .store import Store
 
 if TYPE_CHECKING:
     import pandas as pd

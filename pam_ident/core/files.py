@@ -1,14 +1,16 @@
-"""Files are written whole or not at all."""
+"""Files are written whole or not at all, and TOML is read."""
 
 import json
+import math
 import os
 import sys
+import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from tempfile import mkstemp
 from typing import Any
 
-from . import UsageError, blank_nan
+from .errors import DataError, PamError, UsageError
 
 _measured: set[Path] = set()
 
@@ -33,6 +35,17 @@ def check_target(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
     if not os.access(path.parent, os.W_OK):
         raise UsageError(f"{path}: the folder {path.parent} cannot be written to; name another file")
     return path
+
+
+def read_toml(path: str | Path, absent: str = "", wrong: type[PamError] = DataError) -> dict[str, Any]:
+    """The content of a TOML file. Raises `wrong`, DataError by default, where it cannot be read, saying `absent` where
+    it is not there."""
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        if absent and isinstance(error, FileNotFoundError):
+            raise wrong(f"{path}: {absent}") from None
+        raise wrong(f"{path}: not a readable TOML file ({error})") from None
 
 
 def write_whole(path: str | Path, content: str | bytes) -> Path:
@@ -81,3 +94,16 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def blank_nan(value: Any) -> Any:
+    """`value` with every NaN and infinity replaced by None and numpy scalars by Python's, all the way down."""
+    if isinstance(value, dict):
+        return {str(key): blank_nan(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [blank_nan(item) for item in value]
+    if hasattr(value, "tolist"):
+        return blank_nan(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -3,23 +3,28 @@
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any, TypeVar
 
 from ..core import PamError, UsageError
 from ..core.progress import part, tell
-from .one_thread import one_thread
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 TRIES = 2
 """How many workers may die of one task before it is given up."""
+ONE_THREAD = {
+    **dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1"),
+    "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false",
+}
 
 
 class WorkerLost(PamError):
@@ -150,3 +155,22 @@ def _stop(pool: ProcessPoolExecutor) -> None:
     for process in list((pool._processes or {}).values()):
         process.terminate()
     pool.shutdown()
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Processes started inside compute on one thread, for more would only get into each other's way, and do not run the
+    main script again, as a new interpreter does to find what it defines.
+
+    All that is asked of workers is found in this package, so that a script needs no `if __name__ == "__main__":`.
+    """
+    environment, script = dict(os.environ), vars(sys.modules["__main__"])
+    names = {name: script.pop(name) for name in ("__spec__", "__file__") if name in script}
+    os.environ.update(ONE_THREAD)
+    script["__spec__"] = None
+    try:
+        yield
+    finally:
+        script.update(names)
+        os.environ.clear()
+        os.environ.update(environment)

@@ -1,23 +1,16 @@
 """columns.toml: which column of a foreign file is what, for anything that names and units do not tell."""
 
-import tomllib
 from collections.abc import Mapping as Dict
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..core import DataError
+from ..core.files import read_toml
 from ..core.units import is_absolute, known_scale, split_header
 from .joint_lever import LeverColumns, read_lever
 from .kind import check_kind
-from .quantities import (
-    BRANCHES,
-    QUANTITIES,
-    SHAPES,
-    Source,
-    quantity_of,
-    scale_of,
-)
+from .quantities import BRANCHES, QUANTITIES, SHAPES, Source, quantity_of, scale_of
 from .run_constants import Runs, read_runs
 from .sources import check_complete, check_shape, find_sources
 from .table import Table
@@ -119,10 +112,7 @@ class Mapping:
 
 def read_mapping(path: str | Path) -> Mapping:
     """Read a columns.toml. Raises DataError for what it cannot mean."""
-    try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    content = read_toml(path)
     kind = check_kind(content.pop("kind", None), str(path))
     strange = set(content) - {"columns", "file", "runs", "lever"}
     lever = read_lever(str(path), content.get("lever"), lambda key, value: _entry(path, key, value, known=True))

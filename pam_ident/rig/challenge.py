@@ -10,11 +10,10 @@ import numpy as np
 
 from ..core.progress import steps
 from .drives import DRIVES, PROTOCOLS
-from .faults import FAULTS
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
 from .protocol import TooShort
 from .record import Plan, RigRecord, Secret, make_record, write_case
-from .sensors import GAUGES
+from .sensors import FAULTS, GAUGES
 
 EXPONENTIAL = (
     "coulomb_friction",

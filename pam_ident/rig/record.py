@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from .drives import PROTOCOLS, Drive
-from .faults import FAULTS
 from .hidden import Hidden, TooSmall, carry_over, draw_hidden, law_residual, rms
 from .muscle import Array, RigMuscle, draw_muscle, draw_specimen
 from .protocol import Protocol, RigRun
-from .sensors import GAUGES, RigSensors, temperature_course
+from .sensors import FAULTS, GAUGES, RigSensors, temperature_course
 
 COLUMNS = ("time_s", "cycle", "pressure_set_MPa", "pressure_MPa", "displacement_mm", "force_N", "temperature_C")
 DECIMALS = (4, 0, 3, 5, 4, 3, 2)

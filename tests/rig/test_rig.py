@@ -17,7 +17,6 @@ from pam_ident.rig import (
     write_case,
 )
 from pam_ident.rig.challenge import SHARES, VISIBLE, quotas
-from pam_ident.rig.faults import FAULTS
 from pam_ident.rig.friction import FORMS as FRICTION
 from pam_ident.rig.friction import maxwell_slip
 from pam_ident.rig.hidden import EFFECTS, UNKNOWNS
@@ -25,7 +24,7 @@ from pam_ident.rig.integrate import follow
 from pam_ident.rig.memory import FORMS as MEMORY
 from pam_ident.rig.muscle import ChouHannaford, Exponential, RigMuscle, RigSpecimen
 from pam_ident.rig.record import COLUMNS
-from pam_ident.rig.sensors import COLOURS, RigSensors, ornstein_uhlenbeck
+from pam_ident.rig.sensors import COLOURS, FAULTS, RigSensors, ornstein_uhlenbeck
 from pam_ident.rig.statics import bladder_hoop, elastic_force
 
 SPECIMEN = RigSpecimen()
