@@ -46,6 +46,7 @@ PINNED = Identifiability("pinned", "pinned")
 DEAD = Identifiability("dead", "dead: the force does not depend on it anywhere in this record")
 HELD = Identifiability("held", "held where it was set")
 AT_BOUND = Identifiability("at_bound", "at its bound: the data pull it further")
+LOOSE = Identifiability("loose", "not pinned by this record: its interval is wider than the value itself")
 
 
 def flat_directions(names: Sequence[str], triangle: Array) -> dict[str, Identifiability]:
@@ -88,9 +89,7 @@ def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Arr
             text = f"traded against {names[partner]} (errors correlated {tie[partner]:.3f})"
             found.append(Identifiability("traded", text, (names[partner],), float(tie[partner])))
         elif half[i] > reference or half[i] > 0.5 * (p.upper - p.lower):
-            found.append(
-                Identifiability("loose", "not pinned by this record: its interval is wider than the value itself")
-            )
+            found.append(LOOSE)
         else:
             found.append(PINNED)
     return found

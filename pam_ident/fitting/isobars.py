@@ -1,5 +1,6 @@
 """Per isobar and branch: the tables of the paper, and the energy of each loop."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -101,12 +102,8 @@ def _lines(rows: list[IsobarRow], names: tuple[str, ...]) -> dict[str, tuple[flo
         values = np.array([next(e.value for e in row.estimates if e.name == name) for row in rows])
         slope, intercept = np.polyfit(pressure, values, 1)
         spread = np.std(values) * np.std(pressure)
-        r = (
-            float(np.mean((values - values.mean()) * (pressure - pressure.mean())) / spread)
-            if spread > 0
-            else float("nan")
-        )
-        lines[name] = (float(intercept), float(slope), r)
+        together = np.mean((values - values.mean()) * (pressure - pressure.mean()))
+        lines[name] = (float(intercept), float(slope), float(together / spread) if spread > 0 else math.nan)
     return lines
 
 

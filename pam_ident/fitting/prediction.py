@@ -69,12 +69,8 @@ class ReadingSpread:
         low, high = self.contraction
         room = 0.02 * (high - low)
         e, p = inputs.contraction, inputs.pressure
-        return (
-            (e < low - room)
-            | (e > high + room)
-            | (p < min(self.pressures) - NEAR_MPA)
-            | (p > max(self.pressures) + NEAR_MPA)
-        )
+        beyond = (e < low - room) | (e > high + room)
+        return beyond | (p < min(self.pressures) - NEAR_MPA) | (p > max(self.pressures) + NEAR_MPA)
 
     def _new_speed(self, speed: Array) -> Array:
         ratio = np.maximum(speed, 1e-9)[:, None] / np.array(self.speeds)
@@ -94,10 +90,8 @@ def reading_spread(one: Fit) -> ReadingSpread:
         return _no_spread(record, rows)
     if len(record) > ROWS:
         record = thinned(record if rows.all() else record.take(np.flatnonzero(rows)), ROWS)
-        one, rows = (
-            replace(one, record=record, rows=np.ones(len(record), bool), weights=None),
-            np.ones(len(record), bool),
-        )
+        rows = np.ones(len(record), bool)
+        one = replace(one, record=record, rows=rows, weights=None)
     level, speed = record.level, _speeds(record)
     levels, speeds = np.unique(level[rows]), np.unique(speed[rows & (speed > 0)])
     blocks = np.unique(record.block[rows])
@@ -112,8 +106,8 @@ def reading_spread(one: Fit) -> ReadingSpread:
         _wider(same, _half(one, inner, "pressures"), len(inner)),
         _wider(same, _half(one, outer, "pressures at the ends"), len(outer)),
         _wider(same, _half(one, [speed == v for v in speeds] if len(speeds) > 1 else [], "speeds"), len(speeds)),
-        tuple(float(p) for p in levels),
-        tuple(float(v) for v in speeds),
+        tuple(levels.tolist()),
+        tuple(speeds.tolist()),
         (float(e.min()), float(e.max())),
         math.nan if noise is None else noise.sigma,
     )
@@ -121,10 +115,8 @@ def reading_spread(one: Fit) -> ReadingSpread:
 
 def _no_spread(record: Record, rows: Array) -> ReadingSpread:
     p, e, speeds = record.inputs.pressure[rows], record.inputs.contraction[rows], np.unique(_speeds(record)[rows])
-    pressures = (float(p.min()), float(p.max()))
-    span = (float(e.min()), float(e.max()))
-    nan = math.nan
-    return ReadingSpread(nan, nan, nan, nan, pressures, tuple(float(v) for v in speeds[speeds > 0]), span)
+    pressures, span = ((float(x.min()), float(x.max())) for x in (p, e))
+    return ReadingSpread(*(math.nan,) * 4, pressures, tuple(speeds[speeds > 0].tolist()), span)
 
 
 def _speeds(record: Record) -> Array:

@@ -7,14 +7,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..core import Array, Inputs, Param
+from ..core import Array, Inputs
 from ..effects import Form
 from ..model import Model
 from .descent import GIVEN_UP
-from .problem import Problem, Solution, Whiten, all_rows, bounded_lstsq
+from .problem import Problem, Solution, Whiten, all_rows
 from .solvers import QUICK, Solver, VariableProjection
-
-__all__ = ["Solution", "Whiten", "bounded_lstsq", "jacobian", "nonlinear_within_bounds", "solve", "table"]
 
 ACTING = 1.03
 """How much larger the sum of squares may be before the force acts back as the model's own, not as measured."""
@@ -76,7 +74,7 @@ def separated(
     acting = force if acting is None else acting
     model = _remembering(model, inputs, acting)
     guess = model.neutral(inputs)
-    nonlinear = [replace(p, start=p.clip(guess[p.name])) for p in nonlinear_within_bounds(model, inputs)]
+    nonlinear = [replace(p, start=p.clip(guess[p.name])) for p in model.bounded(inputs)[len(model.linear) :]]
 
     def design(values: Mapping[str, float]) -> tuple[Array, Array]:
         return model.design(inputs, values, acting)
@@ -118,11 +116,6 @@ def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float]
         return np.empty((len(inputs), 0)), found
 
     return Problem((), model.bounded(inputs), design, force, start, whiten)
-
-
-def nonlinear_within_bounds(model: Model, inputs: Inputs) -> list[Param]:
-    """Curved parameters; the radius is kept within 15 % of the specimen's."""
-    return list(model.bounded(inputs)[len(model.linear) :])
 
 
 def table(model: Model, inputs: Inputs, values: Mapping[str, float], force: Array, whiten: Whiten = all_rows) -> Array:

@@ -188,16 +188,8 @@ class Lmfit:
     def __post_init__(self) -> None:
         from lmfit.minimizer import SCALAR_METHODS
 
-        known = {
-            "leastsq",
-            "least_squares",
-            "ampgo",
-            "basinhopping",
-            "brute",
-            "dual_annealing",
-            "shgo",
-            *SCALAR_METHODS,
-        }
+        own = {"leastsq", "least_squares", "ampgo", "basinhopping", "brute", "dual_annealing", "shgo"}
+        known = own.union(SCALAR_METHODS)
         if self.method not in known:
             raise UsageError(f"lmfit has no method {self.method!r}; it has {', '.join(sorted(known))}")
 
@@ -209,12 +201,8 @@ class Lmfit:
             return from_lmfit_names(parameters.valuesdict())
 
         begin = problem.begin(self.max_starts)
-        found: Any = lmfit.Minimizer(
-            lambda parameters: problem.residual(values(parameters)),
-            to_parameters((p, begin[p.name]) for p in problem.params),
-            calc_covar=False,
-        ).minimize(
-            method=self.method,
-            **({"Dfun": lambda parameters: problem.jacobian(values(parameters))} if self.method == "leastsq" else {}),
-        )
+        parameters = to_parameters((p, begin[p.name]) for p in problem.params)
+        search = lmfit.Minimizer(lambda at: problem.residual(values(at)), parameters, calc_covar=False)
+        slopes = {"Dfun": lambda at: problem.jacobian(values(at))} if self.method == "leastsq" else {}
+        found: Any = search.minimize(method=self.method, **slopes)
         return Solution(values(found.params), bool(found.success), str(found.message))

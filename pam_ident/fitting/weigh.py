@@ -56,9 +56,8 @@ class Weighing:
             return 1.0
         size = np.abs(weighted)
         limit = TUNING * _scale(weighted)
-        return (
-            float(np.mean(np.minimum(1.0, limit / np.maximum(size, 1e-300))) / max(np.mean(size <= limit), 1e-3)) ** 2
-        )
+        counted = np.mean(np.minimum(1.0, limit / np.maximum(size, 1e-300)))
+        return float(counted / max(np.mean(size <= limit), 1e-3)) ** 2
 
 
 def _scale(residual: Array) -> float:
