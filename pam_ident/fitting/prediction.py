@@ -61,7 +61,7 @@ class ReadingSpread:
         outside = off & ((p < levels.min()) | (p > levels.max()))
         half = np.where(outside, self.beyond, np.where(off, self.between, self.same))
         if inputs.stroke_speed is not None and self.speeds:
-            half = np.where(self._new_speed(inputs.stroke_speed), _larger(half, self.speed), half)
+            half = np.where(self._new_speed(inputs.stroke_speed), np.maximum(half, self.speed), half)
         return half
 
     def outside(self, inputs: Inputs) -> Array:
@@ -75,11 +75,6 @@ class ReadingSpread:
     def _new_speed(self, speed: Array) -> Array:
         ratio = np.maximum(speed, 1e-9)[:, None] / np.array(self.speeds)
         return np.min(np.maximum(ratio, 1.0 / ratio), axis=1) > NEAR_SPEED
-
-
-def _larger(a: Array, b: float) -> Array:
-    """The larger of both; NaN where the one that matters is not known."""
-    return np.where(np.isnan(b), np.nan, np.maximum(a, b))
 
 
 def reading_spread(one: Fit) -> ReadingSpread:

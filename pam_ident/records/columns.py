@@ -9,11 +9,10 @@ import numpy as np
 from ..core import Array, DataError
 from ..core.units import ATMOSPHERE_MPA, conversion
 from .cells import Clock, numbers_in
-from .frozen import frozen_rows
+from .faulty import frozen_rows, impossible_rows, spike_rows
 from .notes import Notes
 from .quantities import QUANTITIES, SHAPES, Source
 from .ranges import Values, check_empty, check_ranges, place_of
-from .spikes import impossible_rows, spike_rows
 from .table import Table, TableRows
 
 SENSORS = {"time", "pressure", "pressure_set", *SHAPES, "force", "temperature", "cycle", "torque", "angle"}

@@ -64,9 +64,8 @@ def _doubt_wander(record: Record) -> Iterator[Doubt]:
             ratio, worst = deviation / allowed, (level, deviation, pressure.min(), pressure.max())
     if worst is not None:
         level, deviation, low, high = worst
-        yield Doubt(
-            "pressure_wanders",
+        text = (
             f"the pressure is not isobaric: at {level:g} MPa it wanders between {low:.4g} and {high:.4g} MPa (standard "
-            f"deviation {deviation:.2g} MPa). Use a larger reservoir, a closer regulator or slower strokes.",
-            "pressure",
+            f"deviation {deviation:.2g} MPa). Use a larger reservoir, a closer regulator or slower strokes."
         )
+        yield Doubt("pressure_wanders", text, "pressure")

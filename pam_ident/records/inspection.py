@@ -59,7 +59,7 @@ def inspect_record(record: Record) -> Inspection:
         {name: count for name, count in counts.items() if count},
         len(np.unique(record.stroke[record.stroke > 0])),
         speeds,
-        None if inputs.cycle is None else _most_cycles(record),
+        None if inputs.cycle is None else max(len(np.unique(inputs.cycle[record.level == p])) for p in record.levels),
         None if held is None else int(np.sum(np.diff(np.r_[False, held].astype(int)) == 1)),
         0 if held is None else int(held.sum()),
         None if inputs.time is None else float(inputs.time[-1] - inputs.time[0]),
@@ -85,21 +85,9 @@ def stroke_speeds(record: Record) -> tuple[float, ...]:
 
 def _isobar(record: Record, level: float) -> Isobar:
     here = record.level == level
-    pressure, contraction = record.inputs.pressure[here], record.inputs.contraction[here]
-    force = record.force[here]
-    return Isobar(
-        float(level),
-        int(here.sum()),
-        float(pressure.std()),
-        (float(contraction.min()), float(contraction.max())),
-        (float(force.min()), float(force.max())),
-    )
-
-
-def _most_cycles(record: Record) -> int:
-    cycle = record.inputs.cycle
-    assert cycle is not None
-    return max(len(np.unique(cycle[record.level == level])) for level in record.levels)
+    wander = float(record.inputs.pressure[here].std())
+    ends = [(float(x[here].min()), float(x[here].max())) for x in (record.inputs.contraction, record.force)]
+    return Isobar(float(level), int(here.sum()), wander, *ends)
 
 
 def advise(record: Record, doubts: tuple[Doubt, ...], speeds: tuple[float, ...]) -> tuple[str, ...]:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..core import DataError, Specimen
-from .clipped import clipped_rows
+from .clipped import clipped_rows, slack_rows
 from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
-from .logged import is_log, likely_clock
+from .guess import is_log, likely_clock
 from .mapping import Mapping, read_mapping
 from .notes import Notes
 from .package import read_metadata
@@ -20,7 +20,6 @@ from .quantities import Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
-from .slack import slack_rows
 from .sources import Finder, find_sources, passed_over
 from .specimen_file import read_kind, read_specimen
 from .table import Table, table_in_memory
@@ -66,10 +65,8 @@ def read_record(
     clock = ""
     for table, sources, length_mm in tables_of(files, columns, muscle, notes, find):
         for values in read_columns(table, sources, length_mm, notes):
-            values |= {
-                "run": np.full(len(values["force"]), len(runs)),
-                "muscle": np.full(len(values["force"]), length_mm),
-            }
+            for group, number in (("run", len(runs)), ("muscle", length_mm)):
+                values[group] = np.full(len(values["force"]), number)
             runs.append(on_length(values, length_mm, muscle.initial_length_mm))
         if not where:
             passed, clock = left_out(table, sources)
@@ -112,10 +109,9 @@ def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "",
     sources = find(table)
     notes = Notes()
     values = join_runs(read_columns(table, sources, specimen.initial_length_mm, notes), place)
-    where = {key: source.header for key, source in sources.items()}
     passed, clock = left_out(table, sources)
     note_clock(notes, values, specimen, passed, clock)
-    found = build_loaded(name or specimen.name, name or "table", "", specimen, values, where, notes)
+    found = build_loaded(name or specimen.name, name or "table", "", specimen, values, headers(sources), notes)
     return replace(found, passed=passed)
 
 

@@ -65,8 +65,7 @@ class LongRecord:
     @property
     def last_run(self) -> int:
         """The number of the last turn or stroke of a record with time."""
-        ends = [int(self.on_disk.read(k, self.n - 1, self.n, KINDS[k])[0]) for k in ("turn", "stroke")]
-        return max(ends)
+        return max(int(self.on_disk.read(k, self.n - 1, self.n, KINDS[k])[0]) for k in ("turn", "stroke"))
 
     def level(self, begin: int, end: int) -> Array:
         """Nominal pressure in MPa of rows begin … end."""
@@ -217,18 +216,10 @@ class _Spill:
         self.join()
         pressures = np.array(sorted(self.pressures))
         counts = np.array([self.pressures[p] for p in pressures.tolist()])
-        found = LongRecord(
-            record_name(self.files, self.specimen),
-            self.specimen,
-            self.files.given,
-            files_sha256(self.files),
-            where,
-            self.masked,
-            self.n,
-            pressures,
-            nominal(pressures, counts),
-            self.on_disk,
-        )
+        origin = self.files.given, files_sha256(self.files), where, self.masked
+        isobars = pressures, nominal(pressures, counts)
+        name = record_name(self.files, self.specimen)
+        found = LongRecord(name, self.specimen, *origin, self.n, *isobars, self.on_disk)
         if "time" in self.quantities:
             given = tuple(name for name in ("branch", "cycle") if name in self.quantities)
             length = self.specimen.initial_length_mm

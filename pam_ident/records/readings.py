@@ -39,24 +39,20 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
     if huge.any():
         rows = np.flatnonzero(huge)
         more = f" (and {len(rows) - 1} more)" if len(rows) > 1 else ""
-        yield Doubt(
-            "impossible_value",
+        text = (
             f"sample {rows[0] + 1}{more} reads a force of {newtons(float(force[rows[0]]))}, which this muscle cannot "
-            "pull. Fix or delete the row.",
-            "force",
-            True,
+            "pull. Fix or delete the row."
         )
+        yield Doubt("impossible_value", text, "force", True)
     if huge.all():
         return
     force = force[~huge]
     if force.min() < -0.05 * abs(force.max()):
-        yield Doubt(
-            "force_sign",
+        text = (
             f"the force goes down to {newtons(force.min())}, but a muscle pulls and cannot push. Check the zero "
-            "of the load cell and its sign (pull is positive).",
-            "force",
-            bool(force.mean() < 0.0 and force.min() < -0.5 * np.abs(force).max()),
+            "of the load cell and its sign (pull is positive)."
         )
+        yield Doubt("force_sign", text, "force", bool(force.mean() < 0.0 and force.min() < -0.5 * np.abs(force).max()))
     for here in ends_piled_up(record.force):
         yield from _doubt_limit(record, here)
 
@@ -70,13 +66,11 @@ def _doubt_limit(record: Record, here: Array) -> Iterator[Doubt]:
         return
     why = "the reading is clipped or the muscle is slack" if words == "lowest" else "the reading is clipped"
     cure = ", or pretension the muscle" if words == "lowest" else ""
-    yield Doubt(
-        "force_clipped",
+    text = (
         f"{n} samples read exactly {end:g} N, the {words} force: {why}. Leave those rows out (a column `slack` of 1 "
-        f"and 0 does it){cure}.",
-        "force",
-        bool(moves and n >= max(CLIPPED_ROWS, CLIPPED_SHARE * len(here))),
+        f"and 0 does it){cure}."
     )
+    yield Doubt("force_clipped", text, "force", bool(moves and n >= max(CLIPPED_ROWS, CLIPPED_SHARE * len(here))))
 
 
 def doubt_clock(record: Record) -> Iterator[Doubt]:
@@ -87,20 +81,18 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     yield from _doubt_pace(record, time)
     steps = np.diff(time)[(np.diff(segment) != 0) & (np.diff(record.level) == 0.0)]
     if len(steps) and record.inputs.pressure_rate is None:  # else another length or weight may come after a pause
-        yield Doubt(
-            "clock_jumps",
+        text = (
             f"the time jumps {len(steps)} times within an isobar, by up to {steps.max():.4g} s: samples are lost or "
-            "the run was stopped. Log without a break, or give each run a file of its own.",
-            "time",
+            "the run was stopped. Log without a break, or give each run a file of its own."
         )
+        yield Doubt("clock_jumps", text, "time")
     drift = _tare_drift(record)
     if drift is not None:
-        yield Doubt(
-            "tare_drift",
+        text = (
             f"between the first and the last tare (no pressure) the force drifts by {newtons(drift)}. Tare the "
-            "load cell before each isobar, let it warm up, and keep the tares in the record.",
-            "force",
+            "load cell before each isobar, let it warm up, and keep the tares in the record."
         )
+        yield Doubt("tare_drift", text, "force")
 
 
 def _doubt_pace(record: Record, time: Array) -> Iterator[Doubt]:
@@ -116,13 +108,11 @@ def _doubt_pace(record: Record, time: Array) -> Iterator[Doubt]:
         slip = "milliseconds taken for seconds?"
     else:
         return
-    yield Doubt(
-        "clock_scale",
+    text = (
         f"the fastest stroke is {fastest:.3g} mm/s with {step:.3g} s from sample to sample, as on no rig: {slip} Check "
-        "the unit of the time.",
-        "time",
-        True,
+        "the unit of the time."
     )
+    yield Doubt("clock_scale", text, "time", True)
 
 
 def doubt_temperature(record: Record) -> Iterator[Doubt]:
@@ -130,12 +120,8 @@ def doubt_temperature(record: Record) -> Iterator[Doubt]:
     found = record.inputs.temperature
     if found is not None and not (WARM_C[0] < found.min() and found.max() < WARM_C[1]):
         worst = float(found.max() if found.max() >= WARM_C[1] else found.min())
-        yield Doubt(
-            "temperature_scale",
-            f"the temperature reaches {worst:.4g} °C, where a bladder is no rubber. Check its unit (kelvin?).",
-            "temperature",
-            True,
-        )
+        text = f"the temperature reaches {worst:.4g} °C, where a bladder is no rubber. Check its unit (kelvin?)."
+        yield Doubt("temperature_scale", text, "temperature", True)
 
 
 def _tare_drift(record: Record) -> float | None:

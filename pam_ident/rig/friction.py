@@ -36,6 +36,12 @@ def scaled(shape: Array) -> Force:
     return lambda size: size * shape
 
 
+def elsewhere(c: RigRun, m: RigMuscle, pressure: Array | None = None, eps: Array | None = None) -> Array:
+    """Change of force (N), shape (m,), where the muscle has another pressure (MPa) or contraction than is read."""
+    there = m.force(c.pressure if pressure is None else pressure, c.eps if eps is None else eps)
+    return there - m.force(c.pressure, c.eps)
+
+
 def direction(c: RigRun, hold_share: float) -> Array:
     """sgn(eps'), shape (m,), while moving; in a hold the share of the friction that stays locked in."""
     return np.where(c.moving != 0, c.moving, hold_share * c.heading)

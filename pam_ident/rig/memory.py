@@ -5,18 +5,13 @@ Same signature as in friction.py: (course, muscle, rng) -> (settings, force(size
 
 import numpy as np
 
-from .friction import Force, Forms, Settings, form_of, scaled
+from .friction import Force, Forms, Settings, elsewhere, form_of, scaled
 from .integrate import follow, stiff_path
 from .muscle import AMBIENT_MPA, Array, RigMuscle
 from .protocol import RigRun
 
 KAPPA = 1.4  # adiabatic exponent of air
 FORMS: Forms = {}
-
-
-def _by_gas(c: RigRun, m: RigMuscle, gas: Array) -> Array:
-    """Change of force (N) when the muscle holds `gas` (gauge MPa) and the valve sensor reads c.pressure."""
-    return m.force(gas, c.eps) - m.force(c.pressure, c.eps)
 
 
 def _growth(c: RigRun, m: RigMuscle) -> list[float]:
@@ -31,7 +26,7 @@ def lag_quasi_steady(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple
     fall = np.gradient(c.pressure, c.time + 1e-9 * np.arange(len(c.time)))
     fall += (c.pressure + AMBIENT_MPA) * m.specimen.log_volume_slope(c.eps) * c.rate
     fall = np.where(c.moving != 0, fall, 0.0)
-    return {}, lambda size: _by_gas(c, m, c.pressure - size * fall)
+    return {}, lambda size: elsewhere(c, m, c.pressure - size * fall)
 
 
 def _through_valve(c: RigRun, m: RigMuscle, n: float, venting: float = 1.0) -> Force:
@@ -46,7 +41,7 @@ def _through_valve(c: RigRun, m: RigMuscle, n: float, venting: float = 1.0) -> F
             way = opening[i] * (1.0 if valve[i] > p else venting) / size
             return way * (valve[i] - p) - n * (p + AMBIENT_MPA) * growth[i], -way - n * growth[i]
 
-        return _by_gas(c, m, stiff_path(c.time, valve[0], slope))
+        return elsewhere(c, m, stiff_path(c.time, valve[0], slope))
 
     return force
 
@@ -93,7 +88,7 @@ def lag_orifice(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Sett
             g = opening[i] * conductance(max(v, p), min(v, p)) / size
             return g * (v - p) - KAPPA * p * growth[i], -g - KAPPA * growth[i]
 
-        return _by_gas(c, m, stiff_path(c.time, valve[0], slope) - AMBIENT_MPA)
+        return elsewhere(c, m, stiff_path(c.time, valve[0], slope) - AMBIENT_MPA)
 
     return {"critical_ratio": critical}, force
 

@@ -122,16 +122,11 @@ def make_record(plan: Plan) -> RigRecord:
     added = sum((h.force[course.rows] for h in hidden), np.zeros(len(course.rows)))
     table = _log(plan, course, muscle, added, _stream(plan.seed, 5))
     p_seen, eps_seen, force_seen = table[:, 3], table[:, 4] / course.length_mm, table[:, 5]
-    return RigRecord(
-        plan,
-        FAULTS[plan.fault](table, _stream(plan.seed, 6)) if plan.fault else table,
-        muscle,
-        hidden,
-        rms(force_seen - muscle.force(p_seen, eps_seen) - added),
-        rms(law_residual(muscle, p_seen, eps_seen, force_seen)),
-        course,
-        added,
-    )
+    noise = rms(force_seen - muscle.force(p_seen, eps_seen) - added)
+    by_law = rms(law_residual(muscle, p_seen, eps_seen, force_seen))
+    if plan.fault:
+        FAULTS[plan.fault](table, _stream(plan.seed, 6))
+    return RigRecord(plan, table, muscle, hidden, noise, by_law, course, added)
 
 
 def _log(plan: Plan, course: RigRun, muscle: RigMuscle, added: Array, rng: np.random.Generator) -> Array:

@@ -1,7 +1,7 @@
 """Sensor noise of several colours, the temperature of the day, and what a logger makes of a table.
 
-Every fault takes the table (n, 7) in the order of record.COLUMNS and returns a new one of that shape. A cell that is
-NaN is written empty, and a row whose time is NaN is not written.
+Every fault changes the table (n, 7), in the order of record.COLUMNS, in place. A cell that is NaN is written empty, and
+a row whose time is NaN is not written.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ COLOURS = ("white", "ar1", "ou", "slow", "pink", "heavy", "growing")
 GAUGES = {"good": (0.0002, 0.01), "noisy_pressure": (0.001, 0.01), "noisy_length": (0.0002, 0.04)}
 """Noise of the gauge in MPa and of the length sensor in mm."""
 TIME, PRESSURE, LENGTH, FORCE = 0, 3, 4, 5
-Fault = Callable[[Array, np.random.Generator], Array]
+Fault = Callable[[Array, np.random.Generator], None]
 
 
 @dataclass(frozen=True)
@@ -87,49 +87,38 @@ def _some(n: int, share: float, rng: np.random.Generator) -> NDArray[np.intp]:
     return rng.choice(n, max(int(share * n), 1), replace=False)
 
 
-def _spikes(table: Array, rng: np.random.Generator) -> Array:
+def _spikes(table: Array, rng: np.random.Generator) -> None:
     """Two samples in a thousand of the force are off by 50 to 500 N."""
-    out, rows = table.copy(), _some(len(table), 0.002, rng)
-    out[rows, FORCE] += rng.choice([-1.0, 1.0], len(rows)) * rng.uniform(50.0, 500.0, len(rows))
-    return out
+    rows = _some(len(table), 0.002, rng)
+    table[rows, FORCE] += rng.choice([-1.0, 1.0], len(rows)) * rng.uniform(50.0, 500.0, len(rows))
 
 
-def _empty_cells(table: Array, rng: np.random.Generator) -> Array:
+def _empty_cells(table: Array, rng: np.random.Generator) -> None:
     """One in a hundred cells of pressure, length or force is empty."""
-    out = table.copy()
     for column in (PRESSURE, LENGTH, FORCE):
-        out[_some(len(out), 0.01, rng), column] = np.nan
-    return out
+        table[_some(len(table), 0.01, rng), column] = np.nan
 
 
-def _lost_rows(table: Array, rng: np.random.Generator) -> Array:
+def _lost_rows(table: Array, rng: np.random.Generator) -> None:
     """One row in twenty was never written."""
-    out = table.copy()
-    out[_some(len(out), 0.05, rng), TIME] = np.nan
-    return out
+    table[_some(len(table), 0.05, rng), TIME] = np.nan
 
 
-def _jitter(table: Array, rng: np.random.Generator) -> Array:
+def _jitter(table: Array, rng: np.random.Generator) -> None:
     """The clock is read up to a fifth of a step too late."""
-    out = table.copy()
-    steps = np.diff(out[:, TIME], append=out[-1, TIME] + 0.01)
-    out[:, TIME] = np.round(out[:, TIME] + 0.2 * rng.uniform(0.0, 1.0, len(out)) * np.clip(steps, 0.0, 0.2), 5)
-    return out
+    steps = np.diff(table[:, TIME], append=table[-1, TIME] + 0.01)
+    table[:, TIME] = np.round(table[:, TIME] + 0.2 * rng.uniform(0.0, 1.0, len(table)) * np.clip(steps, 0.0, 0.2), 5)
 
 
-def _coarse(table: Array, rng: np.random.Generator) -> Array:
+def _coarse(table: Array, rng: np.random.Generator) -> None:
     """A logger of 12 bits: 1 N, 0.05 mm, 0.5 kPa."""
-    out = table.copy()
     for column, step in ((PRESSURE, 0.0005), (LENGTH, 0.05), (FORCE, 1.0)):
-        out[:, column] = np.round(out[:, column] / step) * step
-    return out
+        table[:, column] = np.round(table[:, column] / step) * step
 
 
-def _clipped(table: Array, rng: np.random.Generator) -> Array:
+def _clipped(table: Array, rng: np.random.Generator) -> None:
     """The load cell ends at 85 to 95 % of the largest force."""
-    out = table.copy()
-    out[:, FORCE] = np.minimum(out[:, FORCE], np.round(rng.uniform(0.85, 0.95) * out[:, FORCE].max(), 3))
-    return out
+    table[:, FORCE] = np.minimum(table[:, FORCE], np.round(rng.uniform(0.85, 0.95) * table[:, FORCE].max(), 3))
 
 
 FAULTS: dict[str, Fault] = {

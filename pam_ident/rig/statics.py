@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .friction import Force, Forms, Settings, form_of, scaled
+from .friction import Force, Forms, Settings, elsewhere, form_of, scaled
 from .muscle import Array, RigMuscle, RigSpecimen
 from .protocol import RigRun
 
@@ -65,36 +65,30 @@ def bladder_gent(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Set
     return {"Jm": jm}, scaled(-elastic_force(m.specimen, energy, c.eps))
 
 
-def _at_pressure(c: RigRun, m: RigMuscle, p: Array) -> Array:
-    return m.force(p, c.eps) - m.force(c.pressure, c.eps)
-
-
 @form_of(FORMS, "threshold_pressure")
 def threshold_hard(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> max(p - p_th, 0); size p_th in MPa."""
-    return {}, lambda size: _at_pressure(c, m, np.maximum(c.pressure - size, 0.0))
+    return {}, lambda size: elsewhere(c, m, np.maximum(c.pressure - size, 0.0))
 
 
 @form_of(FORMS, "threshold_pressure", "soft")
 def threshold_soft(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> w log(1 + exp((p - p_th)/w)): the bladder meets the braid bit by bit."""
     w = rng.uniform(0.01, 0.03)
-    return {"width_MPa": w}, lambda size: _at_pressure(c, m, w * np.logaddexp(0.0, (c.pressure - size) / w))
+    return {"width_MPa": w}, lambda size: elsewhere(c, m, w * np.logaddexp(0.0, (c.pressure - size) / w))
 
 
 @form_of(FORMS, "threshold_pressure", "rational")
 def threshold_rational(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> p^2/(p + p_th)."""
-    return {}, lambda size: _at_pressure(c, m, c.pressure**2 / (c.pressure + size))
+    return {}, lambda size: elsewhere(c, m, c.pressure**2 / (c.pressure + size))
 
 
 @form_of(FORMS, "threshold_pressure", "stretching")
 def threshold_stretching(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The wider the braid, the more the bladder must be stretched to touch it: p_th grows along the stroke."""
     growth = rng.uniform(0.2, 0.6) / float(c.eps.max())
-    return {"growth": growth}, lambda size: _at_pressure(
-        c, m, np.maximum(c.pressure - size * (1 + growth * c.eps), 0.0)
-    )
+    return {"growth": growth}, lambda size: elsewhere(c, m, np.maximum(c.pressure - size * (1 + growth * c.eps), 0.0))
 
 
 def _given_way(c: RigRun, m: RigMuscle, give: Callable[[Array], Array]) -> Array:
@@ -102,7 +96,7 @@ def _given_way(c: RigRun, m: RigMuscle, give: Callable[[Array], Array]) -> Array
     eps = c.eps.copy()
     for _ in range(60):
         eps = 0.3 * eps + 0.7 * (c.eps + give(m.force(c.pressure, eps)))
-    return m.force(c.pressure, eps) - m.force(c.pressure, c.eps)
+    return elsewhere(c, m, eps=eps)
 
 
 @form_of(FORMS, "series_compliance")
@@ -137,27 +131,23 @@ def wall_thick(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Setti
     return {}, lambda t: np.pi * c.pressure * (d90 * t * (2 * sine - 1 / sine) - t**2)
 
 
-def _at_contraction(c: RigRun, m: RigMuscle, eps: Array) -> Array:
-    return m.force(c.pressure, eps) - m.force(c.pressure, c.eps)
-
-
 @form_of(FORMS, "end_taper")
 def taper_scale(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """eps -> (1 + size) eps: the ends do not contract."""
-    return {}, lambda size: _at_contraction(c, m, (1 + size) * c.eps)
+    return {}, lambda size: elsewhere(c, m, eps=(1 + size) * c.eps)
 
 
 @form_of(FORMS, "end_taper", "saturating")
 def taper_saturating(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The scale fades with contraction: eps (1 + size exp(-eps/eps1))."""
     fade = rng.uniform(0.05, 0.15)
-    return {"eps1": fade}, lambda size: _at_contraction(c, m, c.eps * (1 + size * np.exp(-c.eps / fade)))
+    return {"eps1": fade}, lambda size: elsewhere(c, m, eps=c.eps * (1 + size * np.exp(-c.eps / fade)))
 
 
 @form_of(FORMS, "length_offset")
 def offset_length(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """eps -> eps - size."""
-    return {}, lambda size: _at_contraction(c, m, c.eps - size)
+    return {}, lambda size: elsewhere(c, m, eps=c.eps - size)
 
 
 @form_of(FORMS, "braid_extensibility")

@@ -7,7 +7,7 @@ Same signature as in friction.py; sizes in N.
 
 import numpy as np
 
-from .friction import Force, Form, Forms, Settings, direction, form_of, scaled
+from .friction import Force, Form, Forms, Settings, direction, elsewhere, form_of, scaled
 from .muscle import Array, RigMuscle
 from .protocol import RigRun
 
@@ -136,8 +136,7 @@ def slip_length(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Sett
     """The mount slips: from then on the true contraction differs from the measured; size in mm."""
     when = _moment(c, rng)
     after = c.time >= when
-    true = m.force(c.pressure, c.eps)
-    return {"time_s": when}, lambda size: after * (m.force(c.pressure, c.eps - size / c.length_mm) - true)
+    return {"time_s": when}, lambda size: after * elsewhere(c, m, eps=c.eps - size / c.length_mm)
 
 
 @form_of(FORMS, "mount_slip", "load")
@@ -196,7 +195,7 @@ def wandering_gain(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[S
 def wandering_length(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The clamp creeps: the true contraction moves away from the measured; size in mm by the end."""
     away = _wandering(c, rng) / c.length_mm
-    return {}, lambda size: m.force(c.pressure, c.eps - size * away) - m.force(c.pressure, c.eps)
+    return {}, lambda size: elsewhere(c, m, eps=c.eps - size * away)
 
 
 @form_of(FORMS, "wandering_sensor", "cell")

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from ..core import PamError, Specimen, UsageError
 from ..records import Record, read_record
-from ..records.unpacked import check_unpacked
+from ..records.files import check_unpacked
 
 COMPANIONS = ("specimen.toml", "columns.toml")
 MOST_UNPACKED = 1 << 30
