@@ -71,23 +71,21 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
 
 def write_json(path: str | Path, answer: Mapping[str, Any]) -> None:
     """One answer as indented JSON; what is no number is null. The path `-` is stdout."""
-    _write_text(path, _dumps(answer, 2) + "\n")
+    _write(path, [answer], 2)
 
 
 def write_json_lines(path: str | Path, answers: Iterable[Mapping[str, Any]]) -> None:
     """Several answers, one object a line. The path `-` is stdout."""
-    _write_text(path, "".join(_dumps(answer, None) + "\n" for answer in answers))
+    _write(path, answers, None)
 
 
-def _write_text(path: str | Path, content: str) -> None:
+def _write(path: str | Path, answers: Iterable[Mapping[str, Any]], indent: int | None) -> None:
+    plain = (blank_nan(dict(answer)) for answer in answers)
+    content = "".join(json.dumps(one, indent=indent, ensure_ascii=False, allow_nan=False) + "\n" for one in plain)
     if str(path) == "-":
         sys.stdout.write(content)
     else:
         write_whole(path, content)
-
-
-def _dumps(answer: Mapping[str, Any], indent: int | None) -> str:
-    return json.dumps(blank_nan(dict(answer)), indent=indent, ensure_ascii=False, allow_nan=False)
 
 
 def _umask() -> int:

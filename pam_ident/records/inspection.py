@@ -25,7 +25,7 @@ class Isobar:
 @dataclass(frozen=True)
 class Inspection:
     """A record in numbers. `speeds` are the strokes' speeds in mm/s, `None` fields are not in the record. `kind` is the
-    kind of test, `doubts` what looks wrong.
+    kind of test, `doubts` what looks wrong, `advice` that and what the record cannot show, in plain words.
 
     `cycles` is the largest number of cycles on one isobar; `branches` maps a branch to its number of samples.
     """
@@ -52,6 +52,7 @@ def inspect_record(record: Record) -> Inspection:
     names = {"contraction": 1.0, "extension": -1.0, "without a branch": 0.0}
     counts = {name: int(np.sum(inputs.direction == sign)) for name, sign in names.items()}
     held = None if inputs.moving is None else ~inputs.moving
+    noted = {note.code for note in record.notes}
     return Inspection(
         record,
         find_files(record.source) if record.sha256 else None,
@@ -64,7 +65,7 @@ def inspect_record(record: Record) -> Inspection:
         0 if held is None else int(held.sum()),
         None if inputs.time is None else float(inputs.time[-1] - inputs.time[0]),
         None if inputs.temperature is None else (float(inputs.temperature.min()), float(inputs.temperature.max())),
-        advise(record, doubts, speeds),
+        (*(doubt.text for doubt in doubts if doubt.code not in noted), *_gaps(record, speeds)),
         record.kind,
         doubts,
     )
@@ -88,12 +89,6 @@ def _isobar(record: Record, level: float) -> Isobar:
     wander = float(record.inputs.pressure[here].std())
     ends = [(float(x[here].min()), float(x[here].max())) for x in (record.inputs.contraction, record.force)]
     return Isobar(float(level), int(here.sum()), wander, *ends)
-
-
-def advise(record: Record, doubts: tuple[Doubt, ...], speeds: tuple[float, ...]) -> tuple[str, ...]:
-    """What looks wrong in the record and what it cannot show, in plain words; empty when nothing is amiss."""
-    noted = {note.code for note in record.notes}
-    return (*(doubt.text for doubt in doubts if doubt.code not in noted), *_gaps(record, speeds))
 
 
 def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:

@@ -114,19 +114,9 @@ class LongRecord:
         direction, stroke, turn = (
             none if (found := column(name)) is None else found for name in ("branch", "stroke", "turn")
         )
-        inputs = Inputs(
-            pressure=pressure,
-            contraction=read("contraction", np.float64),
-            specimen=self.specimen,
-            direction=direction.astype(float),
-            time=column("time", full),
-            velocity=column("velocity", full),
-            stroke_speed=column("stroke_speed", full),
-            moving=column("moving"),
-            cycle=column("cycle", full),
-            temperature=column("temperature", full),
-            segment=column("segment"),
-        )
+        given = Inputs(pressure, read("contraction", np.float64), self.specimen, direction.astype(float))
+        logged = {name: column(name, full) for name in ("time", "velocity", "stroke_speed", "cycle", "temperature")}
+        inputs = replace(given, moving=column("moving"), segment=column("segment"), **logged)
         level = self._nominal(read(self._by, np.float64))
         origin = (self.source, self.sha256, self.columns)
         facts = {"masked": self.masked, "notes": self.notes, "said_kind": self.said_kind}

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping as Dict
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,7 @@ class Mapping:
     def sources(self, table: Table, run: str = "") -> dict[str, Source]:
         """The columns that are named here, no others, and the constants of the file `run`. Raises DataError where
         one is not in the table."""
-        by_lever = self._by_lever(table)
+        by_lever = self.lever.sources(table.headers, partial(self._position, table)) if self.lever else {}
         if not self.columns:
             has_force = bool(by_lever) or any(quantity_of(h) == "force" for h in table.headers)
             return find_sources(table, self.runs.sources(run, has_force) | by_lever)
@@ -78,11 +79,6 @@ class Mapping:
             if name in found and (found[name].position is not None or name in by_lever):
                 raise DataError(f"{self.path}: {name} is a column and a constant of {run!r}; keep one")
         return check_shape(found | own, f"{self.path}: [columns]")
-
-    def _by_lever(self, table: Table) -> dict[str, Source]:
-        if self.lever is None:
-            return {}
-        return self.lever.sources(table.headers, lambda key, column: self._position(table, key, column))
 
     def _check_unit(self, header: str, key: str, name: str, scale: tuple[float, float], entry: Dict[str, Any]) -> None:
         """Refuse a unit against the one that the file states, unless a factor or an offset says that it is meant."""

@@ -91,7 +91,8 @@ def pieces(n: int, read: Read, threshold: float, pause: float) -> Iterator[tuple
         at = 0
         for stop in [*breaks.tolist(), len(x)]:
             while stop - at > most:
-                cut = at + turning.cut_at_turn(x[at : at + most], threshold)
+                late = (turn for turn in pivots(x[at : at + most], threshold) if most // 2 <= turn < most - 1)
+                cut = at + next(late, most)  # the first turn in the second half
                 yield fresh, time[at:cut], x[at:cut]
                 at, fresh = cut, False
             if stop < len(x) or end == n:

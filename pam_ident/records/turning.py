@@ -20,11 +20,6 @@ FEW, FAR = 3, 20.0
 """Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
 
 
-def cut_at_turn(x: Array, threshold: float) -> int:
-    """Index at which PIECE samples x (n,) are parted: the first turn in the second half, or the end."""
-    return next((turn for turn in pivots(x, threshold) if turn >= len(x) // 2 and turn < len(x) - 1), len(x))
-
-
 def pivots(x: Array, threshold: float) -> list[int]:
     """Indices of the turning points of x (n,), ends included, ignoring reversals below the threshold."""
     found, low, high, heading = [0], 0, 0, 0
