@@ -7,12 +7,12 @@ record says little is drawn to the others, and one that was not measured is pred
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ..core import Array, Inputs, UsageError
 from ..fitting import Problem, VariableProjection
-from ..fitting.problem import Design
 from ..fitting.together import stacked
 from ..model import Model
 from ..records import Record
@@ -119,7 +119,10 @@ def _problem(
 ) -> Problem:
     """All samples, then a row for each muscle and own parameter: weight · (its value − the mean)."""
     params, linear = model.bounded(records[0].inputs), len(model.linear)
-    parts = [Problem(params[:linear], params[linear:], _design(model, one), one.force) for one in records]
+    parts = [
+        Problem(params[:linear], params[linear:], partial(model.design, one.inputs, force=one.force), one.force)
+        for one in records
+    ]
     samples = stacked(parts, set(model.names) - set(own))
     means = tuple(p for p in params if p.name in own)
     columns_of = samples.linear + means
@@ -140,10 +143,6 @@ def _problem(
 
     target = np.concatenate([samples.target, np.zeros(len(priors))])
     return Problem(columns_of, samples.nonlinear, design, target, start)
-
-
-def _design(model: Model, record: Record) -> Design:
-    return lambda values: model.design(record.inputs, values, record.force)
 
 
 def _scatter(problem: Problem, own: Sequence[str], count: int, values: Mapping[str, float], root: Array) -> Array:

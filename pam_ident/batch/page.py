@@ -31,12 +31,7 @@ def batch_page(table: str | Path, command: str) -> str:
     question, units = frame.attrs["question"], frame.attrs["units"]
     law = " + ".join([get_law(question["law"]).title, *map(in_words, question["effects"])])
     listed = {str(name): f"m{k}" for k, name in enumerate(frame["record"].unique()[:MOST_MUSCLES])}
-    whole: tuple[Part, ...] = (
-        _overview(frame),
-        _muscles(frame, listed),
-        *_bad(frame, listed),
-        *_doubtful(frame, listed),
-    )
+    whole = (_overview(frame), _muscles(frame, listed), *_bad(frame, listed), *_doubtful(frame, listed))
     sections: list[tuple[str, tuple[Part, ...]]] = [("All records", whole)]
     found = spreads(frame, units)
     seen = trends(frame, found)
@@ -59,10 +54,11 @@ def _overview(frame: "pd.DataFrame") -> Part:
     bad = frame["error"].notna()
     verdicts = Counter(frame.loc[~bad, "verdict"].dropna())
     lacks = Counter(name for names in frame["selected"].dropna() for name in names)
+    medians = frame[[*MEDIANS.values()]].median().tolist()
     facts = [
         ("records", str(frame["record"].nunique())),
         ("rows with an error", str(np.count_nonzero(bad))),
-        *((name, newtons(float(frame[column].median()))) for name, column in MEDIANS.items()),
+        *((name, newtons(typical)) for name, typical in zip(MEDIANS, medians, strict=True)),
         *((f"verdict {name.replace('_', ' ')}", str(count)) for name, count in sorted(verdicts.items())),
         *((f"lacks {in_words(name)}", str(count)) for name, count in lacks.most_common()),
     ]

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 Json = dict[str, Any]
 SCHEMA = schema("batch-record")
-Json = dict[str, Any]
 
 
 class Changed(Exception):

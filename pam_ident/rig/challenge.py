@@ -9,39 +9,25 @@ from pathlib import Path
 import numpy as np
 
 from ..core.progress import steps
+from . import friction, memory
 from .drives import DRIVES, PROTOCOLS
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
 from .protocol import TooShort
 from .record import Plan, RigRecord, Secret, make_record, write_case
 from .sensors import FAULTS, GAUGES
 
-EXPONENTIAL = (
-    "coulomb_friction",
-    "stribeck_friction",
-    "pressure_friction",
-    "viscous_damping",
-    "presliding_hysteresis",
-    "pressure_lag",
-    "force_drift",
-    "creep",
-    "mullins_softening",
-    "thermal_softening",
-)
-# What each law leaves visible; the exponential law with free coefficients takes up most static effects.
+EXPONENTIAL = (*friction.FORMS, *memory.FORMS)
+# What each law leaves visible: the exponential law with free coefficients takes up most static effects.
 VISIBLE = {
     "exponential_law": EXPONENTIAL,
     "modified_chou_hannaford": (*EXPONENTIAL, "bladder_elasticity", "threshold_pressure", "series_compliance"),
 }
-FAMILY = {
-    "coulomb_friction": "friction",
-    "stribeck_friction": "friction",
-    "pressure_friction": "friction",
-    "presliding_hysteresis": "friction",
-    "viscous_damping": "rate",
-    "pressure_lag": "rate",
-    "end_taper": "ends",
-    "length_offset": "ends",
+_FAMILIES = {
+    "friction": ("coulomb_friction", "stribeck_friction", "pressure_friction", "presliding_hysteresis"),
+    "rate": ("viscous_damping", "pressure_lag"),
+    "ends": ("end_taper", "length_offset"),
 }
+FAMILY = {name: family for family, names in _FAMILIES.items() for name in names}
 """Effects of the same kind, between which a wrong name counts as right kind; others are a family of their own."""
 SHARES = {"tier1": 0.25, "tier2": 0.25, "tier3": 0.10, "pair": 0.15, "null": 0.10, "unknown": 0.08, "blunt": 0.07}
 SINGLE = {"tier1": 0.5, "tier2": 0.5}
@@ -59,21 +45,7 @@ SHARP = (
     "four_pressures",
     "long_holds",
 )
-WIDE = (
-    *dict.fromkeys(SHARP),
-    "triangles",
-    "sines",
-    "fast_first",
-    "one_cycle",
-    "three_pressures",
-    "eight_pressures",
-    "minor_loops",
-    "low_stroke",
-    "breathing",
-    "dense",
-    "sparse",
-    *DRIVES,
-)
+WIDE = tuple(name for name in PROTOCOLS if name != "blunt")
 SETS = {
     "plain": SHARP,
     "all": WIDE,

@@ -12,6 +12,7 @@ from typing import ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .integrate import fading
 from .muscle import Array, RigMuscle
 
 T = TypeVar("T", int, float)
@@ -132,12 +133,8 @@ class Protocol:
         if not self.breathing:
             return course
         share = -course.rate * course.length_mm / max(self.speeds_mm_s)
-        slow = np.empty_like(share)
-        state = 0.0
         kept = np.exp(-np.diff(course.time, prepend=course.time[0]) / 0.1)
-        for k, (keep, drive) in enumerate(zip(kept.tolist(), share.tolist(), strict=True)):
-            state = keep * state + (1.0 - keep) * drive
-            slow[k] = state
+        slow = fading(kept, (1.0 - kept) * share)
         return replace(course, pressure=course.pressure * (1.0 + self.breathing * slow))
 
     def heating(self, time: Array) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from .integrate import fading
 from .muscle import Array
 
 COLOURS = ("white", "ar1", "ou", "slow", "pink", "heavy", "growing")
@@ -46,11 +47,7 @@ def ornstein_uhlenbeck(time: Array, tau: float, rng: np.random.Generator) -> Arr
     """Unit-variance Ornstein-Uhlenbeck noise at uneven instants (n,)."""
     keep = np.exp(-np.diff(time, prepend=time[0] - 50 * tau) / tau)
     kicks = rng.standard_normal(len(time)) * np.sqrt(1 - keep**2)
-    out, now = np.empty(len(time)), 0.0
-    for i, (k, w) in enumerate(zip(keep.tolist(), kicks.tolist(), strict=True)):
-        now = k * now + w
-        out[i] = now
-    return out
+    return fading(keep, kicks)
 
 
 def _colour(colour: str, time: Array, rng: np.random.Generator) -> Array:
