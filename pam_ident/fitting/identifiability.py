@@ -1,6 +1,5 @@
 """What a record says of each parameter: pinned, or in words why not."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -160,18 +159,11 @@ def _calibrations(model: Model, inputs: Inputs, values: Values) -> dict[str, Arr
     }
 
 
-def levels_of(record: Record, rows: Array) -> float:
-    """Pressures at which some `rows` (mask, shape (n,)) were measured; no end of them where the pressure varies."""
-    pressure = record.inputs.pressure[rows]
-    varied = np.ptp(pressure) > SWEPT * np.abs(pressure).max()
-    return math.inf if varied else len(record.levels if rows.all() else np.unique(record.level[rows]))
-
-
 def at_its_pressures(model: Model, record: Record, rows: Array) -> Model:
     """The model with those parameters of its law pinned at 0 that `rows` (mask (n,)) at one pressure do not tell from
     others."""
-    law = model.law
-    if law.min_levels == 1 or levels_of(record, rows) != 1:
+    law, level, measured = model.law, record.level[rows], record.inputs.pressure[rows]
+    swept = np.ptp(measured) > SWEPT * np.abs(measured).max()
+    if law.min_levels == 1 or swept or np.any(level != level[0]):
         return model
-    pressure, contraction = float(record.level[rows][0]), record.inputs.contraction[rows]
-    return replace(model, law=law.at_one(pressure, contraction, record.specimen))
+    return replace(model, law=law.at_one(float(level[0]), record.inputs.contraction[rows], record.specimen))

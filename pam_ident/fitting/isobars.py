@@ -133,7 +133,7 @@ def loop_energies(record: Record, force: Array) -> dict[float, float]:
             continue
         edges = np.linspace(low, high, int(min(41, up.sum(), down.sum())))
         gap = _mean_curve(x[down], force[down], edges) - _mean_curve(x[up], force[up], edges)
-        energies[float(level)] = float(np.sum(0.5 * (gap[1:] + gap[:-1]) * np.diff(edges))) * 1e-3
+        energies[float(level)] = float(np.trapezoid(gap, edges)) * 1e-3
     return energies
 
 

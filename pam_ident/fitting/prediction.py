@@ -82,7 +82,9 @@ def reading_spread(one: Fit) -> ReadingSpread:
     only what was measured, for nothing is known of readings of a force."""
     record, rows = one.record, one.rows
     if one.lengths is not None:
-        return _no_spread(record, rows)
+        p, e, speed = (x[rows] for x in (record.inputs.pressure, record.inputs.contraction, _speeds(record)))
+        (pressures, span), nan = ((float(x.min()), float(x.max())) for x in (p, e)), math.nan
+        return ReadingSpread(nan, nan, nan, nan, pressures, tuple(np.unique(speed[speed > 0]).tolist()), span)
     if len(record) > ROWS:
         record = thinned(record if rows.all() else record.take(np.flatnonzero(rows)), ROWS)
         rows = np.ones(len(record), bool)
@@ -106,12 +108,6 @@ def reading_spread(one: Fit) -> ReadingSpread:
         (float(e.min()), float(e.max())),
         math.nan if noise is None else noise.sigma,
     )
-
-
-def _no_spread(record: Record, rows: Array) -> ReadingSpread:
-    p, e, speeds = record.inputs.pressure[rows], record.inputs.contraction[rows], np.unique(_speeds(record)[rows])
-    pressures, span = ((float(x.min()), float(x.max())) for x in (p, e))
-    return ReadingSpread(*(math.nan,) * 4, pressures, tuple(speeds[speeds > 0].tolist()), span)
 
 
 def _speeds(record: Record) -> Array:

@@ -21,17 +21,10 @@ REACH = 10.0
 """Half the interval in which the nonlinear parameter is sought at first, in standard errors."""
 Design = Callable[[float], tuple[Array, Array]]
 """Columns (n, k) and fixed part (n,) of a model at a value of its nonlinear parameter."""
+_Refits = tuple[Array, Array]
+"""B refits: linear parameters and the nonlinear one (B, k + 1), and which of them ended inside the interval (B,)."""
 COUNT = 16
 """Nodes that carry the cost over ten standard errors to both sides to rounding."""
-
-
-@dataclass(frozen=True)
-class _Refits:
-    """B refits: linear parameters (B, k), nonlinear parameter (B,), and which of them ended inside the interval."""
-
-    linear: Array
-    nonlinear: Array
-    inside: Array
 
 
 @dataclass(frozen=True)
@@ -100,7 +93,7 @@ def _all_forces(design: Design, forces: Array, nodes: _Nodes) -> _Refits:
         answer[i] = np.linalg.solve(r[:k], q[:, :k].T) @ target
     x, inside = nodes.minimum(cost)
     linear = np.einsum("ib,ikb->kb", nodes.weights(x), answer)
-    return _Refits((back @ linear).T, nodes.at(x), inside)
+    return np.column_stack([(back @ linear).T, nodes.at(x)]), inside
 
 
 def _span(stack: Array) -> Array:
@@ -127,7 +120,7 @@ def _all_weights(
     x, inside = nodes.minimum(cost)
     here = np.einsum("ib,ijb->jb", nodes.weights(x), weighted)
     change = _normal_equations(here, len(back))[0]
-    return _Refits((start[:, None] + back @ change).T, nodes.at(x), inside)
+    return np.column_stack([(start[:, None] + back @ change).T, nodes.at(x)]), inside
 
 
 def _gram(columns: Array, target: Array, start: Array) -> Array:
@@ -259,9 +252,9 @@ def _complete(
     if found is None:
         values, bad = np.empty((n, len(params))), np.ones(n, bool)
     else:
-        values = np.column_stack([found.linear, found.nonlinear])[:, : len(params)]
+        values, inside = found[0][:, : len(params)], found[1]
         lower, upper = bounds(params)
-        bad = ~found.inside | np.any((values <= lower) | (values >= upper), axis=1) | ~np.isfinite(values).all(axis=1)
+        bad = ~inside | np.any((values <= lower) | (values >= upper), axis=1) | ~np.isfinite(values).all(axis=1)
     for b in steps(np.flatnonzero(bad), "refitting one by one"):
         one = alone(int(b))
         values[b] = [one[p.name] for p in params]

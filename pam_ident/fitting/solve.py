@@ -41,25 +41,23 @@ def solve(
     if solver is None:
         hope = enough if model.separable else ACTING * enough
         solver = replace(QUICK, max_starts=max_starts, enough=hope) if quick else VariableProjection(max_starts)
-    problem = separated(model, inputs, force, start or {}, whiten).holding(**held)
+
+    def search(problem: Problem, by: Solver) -> Solution:
+        found = by.solve(problem.holding(**held))
+        return replace(found, values=found.values | held)
+
+    problem = separated(model, inputs, force, start or {}, whiten)
     if model.separable:
-        return _with(solver.solve(problem), held)
+        return search(problem, solver)
     model = _remembering(model, inputs)
     near = replace(solver, polish=False) if isinstance(solver, VariableProjection) else solver
-    found = _with(near.solve(problem), held)
+    found = search(problem, near)
     if found.message == GIVEN_UP:
         return found
     for _ in range(2):
         acting = np.clip(model.force(inputs, found.values), -1e6, 1e6)
-        problem = separated(model, inputs, force, found.values, whiten, acting).holding(**held)
-        found = _with(near.solve(problem), held)
-    if quick:
-        return found
-    return _with(solver.solve(whole(model, inputs, force, found.values, whiten).holding(**held)), held)
-
-
-def _with(found: Solution, held: Mapping[str, float]) -> Solution:
-    return replace(found, values=found.values | dict(held))
+        found = search(separated(model, inputs, force, found.values, whiten, acting), near)
+    return found if quick else search(whole(model, inputs, force, found.values, whiten), solver)
 
 
 def separated(

@@ -1,4 +1,7 @@
-"""Solvers: objects that take a Problem to its Solution. What is heavy is imported when a solver is asked to solve."""
+"""Solvers: objects that take a Problem to its Solution, and lmfit's answers beside ours; `Model.to_lmfit` leads there.
+
+What is heavy is imported when a solver is asked to solve.
+"""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,13 +11,17 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from ..core import Array, Param, UsageError
-from ..core.lmfit_names import from_lmfit_names, to_parameters
+from ..core.lmfit_names import from_lmfit_names, to_lmfit_name, to_parameters
 from .descent import descend, settle
 from .problem import Problem, Solution
 
 if TYPE_CHECKING:
     import jax
     import lmfit
+    from lmfit.minimizer import MinimizerResult
+    from lmfit.model import ModelResult
+
+    from .fit import Fit
 
 
 class Solver(Protocol):
@@ -206,3 +213,22 @@ class Lmfit:
         slopes = {"Dfun": lambda at: problem.jacobian(values(at))} if self.method == "leastsq" else {}
         found: Any = search.minimize(method=self.method, **slopes)
         return Solution(values(found.params), bool(found.success), str(found.message))
+
+
+def from_lmfit(result: "ModelResult | MinimizerResult") -> dict[str, float]:
+    """Parameter values of an lmfit result by our names."""
+    return from_lmfit_names(result.params.valuesdict())  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def lmfit_result(fit: "Fit") -> "ModelResult":
+    """A Fit as lmfit's ModelResult, for `fit_report()` and `conf_interval()`.
+
+    lmfit fits the same rows again, with their weights, from the Fit's own values, so its errors and correlations are
+    its own work; it takes the noise as white. What is held, stands at a bound, or is not identified, stays fixed: lmfit
+    could give no error of the others beside it.
+    """
+    model, parameters = fit.model.to_lmfit(fit.record.inputs, fit.rows)
+    for one in fit.estimates:
+        parameters[to_lmfit_name(one.name)].set(value=one.value, vary=one.name in fit.free and one.identified)
+    weights = None if fit.weights is None else fit.weights[fit.rows]
+    return model.fit(fit.record.force[fit.rows], parameters, weights=weights, inputs=fit.record.inputs)
