@@ -19,7 +19,7 @@ def allowed_by_nature(
     base: Fit, heldout: float, selection: Selection, fitted: FittedSet, instead: Callable[[FittedSet], bool]
 ) -> tuple[FittedSet, tuple[Fit, float, list[Term], dict[str, Fit]]]:
     """A set, and what `_possible` finds of it. In place of one with a value that nature does not allow it is the best
-    without, of those that may stand `instead`, that the record does not tell from it, and all of whose names are confirmed."""
+    without, of those that may stand `instead` and that the record does not tell from it, all its names confirmed."""
     least = selection.noise.too_small * selection.noise.whole**2
 
     def found(one: FittedSet) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
@@ -65,7 +65,7 @@ def _possible(
 
 
 def _as_nature_allows(best: Fit, wrong: list[Estimate]) -> Fit:
-    """The fit within nature's ranges, with what ends there held, where that is as likely: of κ and τ of a fast lag, say,
+    """The fit within nature's ranges, what ends there held, where that is as likely: of κ and τ of a fast lag, say,
     only the product shows, and of a swing that is far longer than the record only its bend."""
     ranges = {e.name: e.range for e in wrong if e.range}
     if not ranges:

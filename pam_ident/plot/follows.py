@@ -8,7 +8,23 @@ from matplotlib.figure import Figure
 
 from ..core.digits import percents
 from ..diagnosis.nouns import Follows
-from .style import BLACK, BLUE, BROWN, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, WIDTH, YELLOW, canvas, styled
+from .style import (
+    BLACK,
+    BLUE,
+    BROWN,
+    FAINT,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    WIDTH,
+    YELLOW,
+    canvas,
+    styled,
+)
 
 COLOUR = {
     "map": BLUE,

@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..core import Array
 from . import turning
 from .roughness import NORMAL_MEDIAN, position_noise, roughness
 from .smoothing import FEWEST, LARGEST, NOISE_ONLY, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
 from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
-Array = np.ndarray
 Read = Callable[[int, int], tuple[Array, Array, Array]]
 """Time in s, position in mm and nominal pressure in MPa of some rows, begin … end."""
 SLOW_ORDERS = 12
@@ -91,7 +91,8 @@ def pieces(n: int, read: Read, threshold: float, pause: float) -> Iterator[tuple
         at = 0
         for stop in [*breaks.tolist(), len(x)]:
             while stop - at > most:
-                cut = at + turning.cut_at_turn(x[at : at + most], threshold)
+                late = (turn for turn in pivots(x[at : at + most], threshold) if most // 2 <= turn < most - 1)
+                cut = at + next(late, most)  # the first turn in the second half
                 yield fresh, time[at:cut], x[at:cut]
                 at, fresh = cut, False
             if stop < len(x) or end == n:

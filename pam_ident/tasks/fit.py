@@ -11,12 +11,12 @@ import numpy as np
 from ..core import UsageError
 from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, repeat_noise
 from ..fitting.bootstrap import Bootstrap, Draws, bootstrap
+from ..fitting.carried import InLength
 from ..fitting.covariance import student
 from ..fitting.energy import energy_warning, model_loops, passive
 from ..fitting.fit import Estimate, branch_names, fit_long
 from ..fitting.floor import LackOfFit, RepeatNoise
 from ..fitting.identifiability import PINNED, StandIn
-from ..fitting.in_length import InLength
 from ..fitting.length import by_length
 from ..fitting.methods import MethodRow, compare_methods
 from ..fitting.prediction import Predictor, ReadingSpread, Simpler, reading_spread, simpler

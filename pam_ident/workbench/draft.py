@@ -13,13 +13,12 @@ import numpy as np
 from ..core import DataError, PamError, Specimen, UsageError
 from ..core.units import split_header
 from ..records import Record, read_record
-from ..records.files import read_tables
+from ..records.files import check_unpacked, read_tables
 from ..records.guess import Guess, column_of, guess_columns, units_of
 from ..records.mapping import Mapping as Told
 from ..records.mapping import read_mapping
 from ..records.run_constants import read_runs
 from ..records.table import Table, number_of
-from ..records.unpacked import check_unpacked
 
 ROWS, SHOWN = 2000, 4
 """Rows that a guess looks at, and those that are shown."""
