@@ -18,8 +18,8 @@ from ..tasks.fit import answer_of
 from ..tasks.gate import warnings_of
 from ..tasks.law_choice import LawChoice
 from .asking import ObjectSetup
-from .drawing import axes_of
 from .fitted import FitResult
+from .record import axes_of
 
 if TYPE_CHECKING:
     import pandas as pd

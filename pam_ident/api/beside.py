@@ -10,7 +10,7 @@ from ..report.against import parts
 from ..schema.against import against_json
 from ..tasks.against import against_page
 from .answers import ShownAnswer
-from .drawing import axes_of
+from .record import axes_of
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -20,8 +20,8 @@ from ..tasks.fit import FitAnswer
 from ..tasks.law_choice import LawChoice
 from ..tasks.predict import SavedFit, Validation, validate_fit
 from .asking import ObjectSetup, codes
-from .record import ShownRecord, read
-from .saved import COLUMNS, Predicting
+from .record import ShownRecord, axes_of, read
+from .saved import Predicting, parameter_table
 
 if TYPE_CHECKING:
     import lmfit
@@ -113,18 +113,12 @@ class FitResult(Predicting):
     def params(self) -> "pd.DataFrame":
         """A row a parameter: value, stderr, 95 % interval (low, high), unit, verdict, meaning; by branch, too, where
         there are several."""
-        import pandas as pd
-
         rows = {
             (branch, e.name): (e.value, e.stderr, e.low, e.high, e.unit, e.verdict.kind, e.doc)
             for branch, one in self.fits.items()
             for e in one.estimates
         }
-        frame = pd.DataFrame(list(rows.values()), columns=list(COLUMNS))
-        frame.index = (
-            pd.MultiIndex.from_tuples(list(rows) or [], names=["branch", "parameter"]) if rows else frame.index
-        )
-        return frame.droplevel("branch") if len(self.fits) == 1 and rows else frame
+        return parameter_table(rows, len(self.fits))
 
     @property
     def residuals(self) -> "pd.DataFrame":
@@ -168,7 +162,6 @@ class FitResult(Predicting):
         """Measured and modelled force over contraction; the Axes' figure has the error below. Of several branches the
         last is given back."""
         from ..plot import measured_against_model
-        from .drawing import axes_of
 
         return [axes_of(measured_against_model.draw, one) for one in self.fits.values()][-1]
 

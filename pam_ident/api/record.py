@@ -1,7 +1,7 @@
 """A record as one meets it at the prompt: it reads from anything, draws itself and comes back as a table."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +16,19 @@ from ..records.specimen_file import read_kind
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
+
+
+def axes_of(draw: "Callable[..., Figure]", *what: Any) -> "Axes":
+    """The first Axes of a figure, whose `figure` has the others. Pyplot holds it, so that a notebook shows it."""
+    from matplotlib import pyplot
+
+    from ..plot.style import figures_by
+
+    with figures_by(pyplot.figure):
+        return draw(*what).axes[0]
 
 
 class ShownRecord(Record):
@@ -70,7 +81,6 @@ class ShownRecord(Record):
     def plot(self) -> "Axes":
         """Force over contraction, isobar by isobar."""
         from ..plot import isobars
-        from .drawing import axes_of
 
         return axes_of(isobars.draw, self)
 

@@ -7,12 +7,12 @@ from ..core import UsageError
 from ..core.digits import three
 from ..parallel.executor import Executor
 from ..schema.track import track_json
-from ..schema.versions import schema
+from ..schema.trials import batch_json
 from ..tasks.law_choice import AUTO
 from .answers import RecordAnswer, ShownAnswer
 from .asking import setup_of
-from .drawing import axes_of
 from .fitted import FitResult
+from .record import axes_of
 from .working import worked
 
 if TYPE_CHECKING:
@@ -65,15 +65,7 @@ class BatchResult(ShownAnswer):
         return self.params.to_html(max_rows=12)
 
     def _content(self) -> dict[str, Any]:
-        one = self.details
-        return {
-            "schema": schema("batch-summary"),
-            "records": one.records,
-            "kept": one.kept,
-            "errors": one.errors,
-            "table": str(one.table),
-            "page": str(one.page),
-        }
+        return batch_json(self.details)
 
     @property
     def params(self) -> "pd.DataFrame":

@@ -13,20 +13,25 @@ from ..fitting.prediction import Predictor
 from ..leg.fit_file import content_of
 from ..records import Record
 from ..tasks.export import export_fit
-from ..tasks.predict import (
-    SavedFit,
-    Validation,
-    asked,
-    read_fit,
-    validate_fit,
-)
+from ..tasks.predict import SavedFit, Validation, asked, read_fit, validate_fit
 from ..tasks.states import States, inputs_of, read_states
 from .record import read
 
 if TYPE_CHECKING:
     import pandas as pd
 
-COLUMNS = ("value", "stderr", "low", "high", "unit", "verdict", "meaning")
+COLUMNS = ["value", "stderr", "low", "high", "unit", "verdict", "meaning"]
+
+
+def parameter_table(rows: Mapping[tuple[str, str], tuple[Any, ...]], branches: int) -> "pd.DataFrame":
+    """A row a parameter by branch and name, COLUMNS each; by name alone where there is one branch."""
+    import pandas as pd
+
+    frame = pd.DataFrame(list(rows.values()), columns=COLUMNS)
+    if not rows:
+        return frame
+    frame.index = pd.MultiIndex.from_tuples(list(rows), names=["branch", "parameter"])
+    return frame.droplevel("branch") if branches == 1 else frame
 
 
 class Predicting(ABC):
@@ -87,16 +92,9 @@ class SavedResult(Predicting):
         """The fits by branch, to be asked elsewhere."""
         return self.details.branches
 
-    @classmethod
-    def read(cls, path: str | Path, content: dict[str, Any]) -> "SavedResult":
-        """From a file of `fit --json`. Raises DataError."""
-        return cls(read_fit(path), content)
-
     @property
     def params(self) -> "pd.DataFrame":
         """A row a parameter, as `FitResult.params`; by branch, too, where there are several."""
-        import pandas as pd
-
         docs = {p.name: p.doc for p in self.model.params}
         rows = {
             (branch, name): (
@@ -105,11 +103,7 @@ class SavedResult(Predicting):
             for branch, holder in self.content["branches"].items()
             for name, one in holder["parameters"].items()
         }  # fmt: skip
-        frame = pd.DataFrame(list(rows.values()), columns=list(COLUMNS))
-        if not rows:
-            return frame
-        frame.index = pd.MultiIndex.from_tuples(list(rows), names=["branch", "parameter"])
-        return frame.droplevel("branch") if len(self.predictors) == 1 else frame
+        return parameter_table(rows, len(self.predictors))
 
     def summary(self) -> str:
         """The equation and the parameters, as text."""
@@ -165,4 +159,4 @@ def load(path: str | Path) -> Any:
     found = str(content.get("schema")) if isinstance(content, dict) else ""
     if not found.startswith("pam-ident/"):
         raise DataError(f"{path}: is no answer of pam-ident; expected what to_json or --json wrote")
-    return SavedResult.read(path, content) if found.startswith("pam-ident/fit/") else content
+    return SavedResult(read_fit(path), content) if found.startswith("pam-ident/fit/") else content

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..core import Array
+
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = np.ndarray
 OVER = {
     "specimen_initial_length_mm": "length (mm)",
     "specimen_diameter_mm": "diameter (mm)",

@@ -7,16 +7,16 @@ record says little is drawn to the others, and one that was not measured is pred
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from ..core import Inputs, Param, UsageError
+from ..core import Array, Inputs, UsageError
 from ..fitting import Problem, VariableProjection
-from ..fitting.problem import Design
+from ..fitting.together import stacked
 from ..model import Model
 from ..records import Record
 
-Array = np.ndarray
 ROUNDS = 200
 SETTLED = 1e-5
 WIDEST = 1e6
@@ -118,48 +118,31 @@ def _problem(
     model: Model, records: Sequence[Record], own: Sequence[str], weight: Array, start: Mapping[str, float]
 ) -> Problem:
     """All samples, then a row for each muscle and own parameter: weight · (its value − the mean)."""
-    params = {p.name: p for p in model.bounded(records[0].inputs)}
-    linear = [p.name for p in model.linear]
-
-    def spread_out(names: Sequence[str], means: bool) -> list[Param]:
-        shared = [params[n] for n in names if n not in own or means]
-        return shared + [replace(params[n], name=_of(n, k)) for k in range(len(records)) for n in names if n in own]
-
-    own_curved = [params[n] for n in own if n not in linear]
-    columns_of = tuple(spread_out(linear, True) + own_curved)
-    curved = tuple(spread_out([n for n in params if n not in linear], False))
-    design = _design(model, records, own, weight, [p.name for p in columns_of])
-    target = np.concatenate([*(r.force for r in records), np.zeros(len(records) * len(own))])
-    return Problem(columns_of, curved, design, target, start)
-
-
-def _design(model: Model, records: Sequence[Record], own: Sequence[str], weight: Array, names: list[str]) -> Design:
-    where = {name: k for k, name in enumerate(names)}
-    linear = [p.name for p in model.linear]
+    params, linear = model.bounded(records[0].inputs), len(model.linear)
+    parts = [
+        Problem(params[:linear], params[linear:], partial(model.design, one.inputs, force=one.force), one.force)
+        for one in records
+    ]
+    samples = stacked(parts, set(model.names) - set(own))
+    means = tuple(p for p in params if p.name in own)
+    columns_of = samples.linear + means
+    where = {p.name: k for k, p in enumerate(columns_of)}
+    priors = [(name, _of(name, k), float(w)) for k in range(len(records)) for name, w in zip(own, weight, strict=True)]
 
     def design(values: Mapping[str, float]) -> tuple[Array, Array]:
-        columns, fixed = [], []
-        for k, record in enumerate(records):
-            mine = {name: values[_of(name, k)] for name in own if _of(name, k) in values}
-            part, rest = model.design(record.inputs, {**values, **mine}, record.force)
-            block = np.zeros((len(record), len(names)))
-            block[:, [where[_of(n, k) if n in own else n] for n in linear]] = part
-            columns.append(block)
-            fixed.append(rest)
-        prior, offset = np.zeros((len(records) * len(own), len(names))), np.zeros(len(records) * len(own))
-        for row, (k, (name, w)) in enumerate((k, one) for k in range(len(records)) for one in _pairs(own, weight)):
-            prior[row, where[name]] = -w
-            if _of(name, k) in where:
-                prior[row, where[_of(name, k)]] = w
+        columns, fixed = samples.design(values)
+        prior, offset = np.zeros((len(priors), len(columns_of))), np.zeros(len(priors))
+        for row, (mean, mine, w) in enumerate(priors):
+            prior[row, where[mean]] = -w
+            if mine in where:
+                prior[row, where[mine]] = w
             else:
-                offset[row] = w * values[_of(name, k)]
-        return np.vstack([*columns, prior]), np.concatenate([*fixed, offset])
+                offset[row] = w * values[mine]
+        wider = np.pad(columns, ((0, 0), (0, len(means))))
+        return np.vstack([wider, prior]), np.concatenate([fixed, offset])
 
-    return design
-
-
-def _pairs(own: Sequence[str], weight: Array) -> list[tuple[str, float]]:
-    return list(zip(own, map(float, weight), strict=True))
+    target = np.concatenate([samples.target, np.zeros(len(priors))])
+    return Problem(columns_of, samples.nonlinear, design, target, start)
 
 
 def _scatter(problem: Problem, own: Sequence[str], count: int, values: Mapping[str, float], root: Array) -> Array:

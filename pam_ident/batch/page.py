@@ -31,12 +31,7 @@ def batch_page(table: str | Path, command: str) -> str:
     question, units = frame.attrs["question"], frame.attrs["units"]
     law = " + ".join([get_law(question["law"]).title, *map(in_words, question["effects"])])
     listed = {str(name): f"m{k}" for k, name in enumerate(frame["record"].unique()[:MOST_MUSCLES])}
-    whole: tuple[Part, ...] = (
-        _overview(frame),
-        _muscles(frame, listed),
-        *_bad(frame, listed),
-        *_doubtful(frame, listed),
-    )
+    whole = (_overview(frame), _muscles(frame, listed), *_bad(frame, listed), *_doubtful(frame, listed))
     sections: list[tuple[str, tuple[Part, ...]]] = [("All records", whole)]
     found = spreads(frame, units)
     seen = trends(frame, found)
@@ -59,19 +54,15 @@ def _overview(frame: "pd.DataFrame") -> Part:
     bad = frame["error"].notna()
     verdicts = Counter(frame.loc[~bad, "verdict"].dropna())
     lacks = Counter(name for names in frame["selected"].dropna() for name in names)
+    medians = frame[[*MEDIANS.values()]].median().tolist()
     facts = [
         ("records", str(frame["record"].nunique())),
         ("rows with an error", str(np.count_nonzero(bad))),
-        *((name, newtons(_median(frame[column]))) for name, column in MEDIANS.items()),
+        *((name, newtons(typical)) for name, typical in zip(MEDIANS, medians, strict=True)),
         *((f"verdict {name.replace('_', ' ')}", str(count)) for name, count in sorted(verdicts.items())),
         *((f"lacks {in_words(name)}", str(count)) for name, count in lacks.most_common()),
     ]
     return Part("overview", "What was fitted", facts=tuple(facts))
-
-
-def _median(column: Any) -> float:
-    known = np.asarray(column.dropna(), float)
-    return float(np.median(known)) if len(known) else float("nan")
 
 
 def _muscles(frame: "pd.DataFrame", listed: dict[str, str]) -> Part:
@@ -95,14 +86,9 @@ def _muscles(frame: "pd.DataFrame", listed: dict[str, str]) -> Part:
 
 def _bad(frame: "pd.DataFrame", listed: dict[str, str]) -> list[Part]:
     bad = frame[frame["error"].notna()]
-    if bad.empty:
-        return []
-    rows = tuple(zip(bad["record"], bad["branch"], bad["error"], strict=True))[:MOST_ROWS]
-    table = PageTable(
-        f"Errors ({len(rows)} of {len(bad)})", ("record", "branch", "what went wrong"), rows, links=listed
-    )
+    rows = list(zip(bad["record"], bad["branch"], bad["error"], strict=True))
     text = "These rows take no part in the comparison: bad data, or a fit that is not valid."
-    return [Part("errors", "Errors", (text,), tables=(table,))]
+    return _first_rows("Errors", ("record", "branch", "what went wrong"), rows, text, listed)
 
 
 def _doubtful(frame: "pd.DataFrame", listed: dict[str, str]) -> list[Part]:
@@ -111,16 +97,15 @@ def _doubtful(frame: "pd.DataFrame", listed: dict[str, str]) -> list[Part]:
         return []
     told = frame.dropna(subset="warnings").drop_duplicates("record")
     every = [(record, text) for record, texts in zip(told["record"], told["warnings"], strict=True) for text in texts]
-    if not every:
-        return []
-    table = PageTable(
-        f"Warnings ({len(every[:MOST_ROWS])} of {len(every)})",
-        ("record", "what looks wrong"),
-        tuple(every[:MOST_ROWS]),
-        links=listed,
-    )
     text = "These rows were fitted all the same. Look at their units, signs and sensors before their numbers are used."
-    return [Part("warnings", "Warnings", (text,), tables=(table,))]
+    return _first_rows("Warnings", ("record", "what looks wrong"), every, text, listed)
+
+
+def _first_rows(name: str, head: tuple[str, ...], rows: list[Any], text: str, listed: dict[str, str]) -> list[Part]:
+    """A part with no more than MOST_ROWS rows, if there are any."""
+    shown = tuple(rows[:MOST_ROWS])
+    table = PageTable(f"{name} ({len(shown)} of {len(rows)})", head, shown, links=listed)
+    return [Part(name.lower(), name, (text,), tables=(table,))] if rows else []
 
 
 def _spread_part(branch: str, mine: Sequence[Spread]) -> Part:

@@ -1,15 +1,20 @@
-"""The answer to one record of a batch: a dictionary that is kept as JSON, the same bits wherever it is worked out."""
+"""The answer to one record of a batch, the same bits wherever it is worked out, and where it is kept: a dictionary, in
+a file of its own as JSON, whole or not there, under the key of what was asked.
+"""
 
+import json
 import os
 import platform
 import re
 import tomllib
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import FitError, PamError, Specimen, UsageError
+from ..core.files import write_json_lines
 from ..fitting import Fit, fit
 from ..records import Record
 from ..schema.versions import schema
@@ -123,3 +128,37 @@ def versions() -> tuple[tuple[str, str], ...]:
     """The environment that bits hang on."""
     libraries = [(name, version(name)) for name in ("numpy", "scipy", "pandas")]
     return (("python", platform.python_version()), ("machine", platform.machine()), *libraries)
+
+
+@dataclass(frozen=True)
+class Store:
+    """A folder of answers, shared out among subfolders; what cannot be read back counts as not there."""
+
+    folder: Path
+
+    def place(self, key: str) -> Path:
+        """The file of a key."""
+        return self.folder / key[:2] / f"{key}.json"
+
+    def get(self, key: str) -> Json | None:
+        """The answer kept under a key, or None. Raises UsageError for one that a later program wrote."""
+        try:
+            found = json.loads(self.place(key).read_bytes())
+        except (FileNotFoundError, ValueError):
+            return None
+        if not isinstance(found, dict) or "rows" not in found:
+            return None
+        if found.get("schema") != SCHEMA:
+            raise UsageError(f"{self.place(key)}: schema {found.get('schema')!r}; expected {SCHEMA}. Update pam-ident")
+        return found
+
+    def put(self, key: str, answer: Json) -> None:
+        """Keep an answer. Raises OSError, and nothing is changed then."""
+        place = self.place(key)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        write_json_lines(place, [answer])
+
+    def sweep(self) -> None:
+        """Remove halves of files that killed writers left."""
+        for stray in self.folder.glob("*/.*"):
+            stray.unlink(missing_ok=True)

@@ -9,9 +9,8 @@ from ..core.files import write_whole
 from ..parallel.executor import Executor
 from ..tasks.law_choice import LawChoice, choose_for_all
 from ..tasks.setup import AUTO, Setup, load
-from .record import Changed, answer
+from .record import Changed, Store, answer
 from .request import BatchRequest, Item, WorkList, plan
-from .store import Store
 from .table import as_csv, read_results, require_arrow, table
 
 TRIED = 5

@@ -2,14 +2,14 @@
 
 import io
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core import Param, UsageError, blank_nan
+from ..core import UsageError, blank_nan
 from ..schema.versions import schema
+from .record import Store
 from .request import BatchRequest, Item, WorkList
-from .store import Store
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,7 +61,8 @@ def _schema(question: BatchRequest) -> "pa.Schema":
     texts, numbers = pa.string(), pa.float64()
     fields: list[Any] = [("record", texts), ("branch", texts), ("law", texts), ("effects", pa.list_(texts))]
     fields += [("verdict", texts), ("rmse_N", numbers), ("noise_floor_N", numbers)]
-    for param in _in_order(model.params):
+    # The law's by name, as its formula is read, then the effects' as they come.
+    for param in sorted(model.params, key=lambda p: (1, "") if "." in p.name else (0, p.name)):
         about = {"unit": param.unit, "meaning": param.doc}
         fields += [pa.field(name, numbers, metadata=about) for name in (param.name, f"{param.name}_stderr")]
     fields += [("error", texts), ("selected", pa.list_(texts)), ("warnings", pa.list_(texts))]
@@ -69,11 +70,6 @@ def _schema(question: BatchRequest) -> "pa.Schema":
     fields += [(f"specimen_{name}", pa.type_for_alias(kind)) for name, kind in SPECIMEN.items()]
     about = {"schema": SCHEMA, "question": json.dumps(question.words() | {"law": model.law.name}, sort_keys=True)}
     return pa.schema(fields, metadata=about)
-
-
-def _in_order(params: Sequence[Param]) -> list[Param]:
-    """The law's by name, as its formula is read, then the effects' as they come."""
-    return sorted(params, key=lambda p: (1, "") if "." in p.name else (0, p.name))
 
 
 def _rows(

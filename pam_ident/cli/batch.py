@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..schema.versions import schema
 from . import options, text
 
 if TYPE_CHECKING:
@@ -24,9 +23,7 @@ def batch(
     effect_file: options.EffectFiles = None,
     free_geometry: options.FreeGeometry = False,
     diagnose: Annotated[bool, typer.Option("--diagnose", help="Name what each record's model lacks, too.")] = False,
-    branch: Annotated[
-        str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
-    ] = "together",
+    branch: options.Branch = "together",
     assume: options.Assume = None,
     workers: options.Workers = None,
     scheduler: options.Scheduler = None,
@@ -40,29 +37,11 @@ def batch(
     from ..batch.run import run_batch
     from ..parallel.executor import Executor
     from ..schema.prediction import law_choice_json
+    from ..schema.trials import batch_json
 
-    found = run_batch(
-        folder,
-        setup,
-        out,
-        branch=branch,
-        diagnose=diagnose,
-        executor=Executor.of_cores(workers, scheduler),
-    )
-    options.give_json(
-        json,
-        lambda: (
-            {
-                "schema": schema("batch-summary"),
-                "records": found.records,
-                "kept": found.kept,
-                "errors": found.errors,
-                "table": str(found.table),
-                "page": str(found.page),
-            }
-            | law_choice_json(found.law_choice)
-        ),
-    )
+    executor = Executor.of_cores(workers, scheduler)
+    found = run_batch(folder, setup, out, branch=branch, diagnose=diagnose, executor=executor)
+    options.give_json(json, lambda: batch_json(found) | law_choice_json(found.law_choice))
     _print(found)
     if len(found.errors) == found.records:
         raise typer.Exit(4)

@@ -70,8 +70,7 @@ def show(
         text.say(f"Warning: {effect.warning}")
     for form in effect.forms:
         text.say("", f"form {form.name}: {form.formula}")
-        rows = [(text.named(p), p.unit, text.bounds(p), p.doc) for p in form.params]
-        text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
+        text.say(*text.meanings(form.params))
         for p in form.params:
             if p.range is not None:
                 text.say(f"  {p.name}: possible {p.range.low:g} to {p.range.high:g}, by {p.range.source}")

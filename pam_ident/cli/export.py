@@ -29,9 +29,7 @@ def export(
         str | None,
         options.option("--law", "LAW", "Force law to fit to a record, by name.", autocompletion=options.law_names),
     ] = None,
-    branch: Annotated[
-        str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
-    ] = "together",
+    branch: options.Branch = "together",
     asked: options.Asked = options.NOTHING,
 ) -> None:
     """Write a fitted model as C, FMU, MATLAB, Python, MuJoCo, JSON."""

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..schema.fit import in_order
 from . import options, text
 
 if TYPE_CHECKING:
@@ -40,9 +41,7 @@ def fit(
             "repeatable. Any other is each record's own.",
         ),
     ] = None,
-    branch: Annotated[
-        str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
-    ] = "together",
+    branch: options.Branch = "together",
     method: Annotated[
         str,
         typer.Option(
@@ -196,11 +195,11 @@ def _print_methods(methods: "tuple[MethodRow, ...]") -> None:
 def _print_isobars(isobars: "IsobarTable") -> None:
     for branch in dict.fromkeys(row.branch for row in isobars.rows):
         rows = [row for row in isobars.rows if row.branch == branch]
-        head = [f"{e.name} [{e.unit}]" if e.unit != "1" else e.name for e in text.in_order(rows[0].estimates)]
+        head = [f"{e.name} [{e.unit}]" if e.unit != "1" else e.name for e in in_order(rows[0].estimates)]
         cells = [
             (
                 f"{row.pressure_MPa:g}",
-                *(f"{text.value_of(e)} {text.error_of(e)}" for e in text.in_order(row.estimates)),
+                *(f"{text.value_of(e)} {text.error_of(e)}" for e in in_order(row.estimates)),
                 text.number(row.rmse, 3),
             )
             for row in rows

@@ -73,15 +73,11 @@ def rungs(found: "Ladder") -> list[str]:
         for k, (name, rung) in enumerate(zip(names, found.rungs, strict=True))
     ]
     head = ("step", "model", "parameters", "rmse [N]")
+    floor = f"  noise {text.newtons(found.noise_floor)}; verdict: {text.verdict(found.verdict)}"
     if found.nested is None:
-        return [*text.table((*head, "held out [N]"), rows, left=(0, 1)), *_floor(found)]
+        return [*text.table((*head, "held out [N]"), rows, left=(0, 1)), floor]
     rows += [
         ("law alone", name, str(count), "", "", text.number(error, 3))
         for name, (count, error) in list(found.nested.beside.items())[:BESIDE]
     ]
-    lines = text.table((*head, "refitted", "nested"), rows, left=(0, 1))
-    return [*lines, *_floor(found), f"  {found.nested.text}"]
-
-
-def _floor(found: "Ladder") -> list[str]:
-    return [f"  noise {text.newtons(found.noise_floor)}; verdict: {text.verdict(found.verdict)}"]
+    return [*text.table((*head, "refitted", "nested"), rows, left=(0, 1)), floor, f"  {found.nested.text}"]

@@ -1,13 +1,10 @@
 """pam-ident laws."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from . import options, text
-
-if TYPE_CHECKING:
-    from ..laws import Law
 
 
 def laws(
@@ -31,12 +28,7 @@ def laws(
             f"{text.INDENT}{len(law.params)} parameters{f': {names}' if names else ''}",
             f"{text.INDENT}source: {law.source}",
         )
-    if name is not None:
-        _print_one(found[0])
-
-
-def _print_one(law: "Law") -> None:
-    rows = [(text.named(p), p.unit, text.bounds(p), p.doc) for p in law.params]
-    text.say(*text.table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)))
-    if law.min_levels > 1:
-        text.say(f"{text.INDENT}needs {law.min_levels} pressures at least to tell its parameters apart")
+        if name is not None:
+            text.say(*text.meanings(law.params))
+            if law.min_levels > 1:
+                text.say(f"{text.INDENT}needs {law.min_levels} pressures at least to tell its parameters apart")

@@ -66,6 +66,9 @@ EffectFiles = Annotated[
 FreeGeometry = Annotated[
     bool, typer.Option("--free-geometry", help="Fit radius (± 15 %) and braid angle (20° to 35°) too.")
 ]
+Branch = Annotated[
+    str, typer.Option("--branch", metavar="BRANCH", help="together, separate, contraction or extension.")
+]
 SpecimenFile = Annotated[
     str | None, option("--specimen", "FILE", "Specimen file; default: specimen.toml beside the record.")
 ]

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, TextIO
 
 import typer
 
+from ..schema.fit import in_order
+
 if TYPE_CHECKING:
     from ..core import Param
     from ..diagnosis.nouns import Bin
@@ -31,11 +33,7 @@ unfinished: Callable[[], None] | None = None
 
 def say(*lines: str) -> None:
     """Print lines, unless silent; on a terminal broken between words where they are wider than that."""
-    if unfinished is not None:
-        unfinished()
-    width = columns()
-    for line in () if silent.get() else lines:
-        typer.echo(line if width is None or len(line) <= width else _broken(line, width))
+    _echo(() if silent.get() else lines, sys.stdout)
 
 
 def say_table(table: str) -> None:
@@ -46,11 +44,15 @@ def say_table(table: str) -> None:
 
 def warn(message: str) -> None:
     """Say on stderr what is doubtful or wrong; on a terminal broken as `say` does."""
+    _echo(message.splitlines(), sys.stderr)
+
+
+def _echo(lines: Sequence[str], stream: TextIO) -> None:
     if unfinished is not None:
         unfinished()
-    width = _width(sys.stderr)
-    for line in message.splitlines():
-        typer.echo(line if width is None or len(line) <= width else _broken(line, width), err=True)
+    width = _width(stream)
+    for line in lines:
+        typer.echo(line if width is None or len(line) <= width else _broken(line, width), err=stream is sys.stderr)
 
 
 def columns() -> int | None:
@@ -68,25 +70,19 @@ def _broken(line: str, width: int) -> str:
     return "\n".join(wrapper.wrap(line.strip()))
 
 
-def number(value: float | None, digits: int = 4) -> str:
-    """As `core.digits` has it, which waits for the first number: `--help` needs none."""
-    from ..core import digits as told
+def _later(name: str) -> Callable[..., str]:
+    """A function of `core.digits`, which waits for the first number: `--help` needs none."""
 
-    return told.number(value, digits)
+    def told(*given: float | None) -> str:
+        from ..core import digits
 
+        return getattr(digits, name)(*given)
 
-def newtons(value: float | None) -> str:
-    """A force in N with three digits."""
-    from ..core.digits import newtons
-
-    return newtons(value)
+    return told
 
 
-def millimetres(value: float | None) -> str:
-    """A length in mm with three digits."""
-    from ..core.digits import millimetres
-
-    return millimetres(value)
+number, newtons, millimetres = _later("number"), _later("newtons"), _later("millimetres")
+percent, probability = _later("percent"), _later("probability")
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> list[str]:
@@ -180,6 +176,12 @@ def bounds(param: "Param") -> str:
     return f"{low} to {high}" if low and high else f"{low} or more" if low else f"{high} or less" if high else "any"
 
 
+def meanings(params: "Sequence[Param]") -> list[str]:
+    """A table of what parameters mean, with their bounds."""
+    rows = [(named(p), p.unit, bounds(p), p.doc) for p in params]
+    return table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3))
+
+
 def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:
     """A table of every parameter with standard error, interval and unit, and a line for each that is not pinned; of a
     fit to several records those that are `shared`, or those that are not."""
@@ -193,11 +195,6 @@ def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:
         own, shares = fit.model.own, fit.shares
         notes += [f"{INDENT}{in_words(name, own)}: {newtons(share)} rms of the force" for name, share in shares.items()]
     return table(head, rows, left=(0, 4, 5)) + notes
-
-
-def in_order(estimates: "Sequence[Estimate]") -> "list[Estimate]":
-    """The law's parameters by name, then the effects' as they come."""
-    return sorted(estimates, key=lambda e: (1, "") if "." in e.name else (0, e.name))
 
 
 def quality(fit: "Fit") -> str:
@@ -233,20 +230,6 @@ def title(path: str, record: "Record") -> str:
 def banner(doubts: "Sequence[Doubt]") -> list[str]:
     """A line for each doubt, above the verdict."""
     return [str(doubt) for doubt in doubts]
-
-
-def percent(share: float | None) -> str:
-    """A share in per cent."""
-    from ..core.digits import percent
-
-    return percent(share)
-
-
-def probability(share: float) -> str:
-    """A probability in per cent; nothing is certain."""
-    from ..core.digits import probability
-
-    return probability(share)
 
 
 def mean(one: "Bin") -> str:

@@ -111,7 +111,7 @@ def track(
     options.give_json(json, lambda: track_json(found))
     text.say(*map(str, found.doubts), *_head(found), "", *_table(found), *_troubles(found), "", *_budget(found))
     if out is not None:
-        from ..tasks.track_figures import write_track
+        from ..tasks.figures import write_track
 
         text.say("", *(f"wrote {path}" for path in write_track(out, found)))
 

@@ -1,9 +1,10 @@
 """What every layer speaks: parameters, the inputs of a force law, units, errors."""
 
 from .errors import DataError, FitError, PamError, UsageError
+from .files import blank_nan
 from .inputs import Inputs, Sensors, Specimen
 from .param import Param, Range
-from .tables import blank_nan
+from .recursion import Array as Array  # no word of the glossary, and so not in the list below
 
 __all__ = [
     "DataError",

@@ -1,14 +1,16 @@
-"""Files are written whole or not at all."""
+"""Files are written whole or not at all, and TOML is read."""
 
 import json
+import math
 import os
 import sys
+import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from tempfile import mkstemp
 from typing import Any
 
-from . import UsageError, blank_nan
+from .errors import DataError, PamError, UsageError
 
 _measured: set[Path] = set()
 
@@ -35,6 +37,17 @@ def check_target(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
     return path
 
 
+def read_toml(path: str | Path, absent: str = "", wrong: type[PamError] = DataError) -> dict[str, Any]:
+    """The content of a TOML file. Raises `wrong`, DataError by default, where it cannot be read, saying `absent` where
+    it is not there."""
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        if absent and isinstance(error, FileNotFoundError):
+            raise wrong(f"{path}: {absent}") from None
+        raise wrong(f"{path}: not a readable TOML file ({error})") from None
+
+
 def write_whole(path: str | Path, content: str | bytes) -> Path:
     """Write `content` beside `path` and move it there, so that no reader ever sees half a file.
 
@@ -58,26 +71,37 @@ def write_whole(path: str | Path, content: str | bytes) -> Path:
 
 def write_json(path: str | Path, answer: Mapping[str, Any]) -> None:
     """One answer as indented JSON; what is no number is null. The path `-` is stdout."""
-    _write_text(path, _dumps(answer, 2) + "\n")
+    _write(path, [answer], 2)
 
 
 def write_json_lines(path: str | Path, answers: Iterable[Mapping[str, Any]]) -> None:
     """Several answers, one object a line. The path `-` is stdout."""
-    _write_text(path, "".join(_dumps(answer, None) + "\n" for answer in answers))
+    _write(path, answers, None)
 
 
-def _write_text(path: str | Path, content: str) -> None:
+def _write(path: str | Path, answers: Iterable[Mapping[str, Any]], indent: int | None) -> None:
+    plain = (blank_nan(dict(answer)) for answer in answers)
+    content = "".join(json.dumps(one, indent=indent, ensure_ascii=False, allow_nan=False) + "\n" for one in plain)
     if str(path) == "-":
         sys.stdout.write(content)
     else:
         write_whole(path, content)
 
 
-def _dumps(answer: Mapping[str, Any], indent: int | None) -> str:
-    return json.dumps(blank_nan(dict(answer)), indent=indent, ensure_ascii=False, allow_nan=False)
-
-
 def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def blank_nan(value: Any) -> Any:
+    """`value` with every NaN and infinity replaced by None and numpy scalars by Python's, all the way down."""
+    if isinstance(value, dict):
+        return {str(key): blank_nan(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [blank_nan(item) for item in value]
+    if hasattr(value, "tolist"):
+        return blank_nan(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 
 from .errors import DataError
-from .recursion import Live
-
-Array = np.ndarray
+from .recursion import Array, Live
 
 
 @dataclass(frozen=True)
@@ -166,12 +164,7 @@ class Inputs:
         """Whether the record holds what `need` names: branch, motion, time, cycle or temperature."""
         if need == "branch":
             return bool(np.any(self.direction != 0))
-        field = {
-            "motion": self.velocity,
-            "time": self.time,
-            "cycle": self.cycle,
-            "temperature": self.temperature,
-        }
+        field = {"motion": self.velocity, "time": self.time, "cycle": self.cycle, "temperature": self.temperature}
         return field[need] is not None
 
     def take(self, rows: Array | slice) -> "Inputs":

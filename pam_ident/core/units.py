@@ -4,27 +4,18 @@ import re
 
 from .errors import DataError
 
-TO_INTERNAL: dict[str, dict[str, tuple[float, float]]] = {
-    "time": {"s": (1.0, 0.0), "sec": (1.0, 0.0), "ms": (1e-3, 0.0), "min": (60.0, 0.0)},
-    "pressure": {
-        "MPa": (1.0, 0.0),
-        "kPa": (1e-3, 0.0),
-        "Pa": (1e-6, 0.0),
-        "bar": (0.1, 0.0),
-        "mbar": (1e-4, 0.0),
-        "psi": (6.894757293168361e-3, 0.0),
-    },
-    "length": {"mm": (1.0, 0.0), "cm": (10.0, 0.0), "m": (1000.0, 0.0), "um": (1e-3, 0.0), "in": (25.4, 0.0)},
-    "force": {
-        "N": (1.0, 0.0),
-        "kN": (1000.0, 0.0),
-        "mN": (1e-3, 0.0),
-        "lbf": (4.4482216152605, 0.0),
-        "kgf": (9.80665, 0.0),
-        "kg": (9.80665, 0.0),
-    },
-    "temperature": {"C": (1.0, 0.0), "degC": (1.0, 0.0), "K": (1.0, -273.15)},
-    "ratio": {"1": (1.0, 0.0), "-": (1.0, 0.0), "pct": (0.01, 0.0), "%": (0.01, 0.0)},
+_FACTORS = {
+    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
+    "pressure": {"MPa": 1.0, "kPa": 1e-3, "Pa": 1e-6, "bar": 0.1, "mbar": 1e-4, "psi": 6.894757293168361e-3},
+    "length": {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4},
+    "force": {"N": 1.0, "kN": 1000.0, "mN": 1e-3, "lbf": 4.4482216152605, "kgf": 9.80665, "kg": 9.80665},
+    "temperature": {"C": 1.0, "degC": 1.0, "K": 1.0},
+    "ratio": {"1": 1.0, "-": 1.0, "pct": 0.01, "%": 0.01},
+}
+_OFFSETS = {"K": -273.15}
+TO_INTERNAL = {
+    dimension: {unit: (factor, _OFFSETS.get(unit, 0.0)) for unit, factor in units.items()}
+    for dimension, units in _FACTORS.items()
 }
 """Dimension → unit → (factor, offset): internal = factor · value + offset."""
 
@@ -97,10 +88,11 @@ def _against(unit: str) -> tuple[float, float] | None:
     """Factor and offset of a unit of pressure that says what it counts from; None for any other."""
     table = TO_INTERNAL["pressure"]
     found = None if unit in table or unit.lower() in map(str.lower, table) else _AGAINST.match(unit)
-    named = [factor for name, (factor, _) in table.items() if found and name == found["unit"]] or [
-        factor for name, (factor, _) in table.items() if found and name.lower() == found["unit"].lower()
-    ]
-    return (named[0], -ATMOSPHERE_MPA if found and found["air"] else 0.0) if named else None
+    if found is None:
+        return None
+    folded = (one for name, one in table.items() if name.lower() == found["unit"].lower())
+    known = table.get(found["unit"]) or next(folded, None)
+    return known and (known[0], -ATMOSPHERE_MPA if found["air"] else 0.0)
 
 
 def _snake(text: str) -> str:

@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 
+from ..core.param import Param, Range
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
 from ..model import Model, Term
@@ -17,7 +19,7 @@ def allowed_by_nature(
     base: Fit, heldout: float, selection: Selection, fitted: FittedSet, instead: Callable[[FittedSet], bool]
 ) -> tuple[FittedSet, tuple[Fit, float, list[Term], dict[str, Fit]]]:
     """A set, and what `_possible` finds of it. In place of one with a value that nature does not allow it is the best
-    without, of those that may stand `instead` and that the record does not tell from it."""
+    without, of those that may stand `instead` and that the record does not tell from it, all its names confirmed."""
     least = selection.noise.too_small * selection.noise.whole**2
 
     def found(one: FittedSet) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
@@ -32,7 +34,8 @@ def allowed_by_nature(
         ]
         for one in [*sorted(close, key=lambda v: v.criterion)[:RIVALS], *_in_free_forms(selection, fitted, first[-1])]:
             other = found(one)
-            if not other[-1]:
+            _, _, named, ruled_out = other
+            if not ruled_out and len(named) == sum(t.effect.candidate for t in one.terms):
                 return one, other
     return fitted, first
 
@@ -62,14 +65,35 @@ def _possible(
 
 
 def _as_nature_allows(best: Fit, wrong: list[Estimate]) -> Fit:
-    """The fit with what is beyond nature's end held there, where that is as likely: of κ and τ of a fast lag, say, only
-    the product shows."""
-    if not wrong:
+    """The fit within nature's ranges, what ends there held, where that is as likely: of κ and τ of a fast lag, say,
+    only the product shows, and of a swing that is far longer than the record only its bend."""
+    ranges = {e.name: e.range for e in wrong if e.range}
+    if not ranges:
         return best
-    ends = {e.name: e.range.low if e.value < e.range.low else e.range.high for e in wrong if e.range}
-    held = fit(best.model, best.record, start=best.values, held=ends)
+    named = {name.partition(".")[0] for name in ranges}
+    terms = tuple(_within(t, ranges) if t.effect.name in named else t for t in best.model.terms)
+    start = {k: v for k, v in best.values.items() if k.partition(".")[0] not in named}
+    law = {k: min(max(best.values[k], r.low), r.high) for k, r in ranges.items() if "." not in k}
+    inside = fit(replace(best.model, terms=terms), best.record, start=start, held=law)
+    ends = law | {e.name: e.value for e in inside.estimates if e.name in ranges and e.at_bound}
+    held = fit(best.model, best.record, start=inside.values, held=ends)
     less_likely = 2.0 * len(best.record) * math.log(held.rmse / best.rmse)
     return held if less_likely < CLOSE else best
+
+
+def _within(term: Term, ranges: Mapping[str, Range]) -> Term:
+    """A term whose parameters are searched within some ranges, by name."""
+
+    def bounded(p: Param) -> Param:
+        found = ranges.get(f"{term.effect.name}.{p.name}")
+        if found is None:
+            return p
+        low, high = max(p.lower, found.low), min(p.upper, found.high)
+        return replace(p, lower=low, upper=high, start=min(max(p.start, low), high))
+
+    form = term.form
+    linear, nonlinear = tuple(map(bounded, form.linear)), tuple(map(bounded, form.nonlinear))
+    return replace(term, form=replace(form, linear=linear, nonlinear=nonlinear))
 
 
 def _beyond_nature(fit: Fit, fitted: FittedSet) -> list[Estimate]:

@@ -50,9 +50,19 @@ def _direction(inputs: Inputs) -> Array | None:
 def _speed(inputs: Inputs) -> Array | None:
     if inputs.velocity is None:
         return None
-    v, (moves, _) = np.abs(inputs.velocity), slip(inputs)
-    v = v / max(float(np.median(v[moves != 0.0])) if np.any(moves) else 1.0, 1e-9)
-    return np.column_stack([v * moves, np.sqrt(v) * moves, np.log1p(10.0 * v) * moves, v])
+    return _rates(np.abs(inputs.velocity), slip(inputs)[0])
+
+
+def _pressure_rate(inputs: Inputs) -> Array | None:
+    if inputs.pressure_rate is None or inputs.slide is not None:  # in a locked muscle it is the speed of the braid
+        return None
+    return _rates(np.abs(inputs.pressure_rate), np.sign(inputs.pressure_rate))
+
+
+def _rates(size: Array, sign: Array) -> Array:
+    """What grows with a rate of some size, by its sign, each (n,), and with the size alone, shape (n, 4)."""
+    v = size / max(float(np.median(size[sign != 0.0])) if np.any(sign) else 1.0, 1e-9)
+    return np.column_stack([v * sign, np.sqrt(v) * sign, np.log1p(10.0 * v) * sign, v])
 
 
 def _acceleration(inputs: Inputs) -> Array | None:
@@ -107,6 +117,7 @@ def _temperature(inputs: Inputs) -> Array | None:
 
 
 MAP = ((0, 0), (1, 0), (0, 1), (1, 2), (0, 5), (2, 2), (1, 4), (4, 2), (3, 4), (2, 7), (4, 7))
+RATES = ((0,), (0, 1, 2), (0, 1, 2, 3))
 ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
 COUNTED = ((0,), (1,), (2,), (3,), (4,), (0, 1, 2), (2, 3, 4), (0, 1, 2, 3, 4))
 RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (0, 1, 2, 3, 4, 5, 6, 7))
@@ -114,7 +125,8 @@ DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 DRIVERS = (
     Driver("map", "pressure and contraction, alike on both branches", lambda i: np.ones((len(i), 1)), orders=MAP),
     Driver("direction", "the direction of motion", _direction, ((0,), (0, 1))),
-    Driver("speed", "the speed", _speed, ((0,), (0, 1, 2), (0, 1, 2, 3))),
+    Driver("speed", "the speed", _speed, RATES),
+    Driver("pressure_rate", "the rate of the pressure", _pressure_rate, RATES),
     Driver("acceleration", "the acceleration", _acceleration, orders=((0, 0),)),
     Driver("way", "the way since the last reversal", _way, ONE_OR_ALL),
     Driver("rest", "rest and relaxation", _rest, RELAXED),

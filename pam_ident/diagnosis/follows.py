@@ -289,7 +289,8 @@ class Following:
 
     def _alike(self, found: frozenset[str]) -> frozenset[str]:
         """Drivers with those that are one with them in this record, or may be a part of them."""
-        one = [{"speed", "direction"}] if one_speed(self.record) else []
+        one = [{"speed", "pressure_rate"}] if "pressure_rate" in self.surfaces.names else []  # a lag follows both
+        one += [{"speed", "direction"}] if one_speed(self.record) else []
         one += [{"way", "rest"}] if self.record.inputs.slide is not None else []
         return found.union(*(same for same in one if found & same))
 

@@ -32,8 +32,6 @@ BEYOND_WHITE = 12.0
 """Deviance by which a colour must be better than none."""
 WANDERS = 2.0
 """Size of slow noise, over that of what is left, up to which it may be: it cannot have been small all the time."""
-NOTICED = 1.02
-"""Size of noise with that of the driven sensors, over that without, from which it is asked whether it is there."""
 ALIKE = 0.1
 """Difference in size up to which noises of one colour scanned to the same answer."""
 
@@ -141,7 +139,7 @@ def estimate_noise(
     slopes = []  # without what the track shares, and without any noise of the driven sensors
     if found.shared:
         slopes = [slope, np.zeros_like(slope)]
-    elif found.whole > NOTICED * found.sigma:
+    elif slope.any():
         slopes = [np.zeros_like(slope)]
     others = (_estimated(record, residual, one, parameters, found.outlier, white) for one in slopes)
     return min((found, *others), key=lambda noise: noise.deviance)

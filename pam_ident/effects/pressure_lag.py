@@ -204,7 +204,7 @@ EFFECT = Effect(
             name="free_lagging",
         ),
     ),
-    follows=("speed",),
+    follows=("speed", "pressure_rate"),
     test="a pressure sensor at the muscle, at several speeds",
     needs=("branch", "motion", "time"),
     levers=("speed", "pressure"),

@@ -11,6 +11,7 @@ from ..effects import Effect
 from ..fitting import Fit
 from ..leg.fit_file import Answer, read_answer, read_specimen_of
 from ..model import Model
+from ..schema.fit import covered
 
 BRANCHES = ({"together"}, {"contraction"}, {"extension"}, {"contraction", "extension"})
 
@@ -53,7 +54,6 @@ class Fitted:
         """From a fit, which stands for both branches, or from fits by branch."""
         given = {"together": fits} if isinstance(fits, Fit) else dict(fits)
         one = next(iter(given.values()))
-        inputs = one.record.inputs
         return cls(
             one.model,
             one.record.specimen,
@@ -63,10 +63,7 @@ class Fitted:
             },
             one.record.source or one.record.name,
             {name: fit.rmse for name, fit in given.items()},
-            Span(
-                (float(inputs.pressure.min()), float(inputs.pressure.max())),
-                (float(inputs.contraction.min()), float(inputs.contraction.max())),
-            ),
+            _span(covered(one.record.inputs)),
             tuple(f"{name}: {problem}" for name, fit in given.items() for problem in fit.problems),
         )
 

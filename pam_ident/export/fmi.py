@@ -59,17 +59,15 @@ class FMU:
 
     def variables(self) -> list[tuple[str, str]]:
         """Attributes of each variable, and those of its type, as XML."""
-        return [*(self._variable(one, k) for k, one in enumerate(self.inputs)), self._variable("force_N", None)]
-
-    def _variable(self, name: str, place: int | None) -> tuple[str, str]:
-        unit = f' unit="{UNITS[name][0]}"' if name in UNITS else ""
-        if place is None:
-            about, more, start = "force, positive where the muscle pulls", 'causality="output" initial="calculated"', ""
-        else:
-            about, more, start = ARGUMENTS[name], 'causality="input"', f' start="{START.get(name, 0.0)}"'
-        reference = len(self.inputs) if place is None else place
-        head = f'name="{name}" valueReference="{reference}" {more} variability="continuous"'
-        return f"{head} description={quoted(about)}", f"{unit}{start}"
+        rows = [(n, ARGUMENTS[n], 'causality="input"', f' start="{START.get(n, 0.0)}"') for n in self.inputs]
+        told = "force, positive where the muscle pulls"
+        rows.append(("force_N", told, 'causality="output" initial="calculated"', ""))
+        found = []
+        for reference, (name, about, more, start) in enumerate(rows):
+            unit = f' unit="{UNITS[name][0]}"' if name in UNITS else ""
+            head = f'name="{name}" valueReference="{reference}" {more} variability="continuous"'
+            found.append((f"{head} description={quoted(about)}", f"{unit}{start}"))
+        return found
 
 
 def quoted(text: str) -> str:

@@ -14,34 +14,22 @@ from ..core import UsageError
 
 LOGICAL = {"lt", "le", "gt", "ge", "eq", "ne", "and", "or", "not"}
 """Operations that answer yes or no."""
+SAME = "abs ceil cbrt cos cosh exp expm1 floor log log1p sin sinh sqrt tan tanh"
+"""Operations that NumPy has by the same name."""
 MEANING: dict[str, Callable[..., Any]] = {
+    **{name: getattr(np, name) for name in SAME.split()},
     "add": np.add,
     "sub": np.subtract,
     "mul": np.multiply,
     "div": np.divide,
     "neg": np.negative,
-    "abs": np.abs,
-    "exp": np.exp,
-    "expm1": np.expm1,
-    "log": np.log,
-    "log1p": np.log1p,
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
     "asin": np.arcsin,
     "acos": np.arccos,
     "atan": np.arctan,
     "atan2": np.arctan2,
-    "sinh": np.sinh,
-    "cosh": np.cosh,
-    "tanh": np.tanh,
-    "sqrt": np.sqrt,
-    "cbrt": np.cbrt,
     "pow": np.power,
     "max": np.maximum,
     "min": np.minimum,
-    "floor": np.floor,
-    "ceil": np.ceil,
     "rem": np.fmod,
     "lt": np.less,
     "le": np.less_equal,

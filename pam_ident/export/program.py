@@ -1,6 +1,6 @@
 """A fitted model as a program: the force of one muscle at one instant, from numbers and a memory."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -12,7 +12,7 @@ from ..core.recursion import Live, Slot
 from ..leg.arrays import jax, jnp
 from ..leg.muscle import SPEED_OF_REVERSAL, count_reversals
 from ..model import GEOMETRY
-from .fitted import Fitted
+from .fitted import Fitted, Parameter
 from .graph import Graph
 from .scalars import scalars
 
@@ -62,8 +62,7 @@ class Program:
 
     def values(self, fitted: Fitted) -> dict[str, float]:
         """Values of the parameters that occur, by their names in the graph."""
-        named = {constant_name(fitted, b, p.name): p.value for b, all_ in fitted.branches.items() for p in all_}
-        return {name: named[name] for name in self.constants}
+        return {name: p.value for name, p in named_parameters(fitted) if name in self.constants}
 
 
 def program(fitted: Fitted, live: bool = False) -> Program:
@@ -92,18 +91,20 @@ def program(fitted: Fitted, live: bool = False) -> Program:
     blocks = [first] if later is None else [first, later]
     used = {graph.nodes[n].leaf for n in graph.reached(end for block in blocks for end in block.ends)}
     arguments = tuple(name for k, name in enumerate(ARGUMENTS) if k < 2 or name in used)
-    constants = tuple(
-        constant_name(fitted, branch, p.name)
-        for branch, parameters in fitted.branches.items()
-        for p in parameters
-        if constant_name(fitted, branch, p.name) in used
-    )
+    constants = tuple(name for name, _ in named_parameters(fitted) if name in used)
     return Program(graph, arguments, constants, names, first, later)
 
 
 def constant_name(fitted: Fitted, branch: str, name: str) -> str:
     """A parameter's name in a program; `=` keeps it apart from an argument of the same name."""
     return f"={name}" if len(fitted.branches) == 1 else f"={branch}_{name}"
+
+
+def named_parameters(fitted: Fitted) -> Iterator[tuple[str, Parameter]]:
+    """Every parameter of every branch under its name in a program."""
+    for branch, parameters in fitted.branches.items():
+        for p in parameters:
+            yield constant_name(fitted, branch, p.name), p
 
 
 def _instant(fitted: Fitted, memory: Tree, given: Tree, values: Tree) -> tuple[Any, Tree]:
@@ -165,13 +166,13 @@ def _with_memory(
     """First and later block with the names of the memory, less what is never read or is there twice; no later block
     where the first says all."""
     ends, shape = jax.tree.flatten(memory)
-    begins = [_one(end) for end in ends]
+    begins = [end.item() for end in ends]
     slots = [graph.name(f"memory{k}") for k in range(len(begins))]
 
     def after() -> tuple[int, list[int]]:
         known = jax.tree.unflatten(shape, [np.array([slot], dtype=object) for slot in slots])
         found, remembered = _traced(graph, lambda m, *rest: _instant(fitted, m, *rest), known, given, values)
-        return _one(found), [_one(end) for end in jax.tree.leaves(remembered)]
+        return found.item(), [end.item() for end in jax.tree.leaves(remembered)]
 
     _, becomes = after()
     twins: dict[tuple[int, int], int] = {}
@@ -188,9 +189,9 @@ def _with_memory(
         read = more
     kept = sorted(slots.index(slot) for slot in read)
     names = tuple(str(graph.nodes[slots[k]].leaf) for k in kept)
-    if not kept and then == _one(force):
+    if not kept and then == force.item():
         return Block(then), None, ()
-    first = Block(_one(force), tuple(begins[k] for k in kept))
+    first = Block(force.item(), tuple(begins[k] for k in kept))
     return first, Block(then, tuple(becomes[k] for k in kept)), names
 
 
@@ -205,10 +206,6 @@ def _constant(graph: Graph, node: int) -> bool:
     """Whether a node needs nothing but parameters."""
     needed = (graph.nodes[n] for n in graph.reached([node]))
     return all(str(one.leaf).startswith("=") for one in needed if one.op == "name")
-
-
-def _one(nodes: np.ndarray) -> int:
-    return nodes.item()
 
 
 def _geometry(fitted: Fitted, name: str) -> bool:

@@ -11,7 +11,7 @@ from .. import __version__
 from ..core import UsageError
 from .fitted import Fitted, Parameter
 from .graph import Graph
-from .program import ARGUMENTS, Block, Program, constant_name
+from .program import ARGUMENTS, Block, Program, named_parameters
 
 INFIX = {"add": ("+", 5), "sub": ("-", 5), "mul": ("*", 6), "div": ("/", 6)}
 COMPARE = {"lt": ("<", 4), "le": ("<=", 4), "gt": (">", 4), "ge": (">=", 4), "eq": ("==", 4)}
@@ -136,12 +136,7 @@ def heading(dialect: Dialect, fitted: Fitted, program: Program, about: Sequence[
     lines += [f"Warning: {problem}." for problem in fitted.problems]
     lines += ["", "Result: force in N, positive where the muscle pulls. Arguments:"]
     lines += [f"  {name}: {ARGUMENTS[name]}" for name in program.arguments]
-    unused = [
-        p
-        for b, all_ in fitted.branches.items()
-        for p in all_
-        if constant_name(fitted, b, p.name) not in program.constants
-    ]
+    unused = [p for name, p in named_parameters(fitted) if name not in program.constants]
     if unused:
         lines += ["Parameters that stand in no formula below: they are part of its numbers."]
         lines += [f"  {p.name} = {p.value!r} {told(p)}" for p in dict.fromkeys(unused)]
@@ -157,12 +152,10 @@ def remarks(dialect: Dialect, lines: Sequence[str]) -> list[str]:
 def constants(dialect: Dialect, fitted: Fitted, program: Program, names: Names) -> list[str]:
     """A statement for each parameter, with unit, standard error and meaning."""
     lines = []
-    for branch, parameters in fitted.branches.items():
-        for p in parameters:
-            key = constant_name(fitted, branch, p.name)
-            if key in program.constants:
-                line = dialect.statement.format(names.given[key], repr(p.value))
-                lines.append(f"{line}  {dialect.remark} {harmless(told(p))}")
+    for name, p in named_parameters(fitted):
+        if name in program.constants:
+            line = dialect.statement.format(names.given[name], repr(p.value))
+            lines.append(f"{line}  {dialect.remark} {harmless(told(p))}")
     return lines
 
 

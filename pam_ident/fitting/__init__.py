@@ -5,10 +5,9 @@ from .covariance import covariance
 from .fit import Fit, fit, fit_branches
 from .floor import lack_of_fit, repeat_noise
 from .isobars import IsobarTable, fit_isobars, loop_energies
-from .lmfit_bridge import from_lmfit, lmfit_result
 from .problem import Problem, Solution
 from .profile import profile
-from .solvers import LevenbergMarquardt, Lmfit, Solver, VariableProjection
+from .solvers import LevenbergMarquardt, Lmfit, Solver, VariableProjection, from_lmfit, lmfit_result
 from .together import fit_together
 from .weigh import Weighing
 

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core import FitError, UsageError
+from ..core import Array, FitError, UsageError
 from .covariance import LEVEL
 from .fit import Fit
 from .refit import refit_forces, refit_weights
 
-Array = np.ndarray
 PART = 250
 """Draws that are refitted together, whoever does it, because sums round by what they are summed with."""
 

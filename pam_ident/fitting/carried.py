@@ -1,5 +1,5 @@
 """An isotonic record as if the length had been driven, so that all that asks what an error of the force follows can
-ask it there, too.
+ask it there, too; and a fit to one with its residual of the length.
 
 Held against a force that hardly changes, any law of slope 0 fits to the last digit. So nothing measured of the length
 may enter what explains it: the muscle is taken along the lengths ε̂ at which a model carries the weights, where its
@@ -11,15 +11,18 @@ rows tell nothing, and nor do those at the mechanical limit, and those at which 
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
+from functools import cached_property
 
 import numpy as np
 
+from ..core import Array
 from ..model import Model
 from ..records import Record
 from ..records.notes import Notes
-from .fit import fit
+from .fit import Fit, fit
 from .length import at_limit, by_length, equilibrium, weights_of
+from .readings import Errors
 
 
 def driven(model: Model, record: Record, values: Mapping[str, float] | None = None) -> Record:
@@ -44,3 +47,25 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
         notes.add("weight_stands", "displacement", str(len(record)), left)
         along = replace(along, notes=(*along.notes, *notes.told()))
     return along.take(np.flatnonzero(kept))
+
+
+class InLength(Fit):
+    """A fit whose `residual`, `errors` and what is made of them are of the length, in mm; positive where the muscle is
+    shorter than predicted."""
+
+    @classmethod
+    def of(cls, one: Fit) -> "InLength":
+        """Of a fit that has `lengths`."""
+        return cls(**{field.name: getattr(one, field.name) for field in fields(one)})
+
+    @cached_property
+    def residual(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Measured minus predicted length of the stroke in mm at every sample, shape (n,)."""
+        assert self.lengths is not None
+        return self.lengths.residual
+
+    @cached_property
+    def errors(self) -> Errors:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """What the fitted rows leave, in mm."""
+        assert self.length_errors is not None
+        return self.length_errors

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..core import Array
 from ..records import Record
 
-Array = np.ndarray
 LEVEL = 0.95
 """Level of all intervals."""
 FLAT = 1e-8
@@ -47,6 +47,10 @@ class Covariance:
         """Covariance of the parameters, shape (k, k), zero along flat directions."""
         return self.basis @ self.middle @ self.basis.T
 
+    def of(self, rows: list[int]) -> "Covariance":
+        """That of some of the parameters."""
+        return replace(self, basis=self.basis[rows], sizes=self.sizes[rows])
+
     def error(self, contrasts: Array) -> tuple[Array, Array]:
         """Standard error of contrasts · parameters and its degrees of freedom, (m, k) → (m,) and (m,).
 
@@ -62,9 +66,8 @@ class Covariance:
         own = np.einsum("mgr,mgr->mg", held, seen)
         trace = own.sum(axis=1) - np.sum(seen**2, axis=(1, 2))
         cross = np.einsum("mgr,mgs->mrs", seen, seen)
-        square = (
-            np.sum(own**2, axis=1) - 2.0 * np.sum(own * np.sum(seen**2, axis=2), axis=1) + np.sum(cross**2, axis=(1, 2))
-        )
+        square = np.sum(own**2, axis=1) - 2.0 * np.sum(own * np.sum(seen**2, axis=2), axis=1)
+        square += np.sum(cross**2, axis=(1, 2))
         return stderr, np.maximum(np.divide(trace**2, square, out=np.ones(len(c)), where=square > 0), 1.0)
 
 

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from ..core import Array
 from .problem import FLAT, Projection, bounds
 
 if TYPE_CHECKING:
     from .readings import Reading
 
-Array = np.ndarray
 FIRST_STEP = 0.3
 """First radius of a trust region in units of typical sizes: a longer first step may cross a pole of the model."""
 ROUGH = 1e-12

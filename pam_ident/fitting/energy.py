@@ -45,7 +45,7 @@ def _static_loop(up: Fit, down: Fit, level: float) -> float:
     along = Inputs(np.full(len(e), level), e, record.specimen, np.zeros(len(e)))
     gap = down.model.force(along, down.values) - up.model.force(along, up.values)
     step = (e[1] - e[0]) * record.specimen.initial_length_mm
-    return float(np.sum(0.5 * (gap[1:] + gap[:-1])) * step) * 1e-3
+    return float(np.trapezoid(gap, dx=step)) * 1e-3
 
 
 def passive(loops: Mapping[float, float]) -> bool | None:

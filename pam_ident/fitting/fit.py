@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core import DataError, FitError, Inputs, UsageError
+from ..core import Array, DataError, FitError, Inputs, UsageError
 from ..core.progress import tell
 from ..effects import in_words
 from ..model import Model
@@ -26,7 +26,6 @@ from .weigh import PLAIN, Weighing
 if TYPE_CHECKING:
     from ..records.long import LongRecord
 
-Array = np.ndarray
 MOST_TURNS = 40
 """How often parameters and weights may be renewed in turn."""
 OTHER_WEIGHTS = "hang other weights, or fit records under several together (`--shared all`)"
@@ -147,9 +146,8 @@ class Fit:
         """Why the fit is not valid; empty when it is."""
         found = [] if self.converged else [f"the search did not converge ({self.message})"]
         acting = {p.name for t in self.model.terms for p in t.qualified(t.form.linear)}
-        loose = [
-            e.name for e in self.estimates if not (e.identified or (e.verdict.kind == "dead" and e.name in acting))
-        ]
+        unknown = [e for e in self.estimates if not e.identified]
+        loose = [e.name for e in unknown if e.verdict.kind != "dead" or e.name not in acting]
         if loose:
             more = OTHER_WEIGHTS if self.lengths else "drop an effect, or vary more on the rig"
             found.append(f"the record does not determine {', '.join(loose)}; {more}")
@@ -163,15 +161,13 @@ class Fit:
     @property
     def at_bounds(self) -> list[str]:
         """In words, which parameters stand at a bound; of a free form's coefficients how many."""
-        surfaces = {
-            t.effect.name: [p.name for p in t.qualified(t.form.linear)] for t in self.model.terms if t.form.free
-        }
         stuck = [e for e in self.estimates if e.verdict.kind == "at_bound"]
         found = []
-        for effect, names in surfaces.items():
-            at = sum(e.name in names for e in stuck)
-            if at:
-                found.append(f"{at} of {len(names)} coefficients of {in_words(effect)}, free form, stand at a bound")
+        for term in self.model.terms:
+            names = [p.name for p in term.qualified(term.form.linear)] if term.form.free else []
+            if at := sum(e.name in names for e in stuck):
+                what = f"coefficients of {in_words(term.effect.name)}, free form, stand at a bound"
+                found.append(f"{at} of {len(names)} {what}")
             stuck = [e for e in stuck if e.name not in names]
         return [*found, *(f"{e.words} stands {e.verdict.text}" for e in stuck)]
 
@@ -265,13 +261,14 @@ def fit(
         >>> print(f"{found.rmse:.2f} N rms, valid: {found.valid}")
         3.21 N rms, valid: True
     """
-    held, answered = dict(held or {}), by_length(record)
+    held = dict(held or {})
     rows = determining(record, np.ones(len(record), bool) if rows is None else rows)
     check(model, record, rows, held)
     model = at_its_pressures(model, record, rows)
     held = model.law.pinned | held
     tell("fitting")
-    if answered:
+    runs = clusters(record, rows) if detail and not white else None
+    if by_length(record):
         if weighing != PLAIN:
             raise UsageError("weights and losses are for residuals in force; leave them out where the length answered")
         found, even = solve_length(model, record, rows, start or {}, held, solver)
@@ -279,7 +276,7 @@ def fit(
         if not detail:
             return one
         known = problem_of(model, record, rows, even, by_weight=True).table(found.values)
-        return replace(one, sums=sums(known, None if white else clusters(record, rows)))
+        return replace(one, sums=sums(known, runs))
     if weighing == PLAIN and solver is None and pays_in_chunks(model, record, rows):
         index, first = np.flatnonzero(rows), bool(model.terms)
         every = in_memory(record, index, first, detail and not white)
@@ -288,7 +285,11 @@ def fit(
             return Fit(model, record, rows, search.values(end), True, BY_READINGS, held=held, sums=known)
     solution, weights = _in_turns(model, record, rows, start or {}, held, weighing, solver)
     one = Fit(model, record, rows, solution.values, solution.converged, solution.message, weights, held, weighing)
-    return replace(one, sums=_sums(one, white)) if detail else one
+    if not detail:
+        return one
+    known = table(model, record.inputs, one.values, record.force, picker(rows, weights))
+    known[:, -1] *= math.sqrt(weighing.inflation(known[:, -1]))
+    return replace(one, sums=sums(known, runs))
 
 
 def pays_in_chunks(model: Model, record: Record, rows: Array) -> bool:
@@ -369,11 +370,10 @@ def check(model: Model, record: Record, rows: Array, held: Mapping[str, float]) 
     Raises FitError, DataError and UsageError where `fit` does.
     """
     check_held(model, held)
-    where = record.source or record.name
     if np.count_nonzero(rows) <= len(model.params):
         raise FitError(
-            f"{where}: {int(rows.sum())} samples for {len(model.params)} parameters of {model.law.name}; "
-            "measure more samples or choose a law with fewer parameters"
+            f"{record.source or record.name}: {int(rows.sum())} samples for {len(model.params)} parameters of "
+            f"{model.law.name}; measure more samples or choose a law with fewer parameters"
         )
     check_needs(model, record)
 
@@ -397,10 +397,3 @@ def check_needs(model: Model, record: Record) -> None:
                 f"{record.source or record.name}: {term.effect.name} needs {', '.join(lacking)}, which the record does "
                 "not hold; log it on the rig, or leave the effect out"
             )
-
-
-def _sums(one: Fit, white: bool) -> Sums:
-    """Sums of the weighed Jacobian and residual over the fitted rows."""
-    found = table(one.model, one.record.inputs, one.values, one.record.force, picker(one.rows, one.weights))
-    found[:, -1] *= math.sqrt(one.weighing.inflation(found[:, -1]))
-    return sums(found, None if white else clusters(one.record, one.rows))

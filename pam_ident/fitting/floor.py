@@ -7,11 +7,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..core import Inputs
+from ..core import Array, Inputs
 from ..records import Record
 from .fit import Fit
 
-Array = np.ndarray
 SHAPES = 4
 """Coefficients of each stroke in which a lack of fit is looked for."""
 SAME_COURSE = 0.05

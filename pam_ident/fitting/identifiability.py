@@ -1,6 +1,5 @@
 """What a record says of each parameter: pinned, or in words why not."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -8,12 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..core import Inputs, Param
+from ..core import Array, Inputs, Param
 from ..model import Model, Values
 from ..records import Record
 from .covariance import FLAT, Covariance
 
-Array = np.ndarray
 Kind = Literal["pinned", "held", "at_bound", "dead", "flat", "traded", "loose"]
 INFLATION = 10.0
 """Standard error over what it were with all else known, from which a parameter may be called traded."""
@@ -47,6 +45,7 @@ PINNED = Identifiability("pinned", "pinned")
 DEAD = Identifiability("dead", "dead: the force does not depend on it anywhere in this record")
 HELD = Identifiability("held", "held where it was set")
 AT_BOUND = Identifiability("at_bound", "at its bound: the data pull it further")
+LOOSE = Identifiability("loose", "not pinned by this record: its interval is wider than the value itself")
 
 
 def flat_directions(names: Sequence[str], triangle: Array) -> dict[str, Identifiability]:
@@ -89,9 +88,7 @@ def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Arr
             text = f"traded against {names[partner]} (errors correlated {tie[partner]:.3f})"
             found.append(Identifiability("traded", text, (names[partner],), float(tie[partner])))
         elif half[i] > reference or half[i] > 0.5 * (p.upper - p.lower):
-            found.append(
-                Identifiability("loose", "not pinned by this record: its interval is wider than the value itself")
-            )
+            found.append(LOOSE)
         else:
             found.append(PINNED)
     return found
@@ -162,18 +159,11 @@ def _calibrations(model: Model, inputs: Inputs, values: Values) -> dict[str, Arr
     }
 
 
-def levels_of(record: Record, rows: Array) -> float:
-    """Pressures at which some `rows` (mask, shape (n,)) were measured; no end of them where the pressure varies."""
-    pressure = record.inputs.pressure[rows]
-    varied = np.ptp(pressure) > SWEPT * np.abs(pressure).max()
-    return math.inf if varied else len(record.levels if rows.all() else np.unique(record.level[rows]))
-
-
 def at_its_pressures(model: Model, record: Record, rows: Array) -> Model:
     """The model with those parameters of its law pinned at 0 that `rows` (mask (n,)) at one pressure do not tell from
     others."""
-    law = model.law
-    if law.min_levels == 1 or levels_of(record, rows) != 1:
+    law, level, measured = model.law, record.level[rows], record.inputs.pressure[rows]
+    swept = np.ptp(measured) > SWEPT * np.abs(measured).max()
+    if law.min_levels == 1 or swept or np.any(level != level[0]):
         return model
-    pressure, contraction = float(record.level[rows][0]), record.inputs.contraction[rows]
-    return replace(model, law=law.at_one(pressure, contraction, record.specimen))
+    return replace(model, law=law.at_one(float(level[0]), record.inputs.contraction[rows], record.specimen))

@@ -1,17 +1,17 @@
 """Per isobar and branch: the tables of the paper, and the energy of each loop."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core import FitError
+from ..core import Array, FitError
 from ..laws import Law
 from ..model import Model
 from ..records import Record
 from .fit import Estimate, Fit, fit
 
-Array = np.ndarray
 FOLDED = {"exponential_law": ("a", "b", "c")}
 """Laws whose linear parameters come in pairs x0 + x1 p, and the names of x per isobar."""
 
@@ -102,12 +102,8 @@ def _lines(rows: list[IsobarRow], names: tuple[str, ...]) -> dict[str, tuple[flo
         values = np.array([next(e.value for e in row.estimates if e.name == name) for row in rows])
         slope, intercept = np.polyfit(pressure, values, 1)
         spread = np.std(values) * np.std(pressure)
-        r = (
-            float(np.mean((values - values.mean()) * (pressure - pressure.mean())) / spread)
-            if spread > 0
-            else float("nan")
-        )
-        lines[name] = (float(intercept), float(slope), r)
+        together = np.mean((values - values.mean()) * (pressure - pressure.mean()))
+        lines[name] = (float(intercept), float(slope), float(together / spread) if spread > 0 else math.nan)
     return lines
 
 
@@ -137,7 +133,7 @@ def loop_energies(record: Record, force: Array) -> dict[float, float]:
             continue
         edges = np.linspace(low, high, int(min(41, up.sum(), down.sum())))
         gap = _mean_curve(x[down], force[down], edges) - _mean_curve(x[up], force[up], edges)
-        energies[float(level)] = float(np.sum(0.5 * (gap[1:] + gap[:-1]) * np.diff(edges))) * 1e-3
+        energies[float(level)] = float(np.trapezoid(gap, edges)) * 1e-3
     return energies
 
 

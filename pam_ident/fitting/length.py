@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..core import DataError, Inputs
+from ..core import Array, DataError, Inputs
 from ..effects._history import acceleration
 from ..model import Model
 from ..records import Record
@@ -26,7 +26,6 @@ from .readings import with_memory
 from .solve import solve, table
 from .solvers import Solver, VariableProjection
 
-Array = np.ndarray
 Values = Mapping[str, float]
 ROOM = 0.05
 """Contraction by which a muscle may be off what its braid could reach, because its angle or length at rest are."""
@@ -144,8 +143,8 @@ def at_limit(record: Record) -> Array:
     goes on, as on a stop or with slack threads, or there is no pressure and the threads alone carry the weight."""
     inputs, weight = record.inputs, weights_of(record)
     x, p = inputs.displacement_mm, inputs.pressure
-    rising = np.ones(len(x), bool) if inputs.pressure_rate is None else inputs.pressure_rate > 0.0
-    falling = np.ones(len(x), bool) if inputs.pressure_rate is None else inputs.pressure_rate < 0.0
+    rate, always = inputs.pressure_rate, np.ones(len(x), bool)
+    rising, falling = (always, always) if rate is None else (rate > 0.0, rate < 0.0)
     noise = 0.0 if inputs.time is None else position_noise(x, inputs.time)
     found = p < NO_PRESSURE * p.max()
     for w in np.unique(weight):
@@ -270,12 +269,7 @@ def implicit(model: Model, inputs: Inputs, values: Values, load: Array, e: Array
 
 
 def solve_length(
-    model: Model,
-    record: Record,
-    rows: Array,
-    start: Values,
-    held: Values,
-    solver: Solver | None = None,
+    model: Model, record: Record, rows: Array, start: Values, held: Values, solver: Solver | None = None
 ) -> tuple[Solution, Whiten]:
     """Least squares of the length over `rows` (mask, (n,)), from the best of several beginnings: values that are given,
     those of a fit of the force, which is blind where there is one load, and those of an ideal braid's force. What the

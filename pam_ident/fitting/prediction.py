@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core import FitError, Inputs, Specimen
+from ..core import Array, FitError, Inputs, Specimen
 from ..core.progress import steps
 from ..model import Model
 from ..records import Record, thinned
@@ -17,7 +17,6 @@ from .floor import repeat_noise
 from .length import equilibrium
 from .solve import jacobian, solve
 
-Array = np.ndarray
 ROWS = 4_000
 """Rows of a longer record that are enough to learn how far readings lie off."""
 NEAR_MPA = 0.01
@@ -62,7 +61,7 @@ class ReadingSpread:
         outside = off & ((p < levels.min()) | (p > levels.max()))
         half = np.where(outside, self.beyond, np.where(off, self.between, self.same))
         if inputs.stroke_speed is not None and self.speeds:
-            half = np.where(self._new_speed(inputs.stroke_speed), _larger(half, self.speed), half)
+            half = np.where(self._new_speed(inputs.stroke_speed), np.maximum(half, self.speed), half)
         return half
 
     def outside(self, inputs: Inputs) -> Array:
@@ -70,21 +69,12 @@ class ReadingSpread:
         low, high = self.contraction
         room = 0.02 * (high - low)
         e, p = inputs.contraction, inputs.pressure
-        return (
-            (e < low - room)
-            | (e > high + room)
-            | (p < min(self.pressures) - NEAR_MPA)
-            | (p > max(self.pressures) + NEAR_MPA)
-        )
+        beyond = (e < low - room) | (e > high + room)
+        return beyond | (p < min(self.pressures) - NEAR_MPA) | (p > max(self.pressures) + NEAR_MPA)
 
     def _new_speed(self, speed: Array) -> Array:
         ratio = np.maximum(speed, 1e-9)[:, None] / np.array(self.speeds)
         return np.min(np.maximum(ratio, 1.0 / ratio), axis=1) > NEAR_SPEED
-
-
-def _larger(a: Array, b: float) -> Array:
-    """The larger of both; NaN where the one that matters is not known."""
-    return np.where(np.isnan(b), np.nan, np.maximum(a, b))
 
 
 def reading_spread(one: Fit) -> ReadingSpread:
@@ -92,13 +82,13 @@ def reading_spread(one: Fit) -> ReadingSpread:
     only what was measured, for nothing is known of readings of a force."""
     record, rows = one.record, one.rows
     if one.lengths is not None:
-        return _no_spread(record, rows)
+        p, e, speed = (x[rows] for x in (record.inputs.pressure, record.inputs.contraction, _speeds(record)))
+        (pressures, span), nan = ((float(x.min()), float(x.max())) for x in (p, e)), math.nan
+        return ReadingSpread(nan, nan, nan, nan, pressures, tuple(np.unique(speed[speed > 0]).tolist()), span)
     if len(record) > ROWS:
         record = thinned(record if rows.all() else record.take(np.flatnonzero(rows)), ROWS)
-        one, rows = (
-            replace(one, record=record, rows=np.ones(len(record), bool), weights=None),
-            np.ones(len(record), bool),
-        )
+        rows = np.ones(len(record), bool)
+        one = replace(one, record=record, rows=rows, weights=None)
     level, speed = record.level, _speeds(record)
     levels, speeds = np.unique(level[rows]), np.unique(speed[rows & (speed > 0)])
     blocks = np.unique(record.block[rows])
@@ -113,19 +103,11 @@ def reading_spread(one: Fit) -> ReadingSpread:
         _wider(same, _half(one, inner, "pressures"), len(inner)),
         _wider(same, _half(one, outer, "pressures at the ends"), len(outer)),
         _wider(same, _half(one, [speed == v for v in speeds] if len(speeds) > 1 else [], "speeds"), len(speeds)),
-        tuple(float(p) for p in levels),
-        tuple(float(v) for v in speeds),
+        tuple(levels.tolist()),
+        tuple(speeds.tolist()),
         (float(e.min()), float(e.max())),
         math.nan if noise is None else noise.sigma,
     )
-
-
-def _no_spread(record: Record, rows: Array) -> ReadingSpread:
-    p, e, speeds = record.inputs.pressure[rows], record.inputs.contraction[rows], np.unique(_speeds(record)[rows])
-    pressures = (float(p.min()), float(p.max()))
-    span = (float(e.min()), float(e.max()))
-    nan = math.nan
-    return ReadingSpread(nan, nan, nan, nan, pressures, tuple(float(v) for v in speeds[speeds > 0]), span)
 
 
 def _speeds(record: Record) -> Array:

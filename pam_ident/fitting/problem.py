@@ -10,9 +10,8 @@ from itertools import islice, product
 
 import numpy as np
 
-from ..core import Param, UsageError
+from ..core import Array, Param, UsageError
 
-Array = np.ndarray
 Design = Callable[[Mapping[str, float]], tuple[Array, Array]]
 Whiten = Callable[[Array], Array]
 """Selects rows and decorrelates noise: (n,) or (n, k) → (m,) or (m, k), linear."""
@@ -71,10 +70,9 @@ class Problem:
         packed[:, :-1], packed[:, -1] = columns, self.target - fixed
         packed = self.whiten(packed)
         triangle: Array = np.linalg.qr(packed, mode="r")  # pyright: ignore
-        coefficients = (
-            within_bounds(triangle, *bounds(self.linear)) if np.all(np.abs(triangle) < HUGE) else np.array([np.inf])
-        )
-        if not np.all(np.isfinite(coefficients)):
+        known = bool(np.all(np.abs(triangle) < HUGE))
+        coefficients = within_bounds(triangle, *bounds(self.linear)) if known else np.empty(0)
+        if not (known and np.all(np.isfinite(coefficients))):
             coefficients = np.array([p.start for p in self.linear])
             return Projection(self, q, point, np.zeros_like(packed[:, :-1]), coefficients, np.full(len(packed), HUGE))
         columns, goal = packed[:, :-1], packed[:, -1]
@@ -230,9 +228,8 @@ class Projection:
             step = step if at + step <= p.upper else -step
             columns, fixed = problem.design({**self.point, p.name: at + step})
             with np.errstate(over="ignore", invalid="ignore"):
-                found[:, k] = (
-                    problem.whiten(fixed + columns @ self.coefficients - problem.target) - self.residual
-                ) / step
+                there = problem.whiten(fixed + columns @ self.coefficients - problem.target)
+                found[:, k] = (there - self.residual) / step
         return found
 
 
@@ -243,11 +240,6 @@ def _step(p: Param, at: float) -> float:
 def bounds(params: Sequence[Param]) -> tuple[Array, Array]:
     """Lower and upper bounds, each of shape (len(params),)."""
     return np.array([p.lower for p in params]), np.array([p.upper for p in params])
-
-
-def bounded_lstsq(columns: Array, target: Array, params: Sequence[Param]) -> Array:
-    """x that minimises |columns · x − target| within the parameters' bounds, shape (k,); minimum norm if flat."""
-    return within_bounds(np.linalg.qr(np.column_stack([columns, target]), mode="r"), *bounds(params))  # pyright: ignore
 
 
 def within_bounds(triangle: Array, lower: Array, upper: Array) -> Array:

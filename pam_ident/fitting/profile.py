@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core import UsageError
+from ..core import Array, UsageError
 from .covariance import student
 from .estimate import at_bound
 from .fit import Fit, picker
 from .solve import solve
 
-Array = np.ndarray
 MOST_STEPS = 40
 
 

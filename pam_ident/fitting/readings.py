@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core import Inputs, Param
+from ..core import Array, Inputs, Param
 from ..core.progress import tell
 from ..model import Model, Term
 from ..records import Record
@@ -23,7 +23,6 @@ from .solve import solve, table
 if TYPE_CHECKING:
     from ..records.long import LongRecord
 
-Array = np.ndarray
 FROM = 50_000
 """Rows in memory from which readings of all cost less than a search in them."""
 SAMPLES = (1_500, 20_000)

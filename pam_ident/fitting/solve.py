@@ -7,16 +7,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..core import Inputs, Param
+from ..core import Array, Inputs
 from ..effects import Form
 from ..model import Model
 from .descent import GIVEN_UP
-from .problem import Problem, Solution, Whiten, all_rows, bounded_lstsq
+from .problem import Problem, Solution, Whiten, all_rows
 from .solvers import QUICK, Solver, VariableProjection
 
-__all__ = ["Solution", "Whiten", "bounded_lstsq", "jacobian", "nonlinear_within_bounds", "solve", "table"]
-
-Array = np.ndarray
 ACTING = 1.03
 """How much larger the sum of squares may be before the force acts back as the model's own, not as measured."""
 
@@ -44,25 +41,23 @@ def solve(
     if solver is None:
         hope = enough if model.separable else ACTING * enough
         solver = replace(QUICK, max_starts=max_starts, enough=hope) if quick else VariableProjection(max_starts)
-    problem = separated(model, inputs, force, start or {}, whiten).holding(**held)
+
+    def search(problem: Problem, by: Solver) -> Solution:
+        found = by.solve(problem.holding(**held))
+        return replace(found, values=found.values | held)
+
+    problem = separated(model, inputs, force, start or {}, whiten)
     if model.separable:
-        return _with(solver.solve(problem), held)
+        return search(problem, solver)
     model = _remembering(model, inputs)
     near = replace(solver, polish=False) if isinstance(solver, VariableProjection) else solver
-    found = _with(near.solve(problem), held)
+    found = search(problem, near)
     if found.message == GIVEN_UP:
         return found
     for _ in range(2):
         acting = np.clip(model.force(inputs, found.values), -1e6, 1e6)
-        problem = separated(model, inputs, force, found.values, whiten, acting).holding(**held)
-        found = _with(near.solve(problem), held)
-    if quick:
-        return found
-    return _with(solver.solve(whole(model, inputs, force, found.values, whiten).holding(**held)), held)
-
-
-def _with(found: Solution, held: Mapping[str, float]) -> Solution:
-    return replace(found, values=found.values | dict(held))
+        found = search(separated(model, inputs, force, found.values, whiten, acting), near)
+    return found if quick else search(whole(model, inputs, force, found.values, whiten), solver)
 
 
 def separated(
@@ -77,7 +72,7 @@ def separated(
     acting = force if acting is None else acting
     model = _remembering(model, inputs, acting)
     guess = model.neutral(inputs)
-    nonlinear = [replace(p, start=p.clip(guess[p.name])) for p in nonlinear_within_bounds(model, inputs)]
+    nonlinear = [replace(p, start=p.clip(guess[p.name])) for p in model.bounded(inputs)[len(model.linear) :]]
 
     def design(values: Mapping[str, float]) -> tuple[Array, Array]:
         return model.design(inputs, values, acting)
@@ -119,11 +114,6 @@ def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float]
         return np.empty((len(inputs), 0)), found
 
     return Problem((), model.bounded(inputs), design, force, start, whiten)
-
-
-def nonlinear_within_bounds(model: Model, inputs: Inputs) -> list[Param]:
-    """Curved parameters; the radius is kept within 15 % of the specimen's."""
-    return list(model.bounded(inputs)[len(model.linear) :])
 
 
 def table(model: Model, inputs: Inputs, values: Mapping[str, float], force: Array, whiten: Whiten = all_rows) -> Array:

@@ -1,4 +1,7 @@
-"""Solvers: objects that take a Problem to its Solution. What is heavy is imported when a solver is asked to solve."""
+"""Solvers: objects that take a Problem to its Solution, and lmfit's answers beside ours; `Model.to_lmfit` leads there.
+
+What is heavy is imported when a solver is asked to solve.
+"""
 
 import math
 from collections.abc import Callable, Mapping
@@ -7,16 +10,18 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..core import Param, UsageError
-from ..core.lmfit_names import from_lmfit_names, to_parameters
+from ..core import Array, Param, UsageError
+from ..core.lmfit_names import from_lmfit_names, to_lmfit_name, to_parameters
 from .descent import descend, settle
 from .problem import Problem, Solution
 
 if TYPE_CHECKING:
     import jax
     import lmfit
+    from lmfit.minimizer import MinimizerResult
+    from lmfit.model import ModelResult
 
-Array = np.ndarray
+    from .fit import Fit
 
 
 class Solver(Protocol):
@@ -190,16 +195,8 @@ class Lmfit:
     def __post_init__(self) -> None:
         from lmfit.minimizer import SCALAR_METHODS
 
-        known = {
-            "leastsq",
-            "least_squares",
-            "ampgo",
-            "basinhopping",
-            "brute",
-            "dual_annealing",
-            "shgo",
-            *SCALAR_METHODS,
-        }
+        own = {"leastsq", "least_squares", "ampgo", "basinhopping", "brute", "dual_annealing", "shgo"}
+        known = own.union(SCALAR_METHODS)
         if self.method not in known:
             raise UsageError(f"lmfit has no method {self.method!r}; it has {', '.join(sorted(known))}")
 
@@ -211,12 +208,27 @@ class Lmfit:
             return from_lmfit_names(parameters.valuesdict())
 
         begin = problem.begin(self.max_starts)
-        found: Any = lmfit.Minimizer(
-            lambda parameters: problem.residual(values(parameters)),
-            to_parameters((p, begin[p.name]) for p in problem.params),
-            calc_covar=False,
-        ).minimize(
-            method=self.method,
-            **({"Dfun": lambda parameters: problem.jacobian(values(parameters))} if self.method == "leastsq" else {}),
-        )
+        parameters = to_parameters((p, begin[p.name]) for p in problem.params)
+        search = lmfit.Minimizer(lambda at: problem.residual(values(at)), parameters, calc_covar=False)
+        slopes = {"Dfun": lambda at: problem.jacobian(values(at))} if self.method == "leastsq" else {}
+        found: Any = search.minimize(method=self.method, **slopes)
         return Solution(values(found.params), bool(found.success), str(found.message))
+
+
+def from_lmfit(result: "ModelResult | MinimizerResult") -> dict[str, float]:
+    """Parameter values of an lmfit result by our names."""
+    return from_lmfit_names(result.params.valuesdict())  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def lmfit_result(fit: "Fit") -> "ModelResult":
+    """A Fit as lmfit's ModelResult, for `fit_report()` and `conf_interval()`.
+
+    lmfit fits the same rows again, with their weights, from the Fit's own values, so its errors and correlations are
+    its own work; it takes the noise as white. What is held, stands at a bound, or is not identified, stays fixed: lmfit
+    could give no error of the others beside it.
+    """
+    model, parameters = fit.model.to_lmfit(fit.record.inputs, fit.rows)
+    for one in fit.estimates:
+        parameters[to_lmfit_name(one.name)].set(value=one.value, vary=one.name in fit.free and one.identified)
+    weights = None if fit.weights is None else fit.weights[fit.rows]
+    return model.fit(fit.record.force[fit.rows], parameters, weights=weights, inputs=fit.record.inputs)

@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..core import FitError, Param, UsageError
+from ..core import Array, FitError, Param, UsageError
 from ..core.progress import tell
 from ..model import Model
 from ..records import Record
-from .covariance import Covariance, clusters, sums
+from .covariance import clusters, sums
 from .estimate import Estimate, estimates_of
 from .fit import Fit, check_held, check_needs, fit
 from .length import by_length, determining, evened, problem_of, solved_from
@@ -19,7 +19,6 @@ from .problem import Problem, Solution, Whiten, all_rows
 from .solve import separated
 from .solvers import VariableProjection
 
-Array = np.ndarray
 _SOLVER = VariableProjection(keep=1)
 
 
@@ -87,7 +86,7 @@ def fit_together(
         given = tuple(_estimate(e, k, estimates, shared) for e in plain.estimates)
         one = replace(plain, given=given, shared=tuple(name for name in model.names if name in shared))
         mine = [free.index(_own(name, k, shared)) for name in one.free]
-        found.append(replace(one, joint=_part(covariance, mine)))
+        found.append(replace(one, joint=covariance and covariance.of(mine)))
     return tuple(found)
 
 
@@ -246,10 +245,3 @@ def _estimate(plain: Estimate, k: int, estimates: Sequence[Estimate], shared: Co
         partners=tuple(name.removesuffix(own) for name in found.verdict.partners),
     )
     return replace(found, name=plain.name, verdict=verdict)
-
-
-def _part(covariance: Covariance | None, rows: list[int]) -> Covariance | None:
-    """The covariance of some of the parameters."""
-    if covariance is None:
-        return None
-    return replace(covariance, basis=covariance.basis[rows], sizes=covariance.sizes[rows])

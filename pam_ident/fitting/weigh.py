@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core import UsageError
+from ..core import Array, UsageError
 from ..model import Model, Values
 from ..records import Record
 from .identifiability import slopes
 
-Array = np.ndarray
 TUNING = 1.345
 """Huber's constant: 95 % efficiency where the noise is normal (Huber 1964, Annals of Math. Statistics 35, 73–101)."""
 LOSSES = ("linear", "huber")
@@ -57,9 +56,8 @@ class Weighing:
             return 1.0
         size = np.abs(weighted)
         limit = TUNING * _scale(weighted)
-        return (
-            float(np.mean(np.minimum(1.0, limit / np.maximum(size, 1e-300))) / max(np.mean(size <= limit), 1e-3)) ** 2
-        )
+        counted = np.mean(np.minimum(1.0, limit / np.maximum(size, 1e-300)))
+        return float(counted / max(np.mean(size <= limit), 1e-3)) ** 2
 
 
 def _scale(residual: Array) -> float:

@@ -1,13 +1,26 @@
-"""Where the tracking error comes from: the paper's three causes, each switched off in turn."""
+"""Where the tracking error comes from: the paper's three causes, each switched off in turn.
+
+In place of the four-bar knee stands a hinge, in place of the muscle one without its nonlinearity and hysteresis.
+"""
 
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
-from .hinge import Hinge
-from .linear import linearised
+from ..core import Param
+from ..effects import get_effect
+from ..laws import Law
+from ..model import Model, Term
+from .arrays import jnp
+from .four_bar import FourBar, Posture, as_array
 from .loop import Loop, Task
+from .muscle import Muscle
 from .tuning import Tuned, tune
+
+Array = np.ndarray
+SPEED_MM_S = 100.0
+"""Speed at which the damping is taken, that of a knee's walking."""
 
 
 @dataclass(frozen=True)
@@ -53,3 +66,57 @@ def budget(loop: Loop, task: Task, judged: slice, by_hand: Tuned, automatic: Tun
     others = (replace(pair, leg=hinge), replace(pair, muscle=plane))
     hinged, plain = (tune(replace(loop, pair=other), task, judged, automatic.gains, seed).rms_deg for other in others)
     return Budget(by_hand.rms_deg, automatic.rms_deg, hinged, plain)
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """The shank turns about the knee's origin, the sprocket with it at the fixed `ratio`. Its links are idle."""
+
+    ratio: float
+    lengths = (0.0, 1.0, 1.0, 1.0)
+    crank_thigh = rocker_thigh = 0j
+
+    @classmethod
+    def like(cls, knee: FourBar, flexion_rad: tuple[float, float]) -> "Hinge":
+        """The mean transmission of a four-bar between two flexions."""
+        begin, end = (float(knee.at(angle).sprocket) for angle in flexion_rad)
+        return cls((end - begin) / (flexion_rad[1] - flexion_rad[0]))
+
+    def at(self, flexion: Array) -> Posture:
+        """The posture at `flexion` in rad, any shape."""
+        flexion = as_array(flexion)
+        still = 0.0 * flexion
+        link = (still + 0j, still + 0j, still + 0j)
+        return Posture(self.ratio * flexion, still + self.ratio, still, link, link, link)
+
+
+def _columns(p: Array, e: Array, specimen: object, shape: object) -> Array:
+    return p.__array_namespace__().stack([0.0 * e + 1.0, p, e]).T
+
+
+LAW = Law(
+    name="linear_muscle",
+    title="Linear muscle",
+    formula="F = F0 + F1 p + F2 ε",
+    source="least squares over the working range of another model",
+    linear=(
+        Param("F0", "N", "force"),
+        Param("F1", "N/MPa", "force per pressure"),
+        Param("F2", "N", "force per stroke"),
+    ),
+    columns=_columns,
+)
+
+
+def linearised(muscle: Muscle, pressures_MPa: tuple[float, float], contractions: tuple[float, float]) -> Muscle:
+    """The plane nearest to the pull of `muscle`, where it pulls, over a grid of gauge pressures and contractions, at
+    rest and moving both ways: dry friction becomes the damping that takes as much at SPEED_MM_S."""
+    axes = (np.linspace(*pressures_MPa, 21), np.linspace(*contractions, 21), SPEED_MM_S * np.array([-1.0, 0.0, 1.0]))
+    p, e, v = (jnp.asarray(a.ravel()) for a in np.meshgrid(*axes))
+    pull, _ = muscle.force(muscle.values(), muscle.start(p, e), 0.0, p, e, v)
+    columns = np.column_stack([np.asarray(_columns(p, e, None, None)), -1e-3 * np.asarray(v)])
+    taut = np.asarray(pull) > 0.0
+    sizes, *_ = np.linalg.lstsq(columns[taut], np.asarray(pull)[taut], rcond=None)
+    model = Model(LAW, (Term(*get_effect("viscous_damping")),))
+    values = MappingProxyType(dict(zip(model.names, sizes.tolist(), strict=True)))
+    return Muscle(model, muscle.specimen, values, values)

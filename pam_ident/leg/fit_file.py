@@ -3,25 +3,52 @@
 import json
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
-from ..core import DataError, Specimen, UsageError
+from ..core import DataError, Param, Specimen, UsageError
 from ..effects import Effect
-from ..model import Model
+from ..model import Model, Values
 from ..schema.versions import VERSIONS, schema
-from .spread import ParameterSpread
 
 T = TypeVar("T")
-Fitted = tuple[dict[str, float], ParameterSpread | None]
-"""Values of the parameters by name, and their covariance."""
+Array = np.ndarray
 FITTED = ("fit", "ladder", "add")
 """The answers that hold a fitted model."""
 GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterSpread:
+    """Covariance of some parameters, `matrix` (k, k) in the order of `names`; the others are taken as known."""
+
+    names: tuple[str, ...]
+    matrix: Array
+
+    def given(self, held: Sequence[str]) -> "ParameterSpread":
+        """What is left where some of the parameters are known: a conditional normal distribution."""
+        known = np.array([name in held for name in self.names])
+        free, cross = self.matrix[np.ix_(~known, ~known)], self.matrix[np.ix_(~known, known)]
+        left = free - cross @ np.linalg.pinv(self.matrix[np.ix_(known, known)]) @ cross.T
+        return ParameterSpread(tuple(name for name in self.names if name not in held), left)
+
+    def draws(self, values: Values, params: Sequence[Param], normal: Array) -> dict[str, Array]:
+        """Parameter sets by name, (draws,) each, kept within the bounds; `normal` (draws, k) are standard normal."""
+        size, axes = np.linalg.eigh(self.matrix)
+        moved = normal @ (axes * np.sqrt(np.maximum(size, 0.0))).T
+        found = {p.name: np.full(len(normal), float(values[p.name])) for p in params}
+        bounds = {p.name: (p.lower, p.upper) for p in params}
+        for k, name in enumerate(self.names):
+            found[name] = np.clip(found[name] + moved[:, k], *bounds[name])
+        return found
+
+
+Fitted = tuple[dict[str, float], ParameterSpread | None]
+"""Values of the parameters by name, and their covariance."""
 
 
 @dataclass(frozen=True)

@@ -76,10 +76,6 @@ class Window:
     start_s: float = 0.0
     duration_s: float = 0.2
 
-    def times(self, step_s: float) -> np.ndarray:
-        """Times from start to end, both kept, `step_s` apart; shape (n,)."""
-        return self.start_s + step_s * np.arange(round(self.duration_s / step_s) + 1)
-
 
 def winter(cadence_Hz: float = 1.0) -> Gait:
     """The bundled stride of one adult (Winter, Table A.4)."""
@@ -151,14 +147,12 @@ def _series(
 ) -> tuple[np.ndarray, np.ndarray, tuple[float, float, float]]:
     """Least-squares series with the fewest harmonics that bring every joint within ENOUGH_DEG rms, if any do."""
     wanted = np.stack([angles.get(joint, np.zeros(len(phase))) for joint in JOINTS], axis=1)
-    harmonics, most = 0, min(MOST_HARMONICS, (len(phase) - 2) // 2)
-    while True:
+    harmonics, found, rms = 0, wanted, np.full(3, np.inf)
+    while rms.max() > ENOUGH_DEG and harmonics < min(MOST_HARMONICS, (len(phase) - 2) // 2):
         harmonics += 1
         turn = 2.0 * np.pi * phase[:, None] * np.arange(harmonics + 1)
         design = np.hstack([np.cos(turn), np.sin(turn[:, 1:])])
         found = np.linalg.lstsq(design, wanted, rcond=None)[0]
         rms = np.degrees(np.sqrt(np.mean((design @ found - wanted) ** 2, axis=0)))
-        if rms.max() <= ENOUGH_DEG or harmonics == most:
-            break
     cosines, sines = found[: harmonics + 1], np.vstack([np.zeros((1, 3)), found[harmonics + 1 :]])
     return cosines.T, sines.T, (float(rms[0]), float(rms[1]), float(rms[2]))

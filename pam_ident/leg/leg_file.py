@@ -92,16 +92,11 @@ def _check(path: Path, table: str, key: str, value: object) -> None:
             raise DataError(f"{path}: [{table}] {key} = {value!r}; expected a name in quotes")
         return
     own = DEFAULT[table][key]
-    low, high = _range(table, key, own)
+    around = (-REACH_M, REACH_M) if isinstance(own, list) else (own / SPAN, own * SPAN)
+    low, high = RANGES.get((table, key), around)
     numbers: list[Any] = value if isinstance(value, list) else [value]
     shaped = isinstance(value, list) == isinstance(own, list) and (not isinstance(own, list) or len(numbers) == 2)
     typed = all(isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in numbers)
     if not (shaped and typed and all(low <= x <= high for x in numbers)):
         kind = "a pair of numbers, each" if isinstance(own, list) else "a number"
         raise DataError(f"{path}: [{table}] {key} = {value!r}; expected {kind} from {low:g} to {high:g}")
-
-
-def _range(table: str, key: str, own: Any) -> tuple[float, float]:
-    if (table, key) in RANGES:
-        return RANGES[table, key]
-    return (-REACH_M, REACH_M) if isinstance(own, list) else (own / SPAN, own * SPAN)

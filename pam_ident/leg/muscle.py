@@ -11,13 +11,10 @@ import numpy as np
 from ..core import DataError, Inputs, Specimen, UsageError
 from ..core.recursion import Slot
 from ..effects import Effect
-from ..fitting import Fit
 from ..model import GEOMETRY, Model, Values
-from ..schema.fit import covered
 from .arrays import Array, jnp
-from .fit_file import fitted_branches, read_answer, read_specimen_of
+from .fit_file import ParameterSpread, fitted_branches, read_answer, read_specimen_of
 from .loop_check import loop_fault
-from .spread import ParameterSpread
 
 ByBranch = Mapping[str, Values]
 """Parameter values by branch and name."""
@@ -59,21 +56,6 @@ class Muscle:
             fault = loop_fault(term.form, self.specimen)
             if fault:
                 raise UsageError(f"effect {term.label} cannot be stepped through time: {fault}")
-
-    @classmethod
-    def from_fits(cls, fits: Mapping[str, Fit]) -> "Muscle":
-        """From fits by branch: `together`, or `contraction` and `extension` of one model on one specimen.
-
-        Raises UsageError where they are not.
-        """
-        pair = fitted_branches(fits, "fits")
-        models = {(one.model.law.name, *one.model.labels, one.model.free_geometry) for one in pair}
-        if len(models) > 1 or pair[0].record.specimen != pair[1].record.specimen:
-            raise UsageError("fits: expected one model on one specimen for both branches; fit both in the same way")
-        spreads = (ParameterSpread.of(pair[0]), ParameterSpread.of(pair[1]))
-        record = pair[0].record
-        values = pair[0].values, pair[1].values
-        return cls(pair[0].model, record.specimen, *values, spreads, covered(record.inputs))
 
     @classmethod
     def read(
@@ -123,33 +105,13 @@ class Muscle:
         return found
 
     def start(
-        self,
-        pressure_MPa: Array,
-        contraction: Array,
-        time_s: float = 0.0,
-        values: ByBranch | None = None,
+        self, pressure_MPa: Array, contraction: Array, time_s: float = 0.0, values: ByBranch | None = None
     ) -> Memory:
         """Memory of n muscles at rest at gauge pressures and contraction ratios (n,); `values` where not its own."""
         given = self.values() if values is None else values
-        return self._at(given, None, time_s, pressure_MPa, contraction, jnp.zeros_like(jnp.asarray(contraction)))[1]
+        return self.force(given, None, time_s, pressure_MPa, contraction, jnp.zeros_like(jnp.asarray(contraction)))[1]
 
     def force(
-        self,
-        values: ByBranch,
-        memory: Memory,
-        time_s: float | Array,
-        pressure_MPa: Array,
-        contraction: Array,
-        velocity_mm_s: Array,
-    ) -> tuple[Array, Memory]:
-        """Force in N, shape (n,), at a trial instant, and the memory there; `memory` is that of the last accepted one.
-
-        Pressure is gauge, velocity dx/dt of the contraction, shape (n,) each. The force may be negative: a muscle that
-        cannot push is the joint's to know. To be traced, mapped over and differentiated by JAX.
-        """
-        return self._at(values, memory, time_s, pressure_MPa, contraction, velocity_mm_s)
-
-    def _at(
         self,
         values: ByBranch,
         memory: Memory | None,
@@ -158,6 +120,12 @@ class Muscle:
         contraction: Array,
         velocity_mm_s: Array,
     ) -> tuple[Array, Memory]:
+        """Force in N, shape (n,), at a trial instant, and the memory there; `memory` is that of the last accepted one,
+        None at the first.
+
+        Pressure is gauge, velocity dx/dt of the contraction, shape (n,) each. The force may be negative: a muscle that
+        cannot push is the joint's to know. To be traced, mapped over and differentiated by JAX.
+        """
         p, e, v = (jnp.asarray(x, float) for x in (pressure_MPa, contraction, velocity_mm_s))
         turn, *before = (None, None, None) if memory is None else memory
         direction = jnp.tanh(v / SPEED_OF_REVERSAL)

@@ -119,7 +119,7 @@ class Prototype:
         found = np.zeros(self.model.nv)
         along = np.zeros((3, self.model.nv))
         for point in sole(self.leg):
-            place = self._world("foot", point)
+            place = self.world("foot", point)
             depth = mjcf.HIP_HEIGHT_M - ground.below_hip_m - place[2]
             if depth > 0.0:
                 self._mj.mj_jac(self.model, self.data, along, None, place, self._body["foot"])
@@ -140,12 +140,6 @@ class Prototype:
             float(q[self._joint["hip"]]),
             float(q[self._joint["ankle"]]),
         )
-
-    def closure_mm(self) -> float:
-        """How far the rocker's end and its pivot on the shank lie apart, in mm."""
-        knee = self.leg.knee
-        end = self._world("rocker", knee.rocker_shank - knee.rocker_thigh)
-        return float(1e3 * np.linalg.norm(end - self._world("shank", knee.rocker_shank - knee.crank_shank)))
 
     def _targets(self, motion: LegAngles) -> tuple[float, float]:
         """Angles that hip and ankle are told: the gait's, led by what the servo's stiffness will give way.
@@ -168,7 +162,7 @@ class Prototype:
         )
         return hip, ankle
 
-    def _world(self, body: str, place: complex) -> np.ndarray:
+    def world(self, body: str, place: complex) -> np.ndarray:
         """A place in a body's frame, m, in the world; (3,)."""
         turn = self.data.xmat[self._body[body]].reshape(3, 3)
         return self.data.xpos[self._body[body]] + turn @ np.array([place.real, 0.0, place.imag])

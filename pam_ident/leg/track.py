@@ -17,9 +17,8 @@ from .loop import CHUNK, Log, Loop, Scale, Task
 from .mismatch import AS_KNOWN, Mismatch
 from .muscle import Muscle
 from .pair import Pair
-from .seen import outside
 from .treadmill import Treadmill
-from .trouble import Trouble, plan_troubles, troubles
+from .trouble import Trouble, outside, plan_troubles, troubles
 from .tuning import Tuned, judge, rms_deg, tune, tune_by_hand
 
 if TYPE_CHECKING:

@@ -1,12 +1,16 @@
-"""Trouble in a run: what happened, and at which moment."""
+"""Trouble in a run: what happened, and at which moment; and whether it asks of the muscles what their fit has seen."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..records.doubt import Doubt
 from .control import SAMPLE_S
+from .course import Course
 from .feed_forward import PressurePlan
 from .loop import Log, Task
+from .muscle import Muscle
 from .pair import Pair
 from .pneumatics import ATMOSPHERE
 
@@ -23,6 +27,14 @@ WORDS = {
     "torque": "the pair cannot give the torque that the motion needs",
     "stroke": "the trajectory asks more stroke than the muscle has",
 }
+
+RANGES = {
+    "pressure_MPa": "{:.3g} to {:.3g} MPa gauge",
+    "contraction": "contraction {:.3f} to {:.3f}",
+    "speed_mm_s": "{:.0f} to {:.0f} mm/s",
+}
+MARGIN = 0.02
+"""Of a range, by which it may be left: sensors are not finer."""
 
 
 @dataclass(frozen=True)
@@ -51,17 +63,12 @@ def troubles(pair: Pair, log: Log, task: Task, judged: slice) -> list[Trouble]:
     flexion, reference, force, opening = (a[judged] for a in (log.flexion, log.reference, log.force, log.opening))
     error = np.degrees(flexion - np.asarray(task.target)[judged])
     lost = ~(np.abs(error) < LOST_DEG)
-    begin = judged.start
+    begin, found = judged.start, []
     if lost.any():
-        first = begin + int(np.argmax(lost))
-        found = [
-            Trouble("unstable", first * SAMPLE_S, float(np.mean(lost)), "lower the gains, or let `track` tune them")
-        ]
-    else:
-        found = []
-    found += _event(
-        "slack", np.min(force, axis=1) <= 0.0, "raise the mean pressure or the muscles' rest stretch", begin
-    )
+        first = (begin + int(np.argmax(lost))) * SAMPLE_S
+        found = [Trouble("unstable", first, float(np.mean(lost)), "lower the gains, or let `track` tune them")]
+    slack = np.min(force, axis=1) <= 0.0
+    found += _event("slack", slack, "raise the mean pressure or the muscles' rest stretch", begin)
     most = min(pair.highest_MPa, 1e-6 * (pair.supply.pressure_Pa - ATMOSPHERE))
     full = np.max(reference, axis=1) >= most - 1e-9
     found += _event("supply", full, "raise the supply pressure, or lower cadence or load", begin)
@@ -79,3 +86,33 @@ def plan_troubles(plan: PressurePlan, judged: slice) -> list[Trouble]:
     contraction = plan.contraction[judged]
     short = (np.min(contraction, axis=1) < STROKE[0]) | (np.max(contraction, axis=1) > STROKE[1])
     return found + _event("stroke", short, "use a longer muscle or a smaller sprocket", begin)
+
+
+def outside(pair: Pair, model: Muscle, course: Course, pressure_MPa: np.ndarray) -> list[Doubt]:
+    """Where a gait, followed at gauge pressures (N, 2) over the samples judged, leaves what the record behind `model`
+    covered: at which flexion, in which part of the stride. Nothing where that is not known."""
+    time = course.time[course.judged]
+    phase, knee = 100.0 * (time * course.gait.cadence_Hz % 1.0), course.gait.at(time).knee
+    posture = pair.leg.knee.at(knee.angle)
+    strokes = pair.leg.contraction(posture.sprocket, 1e-3 * pair.muscle.specimen.initial_length_mm)
+    speed = 1e3 * pair.leg.sprocket_radius_m * np.abs(posture.ratio * knee.rate)
+    asked = {"pressure_MPa": pressure_MPa.T, "contraction": strokes, "speed_mm_s": (speed, speed)}
+    found = []
+    for quantity, both in asked.items():
+        low, high = model.seen.get(quantity, (-math.inf, math.inf))
+        least = -math.inf if quantity == "speed_mm_s" else low - MARGIN * (high - low)
+        for name, values in zip(("flexor", "extensor"), both, strict=True):
+            beyond = (values < least) | (values > high + MARGIN * (high - low))
+            if beyond.any():
+                there, part = np.degrees(knee.angle)[beyond], phase[beyond]
+                found.append(
+                    Doubt(
+                        "outside_range",
+                        f"{name} at {RANGES[quantity].format(values.min(), values.max())}, where the fit has seen "
+                        f"{RANGES[quantity].format(low, high)}: {100.0 * beyond.mean():.0f} % of the time judged, "
+                        f"knee at {there.min():.0f}° to {there.max():.0f}°, within {part.min():.0f} to "
+                        f"{part.max():.0f} % of the stride; there the model is extrapolated",
+                        quantity,
+                    )
+                )
+    return found

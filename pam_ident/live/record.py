@@ -78,13 +78,8 @@ class Figures:
         seen: list[list[GlyphRenderer]] = [[] for _ in panels]
         for curve in measured_against_model.data(self.before, self.after, 0):
             (colour, dash), name = BRANCHES[curve.branch], names[curve.pressure_MPa]
-            look = {
-                "x": "contraction",
-                "fill_color": colour,
-                "size": self.size,
-                "name": name,
-                "view": self._view(curve),
-            }
+            look = {"x": "contraction", "fill_color": colour, "size": self.size, "name": name}
+            look |= {"view": self._view(curve)}
             branch = "" if curve.branch == "static" else f", {curve.branch}"
             force.line(
                 curve.line, curve.line_force, name=name, line_width=1.5, color="gray", line_dash=dash,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from .style import BLUE, FAINT, GREY, VERMILION, canvas, styled, thin
+from .style import BLUE, FAINT, GREY, VERMILION, small_multiples, styled, thin
 
 Array = np.ndarray
 
@@ -37,22 +37,12 @@ def data(name: str, unit: str, value: Array, stderr: Array, outlier: Array, limi
 @styled
 def draw(panels: Sequence[SpreadPanel]) -> Figure:
     """Cumulative share over the value with bars of a standard error; the median as a line, outliers as triangles."""
-    columns = min(len(panels), 4)
-    rows = -(-len(panels) // columns)
-    figure = canvas(0.3 + 1.9 * rows)
-    grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-    for axes in grid.flat[len(panels) :]:
-        axes.set_axis_off()
+    figure, grid = small_multiples(len(panels), 4, 0.3, 1.9, sharey=True)
     for axes, panel in zip(grid.flat, panels, strict=False):
         axes.axvline(panel.median, color=GREY, linewidth=0.9)
         bars = np.isfinite(panel.stderr)
-        axes.hlines(
-            panel.share[bars],
-            panel.value[bars] - panel.stderr[bars],
-            panel.value[bars] + panel.stderr[bars],
-            color=FAINT,
-            linewidth=1.2,
-        )
+        value, stderr = panel.value[bars], panel.stderr[bars]
+        axes.hlines(panel.share[bars], value - stderr, value + stderr, color=FAINT, linewidth=1.2)
         for mask, colour, mark in ((~panel.outlier, BLUE, "o"), (panel.outlier, VERMILION, "^")):
             axes.plot(panel.value[mask], panel.share[mask], linestyle="", marker=mark, markersize=3.4, color=colour)
         axes.set_xlabel(f"{panel.name} ({panel.unit or '1'})")

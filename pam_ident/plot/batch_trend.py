@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from .style import BLUE, INK, VERMILION, canvas, styled, thin
+from .style import BLUE, INK, VERMILION, small_multiples, styled, thin
 
 Array = np.ndarray
 
@@ -45,12 +45,7 @@ def data(
 @styled
 def draw(panels: Sequence[TrendPanel]) -> Figure:
     """Points with a robust straight line; outliers as triangles."""
-    columns = min(len(panels), 3)
-    rows = -(-len(panels) // columns)
-    figure = canvas(0.3 + 2.4 * rows)
-    grid = figure.subplots(rows, columns, squeeze=False)
-    for axes in grid.flat[len(panels) :]:
-        axes.set_axis_off()
+    figure, grid = small_multiples(len(panels), 3, 0.3, 2.4)
     for axes, panel in zip(grid.flat, panels, strict=False):
         for mask, colour, mark in ((~panel.outlier, BLUE, "o"), (panel.outlier, VERMILION, "^")):
             axes.plot(panel.x[mask], panel.y[mask], linestyle="", marker=mark, markersize=3.6, color=colour)

@@ -31,16 +31,9 @@ class CalibrationData:
 
 def data(found: "Reliability") -> CalibrationData:
     """Points of the reliability diagram; intervals after Wilson 1927, JASA 22, 209–212."""
-    shares = [one.true / one.n for one in found.bins]
-    ends = [_wilson(share, one.n) for share, one in zip(shares, found.bins, strict=True)]
-    return CalibrationData(
-        tuple(one.stated for one in found.bins),
-        tuple(shares),
-        tuple(low for low, _ in ends),
-        tuple(high for _, high in ends),
-        tuple(one.n for one in found.bins),
-        found.brier,
-    )
+    rows = [(b.stated, b.true / b.n, *_wilson(b.true / b.n, b.n), b.n) for b in found.bins]
+    stated, true, low, high, n = zip(*rows, strict=True) if rows else [()] * 5
+    return CalibrationData(stated, true, low, high, n, found.brier)
 
 
 def _wilson(share: float, n: int) -> tuple[float, float]:

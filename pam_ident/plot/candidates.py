@@ -74,6 +74,7 @@ def draw(diagnosis: Diagnosis, limit: int = 16) -> Figure:
     fitted = max([*after, shown.before, shown.noise_floor])
     heldout = [b.heldout for b in shown.bars if math.isfinite(b.heldout)]
     right = 1.04 * min(max([fitted, *heldout]), BEYOND * fitted)
+    beside = {"transform": axes.get_yaxis_transform(), "va": "center"}
     for i, bar in enumerate(shown.bars):
         if bar.note:
             axes.text(0.008 * right, i, bar.note, va="center", fontsize=8.0, color=GREY, style="italic", bbox=BEHIND)
@@ -84,16 +85,9 @@ def draw(diagnosis: Diagnosis, limit: int = 16) -> Figure:
             axes.text(0.992 * right, i, told, ha="right", va="center", fontsize=8.0, color=VERMILION, bbox=BEHIND)
         elif math.isfinite(bar.heldout):
             axes.plot([bar.heldout], [i], marker="D", markersize=4.5, color=VERMILION, linestyle="")
-        axes.text(
-            1.02,
-            i,
-            probability(bar.probability),
-            transform=axes.get_yaxis_transform(),
-            va="center",
-            fontsize=8.5,
-            weight="bold" if bar.selected else "normal",
-        )
-    axes.text(1.02, -0.95, "probability", transform=axes.get_yaxis_transform(), va="center", fontsize=8.0, color=GREY)
+        weight = "bold" if bar.selected else "normal"
+        axes.text(1.02, i, probability(bar.probability), fontsize=8.5, weight=weight, **beside)
+    axes.text(1.02, -0.95, "probability", fontsize=8.0, color=GREY, **beside)
     axes.axvline(shown.before, color=INK, linewidth=1.2)
     axes.axvline(shown.noise_floor, color=GREY, linestyle="--", linewidth=1.2)
     axes.set_yticks(range(len(shown.bars)), [b.label for b in shown.bars])

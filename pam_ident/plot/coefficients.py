@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..fitting import IsobarTable
-from .style import BRANCH_COLOUR, BRANCH_DASH, BRANCH_MARK, INK, canvas, styled
+from .style import BRANCH_COLOUR, BRANCH_DASH, BRANCH_MARK, INK, small_multiples, styled
 
 Array = np.ndarray
 
@@ -59,12 +60,7 @@ def draw(table: IsobarTable) -> Figure:
     """A panel a coefficient; bars are ± one standard error, hollow marks lie at a bound of the fit."""
     shown = data(table)
     names = list(dict.fromkeys(c.name for c in shown))
-    columns = min(len(names), 3)
-    rows = -(-len(names) // columns)
-    figure = canvas(0.3 + 3.2 * rows)
-    grid = figure.subplots(rows, columns, squeeze=False)
-    for axes in grid.flat[len(names) :]:
-        axes.set_axis_off()
+    figure, grid = small_multiples(len(names), 3, 0.3, 3.2)
     for axes, name in zip(grid.flat, names, strict=False):
         mine = [c for c in shown if c.name == name]
         for coefficient in mine:
@@ -79,30 +75,14 @@ def _points(axes: Axes, c: Coefficient) -> None:
     look = "static" if c.branch == "together" else c.branch
     colour = BRANCH_COLOUR[look]
     word = "both branches" if c.branch == "together" else c.branch
-    axes.errorbar(
-        c.pressure,
-        c.value,
-        yerr=np.nan_to_num(c.stderr),
-        linestyle="",
-        marker=BRANCH_MARK[look],
-        markersize=5.0,
-        color=colour,
-        capsize=2.5,
-        elinewidth=1.0,
-        label=word + (f", r = {c.r:.4f}".replace("-", "−") if math.isfinite(c.r) else ""),
-    )
+    marks: dict[str, Any] = {"linestyle": "", "marker": BRANCH_MARK[look], "markersize": 5.0}
+    label = word + (f", r = {c.r:.4f}".replace("-", "−") if math.isfinite(c.r) else "")
+    error = np.nan_to_num(c.stderr)
+    axes.errorbar(c.pressure, c.value, error, color=colour, capsize=2.5, elinewidth=1.0, label=label, **marks)
     if c.at_bound.any():
-        axes.plot(
-            c.pressure[c.at_bound],
-            c.value[c.at_bound],
-            linestyle="",
-            marker=BRANCH_MARK[look],
-            markersize=5.0,
-            markeredgecolor=colour,
-            markerfacecolor="white",
-            zorder=3,
-            label=f"{word}, at a bound of the fit",
-        )
+        hollow = {"markeredgecolor": colour, "markerfacecolor": "white", "zorder": 3}
+        at = c.pressure[c.at_bound], c.value[c.at_bound]
+        axes.plot(*at, label=f"{word}, at a bound of the fit", **hollow, **marks)
     if math.isfinite(c.slope):
         ends = c.pressure[[0, -1]]
         axes.plot(ends, c.intercept + c.slope * ends, color=colour, linestyle=BRANCH_DASH[look], linewidth=1.1)

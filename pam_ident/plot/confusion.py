@@ -41,13 +41,8 @@ def draw(confusion: Mapping[tuple[str, str], int]) -> Figure:
     for i, j in np.argwhere(shown.counts > 0):
         share = shown.counts[i, j] / rows[i]
         colour = GREEN if i == j else VERMILION
-        axes.fill(
-            [j - 0.5, j + 0.5, j + 0.5, j - 0.5],
-            [i - 0.5, i - 0.5, i + 0.5, i + 0.5],
-            color=colour,
-            alpha=0.15 + 0.45 * share,
-            linewidth=0,
-        )
+        corners = [j - 0.5, j + 0.5, j + 0.5, j - 0.5], [i - 0.5, i - 0.5, i + 0.5, i + 0.5]
+        axes.fill(*corners, color=colour, alpha=0.15 + 0.45 * share, linewidth=0)
         axes.text(j, i, str(shown.counts[i, j]), ha="center", va="center", color=INK, fontsize=9.0)
     axes.set_xticks(range(n), words, rotation=45, ha="right", rotation_mode="anchor")
     axes.set_yticks(range(n), words)

@@ -111,18 +111,8 @@ def cells(shown: FailureMap) -> tuple[Cell, ...]:
     for b, name in enumerate(shown.branches):
         for p, c in sorted(np.argwhere(shown.n[b] > 0).tolist(), key=lambda pc: (-pc[0], pc[1])):
             ends = (float(shown.edges[c]), float(shown.edges[c + 1]))
-            found.append(
-                Cell(
-                    (b, p, c),
-                    name,
-                    float(shown.pressures[p]),
-                    ends,
-                    int(shown.n[b, p, c]),
-                    float(shown.mean[b, p, c]),
-                    float(shown.rms[b, p, c]),
-                    float(shown.share[b, p, c]),
-                )
-            )
+            errors = (float(one[b, p, c]) for one in (shown.mean, shown.rms, shown.share))
+            found.append(Cell((b, p, c), name, float(shown.pressures[p]), ends, int(shown.n[b, p, c]), *errors))
     return tuple(found)
 
 
@@ -184,17 +174,8 @@ def _numbers(axes: Axes, shown: FailureMap, branch: int, colours: Colormap, norm
         value = float(shown.mean[branch, p, c])
         mark = (branch, p, c) in shown.marked
         text = signed(value) + (f"\n{percent(shown.share[branch, p, c])}" if mark else "")
-        weight = "bold" if mark else "normal"
-        axes.text(
-            c + 0.5,
-            p + 0.5,
-            text,
-            ha="center",
-            va="center",
-            fontsize=size,
-            weight=weight,
-            linespacing=1.05,
-            color="white" if is_dark(colours(norm(value))) else INK,
-        )
+        ink = "white" if is_dark(colours(norm(value))) else INK
+        look = {"fontsize": size, "weight": "bold" if mark else "normal", "linespacing": 1.05, "color": ink}
+        axes.text(c + 0.5, p + 0.5, text, ha="center", va="center", **look)
         if mark:
             axes.add_patch(Rectangle((c, p), 1, 1, fill=False, edgecolor=BLACK, linewidth=1.6, clip_on=False))

@@ -8,12 +8,29 @@ from matplotlib.figure import Figure
 
 from ..core.digits import percents
 from ..diagnosis.nouns import Follows
-from .style import BLACK, BLUE, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, WIDTH, YELLOW, canvas, styled
+from .style import (
+    BLACK,
+    BLUE,
+    BROWN,
+    FAINT,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    WIDTH,
+    YELLOW,
+    canvas,
+    styled,
+)
 
 COLOUR = {
     "map": BLUE,
     "direction": VERMILION,
     "speed": ORANGE,
+    "pressure_rate": BROWN,
     "acceleration": INK,
     "way": PURPLE,
     "rest": GREEN,
@@ -24,7 +41,7 @@ COLOUR = {
     "noise": FAINT,
 }
 """A colour each, the same in every figure."""
-DARK = {BLUE, VERMILION, PURPLE, BLACK, INK, GREEN, GREY}
+DARK = {BLUE, VERMILION, PURPLE, BLACK, BROWN, INK, GREEN, GREY}
 SEEN = 0.005
 """Shares below this are neither drawn nor named, but for the noise."""
 WRITTEN = 0.09

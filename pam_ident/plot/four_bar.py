@@ -83,16 +83,6 @@ def _posture(axes: Axes, posture: Drawn, strength: float, named: bool) -> None:
 
 
 def _link(axes: Axes, start: complex, end: complex, colour: str, strength: float, label: str | None) -> None:
-    axes.plot(
-        [start.real, end.real],
-        [start.imag, end.imag],
-        color=colour,
-        alpha=strength,
-        linewidth=2.2,
-        marker="o",
-        markersize=4.5,
-        markeredgecolor=INK,
-        markerfacecolor=FAINT,
-        markeredgewidth=0.8,
-        label=label,
-    )
+    pins = {"marker": "o", "markersize": 4.5, "markeredgecolor": INK, "markerfacecolor": FAINT, "markeredgewidth": 0.8}
+    ends = [start.real, end.real], [start.imag, end.imag]
+    axes.plot(*ends, color=colour, alpha=strength, linewidth=2.2, label=label, **pins)

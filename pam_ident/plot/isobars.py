@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 
 from ..records import Record
 from .curves import by_isobar, label_isobars, mean_curve, stride
-from .style import BRANCH_COLOUR, BRANCH_DASH, BRANCH_MARK, BRANCH_NAME, INK, canvas, styled
+from .style import BRANCH_COLOUR, BRANCH_DASH, BRANCH_MARK, BRANCH_NAME, INK, canvas, cloud, styled
 
 Array = np.ndarray
 
@@ -46,35 +46,17 @@ def draw(record: Record, limit: int = 1500) -> Figure:
     axes = figure.subplots()
     for curve in curves:
         colour = BRANCH_COLOUR[curve.branch]
-        axes.plot(
-            curve.contraction,
-            curve.force,
-            linestyle="",
-            marker=BRANCH_MARK[curve.branch],
-            markersize=size,
-            markeredgewidth=0.0,
-            color=colour,
-            alpha=0.5,
-        )
+        cloud(axes, curve.contraction, curve.force, colour, size, marker=BRANCH_MARK[curve.branch])
         axes.plot(curve.line, curve.line_force, color=colour, linestyle=BRANCH_DASH[curve.branch], linewidth=1.2)
     label_isobars(axes, curves)
     axes.set_title("Measured (points) and their mean (lines)")
     axes.set_xlabel("contraction ratio ε (1)")
     axes.set_ylabel("force (N)")
     shown = [name for name in BRANCH_COLOUR if any(c.branch == name for c in curves)]
-    handles = [
-        Line2D(
-            [],
-            [],
-            color=BRANCH_COLOUR[name],
-            linestyle=BRANCH_DASH[name],
-            marker=BRANCH_MARK[name],
-            markersize=4.5,
-            markeredgewidth=0.0,
-            linewidth=1.2,
-            label="no branch" if name == "static" else name,
-        )
-        for name in shown
-    ]
+    handles = []
+    for name in shown:
+        look = {"color": BRANCH_COLOUR[name], "linestyle": BRANCH_DASH[name], "marker": BRANCH_MARK[name]}
+        label = "no branch" if name == "static" else name
+        handles.append(Line2D([], [], markersize=4.5, markeredgewidth=0.0, linewidth=1.2, label=label, **look))
     axes.legend(handles=handles, loc="upper right", labelcolor=INK)
     return figure

@@ -65,15 +65,9 @@ def draw(ladder: Ladder, names: Sequence[str] = (), width: float = WIDTH) -> Fig
     else:
         tilt = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"} if len(x) > 3 else {}
         axes.set_xticks(x, list(shown.names), fontsize=8.0, **tilt)
-    axes.annotate(
-        f"noise floor {newtons(shown.noise_floor)}",
-        (0.0, shown.noise_floor),
-        (4, 3),
-        xycoords=axes.get_yaxis_transform(),
-        textcoords="offset points",
-        fontsize=8.5,
-        color=GREY,
-    )
+    place = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points"}
+    words = f"noise floor {newtons(shown.noise_floor)}"
+    axes.annotate(words, (0.0, shown.noise_floor), (4, 3), fontsize=8.5, color=GREY, **place)
     axes.set_ylabel("rms error (N)")
     axes.grid(axis="x", visible=False)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, labelcolor=INK)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ..core.digits import newtons
 from ..fitting import Fit
 from .curves import by_isobar, model_curve, stride
-from .style import BLUE, BRANCH_NAME, GREEN, GREY, INK, ORANGE, PURPLE, VERMILION, canvas, styled
+from .style import BLUE, BRANCH_NAME, GREEN, GREY, INK, ORANGE, PURPLE, VERMILION, canvas, cloud, styled
 
 Array = np.ndarray
 STYLES = (
@@ -81,17 +81,7 @@ def draw(fits: Sequence[Fit], pressure_MPa: float | None = None, limit: int = 60
     figure = canvas(5.0)
     grid = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for axes, panel in zip(grid, panels, strict=True):
-        axes.plot(
-            panel.contraction,
-            panel.measured,
-            linestyle="",
-            marker="o",
-            markersize=3.4,
-            markeredgewidth=0.0,
-            color=GREY,
-            alpha=0.5,
-            label="measured",
-        )
+        cloud(axes, panel.contraction, panel.measured, GREY, 3.4, label="measured")
         for law in panel.laws:
             colour, dash = styles[law.label]
             name = law.label.replace(" + ", "\n+ ")  # no wider than its panel

@@ -30,17 +30,9 @@ def draw() -> Figure:
     axes.set_ylim(0.0, 3.9)
     axes.set_aspect("equal")
     for x, y, width, text in BOXES.values():
-        axes.add_patch(
-            FancyBboxPatch(
-                (x - width / 2, y - HEIGHT / 2),
-                width,
-                HEIGHT,
-                boxstyle="round,pad=0.0,rounding_size=0.08",
-                facecolor="white",
-                edgecolor=BLUE,
-                linewidth=1.3,
-            )
-        )
+        corner, round_ = (x - width / 2, y - HEIGHT / 2), "round,pad=0.0,rounding_size=0.08"
+        look = {"facecolor": "white", "edgecolor": BLUE, "linewidth": 1.3}
+        axes.add_patch(FancyBboxPatch(corner, width, HEIGHT, boxstyle=round_, **look))
         axes.text(x, y, text, ha="center", va="center", fontsize=8.5)
     for x, y in SUMS.values():
         axes.plot(x, y, "o", color=BLUE, markersize=13, markerfacecolor="white", markeredgewidth=1.3)

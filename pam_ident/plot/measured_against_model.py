@@ -1,6 +1,7 @@
 """Measured and modelled force over contraction, isobar by isobar, and what the model leaves."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,18 +12,7 @@ from ..core.digits import newtons
 from ..fitting import Fit
 from . import over_pressure
 from .curves import CELLS, by_isobar, label_isobars, model_curve, stride
-from .style import (
-    BRANCH_COLOUR,
-    BRANCH_DASH,
-    BRANCH_MARK,
-    BRANCH_NAME,
-    GREY,
-    INK,
-    canvas,
-    styled,
-    thin,
-    zero_line,
-)
+from .style import BRANCH_COLOUR, BRANCH_DASH, BRANCH_MARK, BRANCH_NAME, GREY, INK, cloud, styled, thin
 
 Array = np.ndarray
 
@@ -87,35 +77,32 @@ def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
     if fit.record.drives_pressure:
         return over_pressure.draw(fit, after, limit)
     curves = data(fit, after, limit)
-    panels = 3 if after else 2
-    figure = canvas(4.2 + 1.5 * (panels - 1))
-    axes = figure.subplots(panels, 1, sharex=True, height_ratios=[4.2] + [1.5] * (panels - 1))
-    top: Axes = axes[0]
+    figure, top, errors = over_pressure.panels(after)
     gids = {pressure: gid for gid, pressure in isobars(fit).items()}
     size = 3.2 if sum(len(c.measured) for c in curves) > 300 else 4.2
     for curve in curves:
         gid = gids[curve.pressure_MPa]
         colour, mark = BRANCH_COLOUR[curve.branch], BRANCH_MARK[curve.branch]
-        dots = {"linestyle": "", "marker": mark, "markersize": size, "markeredgewidth": 0.0, "color": colour}
-        top.plot(curve.contraction, curve.measured, alpha=0.5, gid=gid, **dots)
+        look: dict[str, Any] = {"marker": mark, "gid": gid}
+        cloud(top, curve.contraction, curve.measured, colour, size, **look)
         top.plot(curve.line, curve.line_force, color=INK, linestyle=BRANCH_DASH[curve.branch], linewidth=0.9, gid=gid)
-        axes[1].plot(curve.contraction, curve.before, alpha=0.45, gid=gid, **dots)
+        cloud(errors[0], curve.contraction, curve.before, colour, size, 0.45, **look)
         if curve.after is not None:
-            axes[2].plot(curve.contraction, curve.after, alpha=0.45, gid=gid, **dots)
+            cloud(errors[1], curve.contraction, curve.after, colour, size, 0.45, **look)
     top.set_ylabel("force (N)")
-    top.set_title(f"Measured (points) and {'completed model' if after else 'model'} (lines)")
     label_isobars(top, curves)
     _legend(top, curves)
     reach = 1.08 * max(float(np.max(np.abs(c.before))) for c in curves)
-    for panel, one, title in zip(axes[1:], (fit, after), ("Error of the model as given", "Error after"), strict=False):
-        zero_line(panel)
+    for panel, one in zip(errors, (fit, after), strict=False):
         panel.set_ylim(-reach, reach)
         panel.set_ylabel("error (N)")
-        panel.set_title(f"{title}: {newtons(one.rmse)} rms" if one else title)
+        if one:
+            panel.set_title(f"{panel.get_title('left')}: {newtons(one.rmse)} rms")
     grid, half = widest(curves)
-    axes[-1].fill_between(grid, -half, half, color=GREY, alpha=0.3, linewidth=0.0, label="95 % interval of the model")
-    axes[-1].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, labelcolor=INK)
-    axes[-1].set_xlabel("contraction ratio ε (1)")
+    low = errors[-1]
+    low.fill_between(grid, -half, half, color=GREY, alpha=0.3, linewidth=0.0, label="95 % interval of the model")
+    low.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, labelcolor=INK)
+    low.set_xlabel("contraction ratio ε (1)")
     return figure
 
 

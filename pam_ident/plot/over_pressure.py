@@ -11,7 +11,7 @@ from ..fitting import Fit
 from ..fitting.length import Lengths, weights_of
 from ..records import Record
 from ..records.kind import held_lengths
-from .style import BLUE, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION, canvas, styled, thin, zero_line
+from .style import BLUE, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION, canvas, cloud, styled, thin, zero_line
 
 Array = np.ndarray
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
@@ -55,34 +55,39 @@ def _modelled(fit: Fit, record: Record) -> Array:
     return np.where(found.slope < 0.0, record.specimen.initial_length_mm * found.contraction, np.nan)
 
 
+def panels(after: Fit | None) -> tuple[Figure, Axes, list[Axes]]:
+    """A figure with a tall panel for the answer, and below it one for the error of each fit."""
+    titles = ("Error of the model as given", *(("Error after",) if after else ()))
+    figure = canvas(4.2 + 1.5 * len(titles))
+    top, *errors = figure.subplots(1 + len(titles), 1, sharex=True, height_ratios=[4.2] + [1.5] * len(titles))
+    top.set_title(f"Measured (points) and {'completed model' if after else 'model'} (lines)")
+    for panel, title in zip(errors, titles, strict=True):
+        zero_line(panel)
+        panel.set_title(title)
+    return figure, top, errors
+
+
 @styled
 def draw(fit: Fit, after: Fit | None = None, limit: int = 1500) -> Figure:
     """The answer over the pressure on top; below it the error of `fit`, and of `after` on the same scale."""
     record, curves = fit.record.as_measured, data(fit, after, limit)
     answer, unit = ("shortening", "mm") if record.kind == "isotonic" else ("force", "N")
-    panels = 3 if after else 2
-    figure = canvas(4.2 + 1.5 * (panels - 1))
-    axes = figure.subplots(panels, 1, sharex=True, height_ratios=[4.2] + [1.5] * (panels - 1))
-    top: Axes = axes[0]
+    figure, top, errors = panels(after)
     reach = 0.0
     for k, held in enumerate(curves):
         colour, last = COLOURS[k % len(COLOURS)], held.before if held.after is None else held.after
-        dots = {"linestyle": "", "marker": "o", "markersize": 3.0, "markeredgewidth": 0.0, "color": colour}
-        top.plot(held.pressure, held.measured, alpha=0.5, label=held.label, **dots)
+        cloud(top, held.pressure, held.measured, colour, 3.0, label=held.label)
         top.plot(held.pressure, last, color=INK, linewidth=0.7)
-        for panel, model in zip(axes[1:], (held.before, held.after), strict=False):
+        for panel, model in zip(errors, (held.before, held.after), strict=False):
             assert model is not None
             error = held.measured - model
             reach = max(reach, float(np.nanmax(np.abs(error), initial=0.0)))
-            panel.plot(held.pressure, error, alpha=0.45, **dots)
+            cloud(panel, held.pressure, error, colour, 3.0, 0.45)
     top.set_ylabel(f"{answer} ({unit})")
-    top.set_title(f"Measured (points) and {'completed model' if after else 'model'} (lines)")
     what = "weight" if record.kind == "isotonic" else "held at a shortening of"
     top.legend(title=what, loc="upper left", labelcolor=INK, ncols=1 + len(curves) // 7)
-    for panel, title in zip(axes[1:], ("Error of the model as given", "Error after"), strict=False):
-        zero_line(panel)
+    for panel in errors:
         panel.set_ylim(-1.08 * reach, 1.08 * reach)
         panel.set_ylabel(f"error ({unit})")
-        panel.set_title(title)
-    axes[-1].set_xlabel("gauge pressure p (MPa)")
+    errors[-1].set_xlabel("gauge pressure p (MPa)")
     return figure

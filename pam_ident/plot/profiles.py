@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from ..diagnosis.nouns import Bin, Comparison
-from .style import BLUE, SKY, canvas, styled, zero_line
+from .style import BLUE, SKY, small_multiples, styled, zero_line
 
 Array = np.ndarray
 AXES = {
@@ -40,16 +40,8 @@ def data(comparison: Comparison) -> tuple[ErrorProfile, ...]:
         if len(bins) < 2:
             continue
         middle = [_speed(b) if key == "speed_mm_s" else 0.5 * (b.low + b.high) for b in bins]
-        found.append(
-            ErrorProfile(
-                key,
-                axis,
-                np.array(middle),
-                np.array([b.mean for b in bins]),
-                np.array([b.rms for b in bins]),
-                np.array([b.n for b in bins]),
-            )
-        )
+        mean, rms, n = (np.array(column) for column in zip(*((b.mean, b.rms, b.n) for b in bins), strict=True))
+        found.append(ErrorProfile(key, axis, np.array(middle), mean, rms, n))
     return tuple(found)
 
 
@@ -65,12 +57,7 @@ def _speed(bin_: Bin) -> float:
 def draw(comparison: Comparison) -> Figure:
     """Mean error as points inside a band of ± rms around zero: a point at the band's edge is all systematic."""
     profiles = data(comparison)
-    columns = min(max(len(profiles), 1), 3)
-    rows = max(-(-len(profiles) // columns), 1)
-    figure = canvas(0.2 + 2.2 * rows)
-    grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-    for axes in grid.flat[len(profiles) :]:
-        axes.set_axis_off()
+    figure, grid = small_multiples(len(profiles), 3, 0.2, 2.2, sharey=True)
     for axes, profile in zip(grid.flat, profiles, strict=False):
         zero_line(axes)
         axes.fill_between(profile.centre, -profile.rms, profile.rms, color=SKY, alpha=0.3, linewidth=0.0)

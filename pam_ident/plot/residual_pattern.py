@@ -112,37 +112,15 @@ def draw(fit: Fit, pattern: Pattern, bins: int = 40) -> Figure:
     for mark in shown.marks:
         axes.axvline(mark, color=GREY, linewidth=1.0, linestyle=":")
     if len(shown.marks) == 1:
-        axes.text(
-            shown.marks[0],
-            1.01,
-            f"{number(shown.marks[0])} {pattern.unit}",
-            ha="center",
-            va="bottom",
-            transform=axes.get_xaxis_transform(),
-            color=GREY,
-            fontsize=8.5,
-        )
+        place = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
+        mark = shown.marks[0]
+        axes.text(mark, 1.01, f"{number(mark)} {pattern.unit}", color=GREY, fontsize=8.5, **place)
     for series in shown.series:
         colour = BRANCH_COLOUR.get(series.branch, INK)
-        dash = BRANCH_DASH.get(series.branch, "-")
-        axes.fill_between(
-            series.centre,
-            series.mean - 2 * series.error,
-            series.mean + 2 * series.error,
-            color=colour,
-            alpha=0.18,
-            linewidth=0.0,
-        )
-        axes.plot(
-            series.centre,
-            series.mean,
-            color=colour,
-            linestyle=dash,
-            linewidth=1.3,
-            marker=".",
-            markersize=4.0,
-            label=series.branch,
-        )
+        ends = series.mean - 2 * series.error, series.mean + 2 * series.error
+        axes.fill_between(series.centre, *ends, color=colour, alpha=0.18, linewidth=0.0)
+        line = {"linestyle": BRANCH_DASH.get(series.branch, "-"), "linewidth": 1.3, "marker": ".", "markersize": 4.0}
+        axes.plot(series.centre, series.mean, color=colour, label=series.branch, **line)
     if len(shown.series) > 1:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, labelcolor=INK)
     axes.set_xlabel(shown.axis)

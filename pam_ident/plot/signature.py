@@ -10,18 +10,17 @@ from matplotlib.figure import Figure
 from ..core.digits import newtons
 from ..fitting import Fit
 from ..records import Record
-from .style import BLUE, GREY, INK, SKY, VERMILION, WIDTH, canvas, running_mean, styled, thin, zero_line
+from .style import BLUE, GREY, INK, SKY, VERMILION, WIDTH, canvas, cloud, running_mean, styled, thin, zero_line
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
 class Signature:
-    """Errors in N over the record. Points `x`, `before`, `after` have shape (points,), and so have the `rows` of the
-    record that they are.
+    """Errors in N over the record, shape (points,) each, at the places `x`, which are the record's `rows`: `before` and
+    `after`, their running means over `window` samples, and `effect`, the change of the modelled force.
 
-    `line` (m,) is the place of the running means over `window` samples and of `effect`, the change of the
-    modelled force. `isobars` are (begin, end, pressure in MPa) along the same axis.
+    `isobars` are (begin, end, pressure in MPa) along the same axis.
     """
 
     axis: str
@@ -29,7 +28,6 @@ class Signature:
     x: Array
     before: Array
     after: Array
-    line: Array
     before_mean: Array
     after_mean: Array
     effect: Array
@@ -58,7 +56,6 @@ def data(before: Fit, after: Fit, limit: int = 1500) -> Signature:
         place[pick],
         old[pick],
         new[pick],
-        place[pick],
         running_mean(old, window)[pick],
         running_mean(new, window)[pick],
         (after.force - before.force)[order][pick],
@@ -102,22 +99,14 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
     panels = figure.subplots(2 if after else 1, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     top, low = panels[0], panels[-1]
     smooth = f"mean of {shown.window} samples" if shown.window > 1 else ""
-    dots = {
-        "linestyle": "",
-        "marker": ".",
-        "markersize": 3.2 if len(shown.x) > 300 else 6.0,
-        "markeredgewidth": 0.0,
-        "color": GREY,
-        "alpha": 0.45,
-    }
-
-    top.plot(shown.x, shown.before, **dots)
-    top.plot(shown.line, shown.before_mean, color=SKY, linewidth=2.4, label=smooth or "error")
+    size = 3.2 if len(shown.x) > 300 else 6.0
+    cloud(top, shown.x, shown.before, GREY, size, 0.45, marker=".")
+    top.plot(shown.x, shown.before_mean, color=SKY, linewidth=2.4, label=smooth or "error")
     top.set_title(f"{'Before' if after else 'Error'}: {newtons(before.rmse)} rms")
     if after is not None:
-        top.plot(shown.line, shown.effect, color=VERMILION, linewidth=1.0, label="what is added")
-        low.plot(shown.x, shown.after, **dots)
-        low.plot(shown.line, shown.after_mean, color=BLUE, linewidth=1.1, label=smooth or "error")
+        top.plot(shown.x, shown.effect, color=VERMILION, linewidth=1.0, label="what is added")
+        cloud(low, shown.x, shown.after, GREY, size, 0.45, marker=".")
+        low.plot(shown.x, shown.after_mean, color=BLUE, linewidth=1.1, label=smooth or "error")
         low.set_title(f"After{'' if width < WIDTH else _added(before, after)}: {newtons(after.rmse)} rms")
     for axes in panels:
         zero_line(axes)
@@ -143,13 +132,5 @@ def _mark_isobars(axes: Axes, shown: Signature, width: float) -> None:
         if i % 2 == 0:
             axes.axvspan(begin, end, color=SKY, alpha=0.1, linewidth=0.0, zorder=0)
         if (end - begin) / whole > room:
-            axes.text(
-                0.5 * (begin + end),
-                0.98,
-                f"{level:.3g} MPa",
-                transform=axes.get_xaxis_transform(),
-                ha="center",
-                va="top",
-                fontsize=8.0,
-                color=GREY,
-            )
+            place = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top"}
+            axes.text(0.5 * (begin + end), 0.98, f"{level:.3g} MPa", fontsize=8.0, color=GREY, **place)

@@ -19,7 +19,7 @@ P = ParamSpec("P")
 # Okabe & Ito 2008, readable with every common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
-INK, GREY, FAINT = "#1f2933", "#6b7280", "#d5dae1"
+INK, GREY, FAINT, BROWN = "#1f2933", "#6b7280", "#d5dae1", "#8c510a"
 BRANCH_COLOUR = {"contraction": BLUE, "extension": VERMILION, "static": BLUE}
 BRANCH_DASH = {"contraction": "-", "extension": (0, (5, 2)), "static": "-"}
 BRANCH_MARK = {"contraction": "o", "extension": "^", "static": "o"}
@@ -88,6 +88,23 @@ def figures_by(maker: Callable[..., Figure]) -> Iterator[None]:
 def canvas(height: float, width: float = WIDTH) -> Figure:
     """An empty figure of `width` × `height` inches whose parts make room for one another."""
     return _maker.get()(figsize=(width, height), layout="constrained")
+
+
+def small_multiples(panels: int, most: int, head: float, each: float, sharey: bool = False) -> tuple[Figure, Array]:
+    """A figure of `head` + `each` inches a row, at most `most` panels in each, and its axes, shape (rows, columns)."""
+    columns = min(max(panels, 1), most)
+    rows = max(-(-panels // columns), 1)
+    figure = canvas(head + each * rows)
+    grid = figure.subplots(rows, columns, squeeze=False, sharey=sharey)
+    for axes in grid.flat[panels:]:
+        axes.set_axis_off()
+    return figure, grid
+
+
+def cloud(axes: Axes, x: Array, y: Array, colour: str, size: float, alpha: float = 0.5, **more: Any) -> None:
+    """Samples (n,) as pale marks without an edge."""
+    look = {"linestyle": "", "marker": "o", "markersize": size, "markeredgewidth": 0.0, "color": colour, "alpha": alpha}
+    axes.plot(x, y, **look | more)
 
 
 def zero_line(axes: Axes) -> None:

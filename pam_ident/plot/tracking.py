@@ -17,22 +17,13 @@ COLOURS = (VERMILION, ORANGE, GREEN, BLUE)
 
 
 @dataclass(frozen=True)
-class RunCurve:
-    """A run by its name: flexion reached and error in degrees, (N,) each."""
-
-    name: str
-    flexion: Array
-    error: Array
-
-
-@dataclass(frozen=True)
 class TrackingData:
-    """Time in s from the first sample shown and flexion wanted in degrees, (N,); curves; rms errors in degrees by rung,
-    (rungs,), with the lower and upper end of their bands, NaN where there is none."""
+    """Time in s from the first sample shown and flexion wanted in degrees, (N,); runs by name; rms errors in degrees by
+    rung, (rungs,), with the lower and upper end of their bands, NaN where there is none."""
 
     time: Array
     target: Array
-    curves: tuple[RunCurve, ...]
+    runs: dict[str, Tracking]
     rungs: tuple[str, ...]
     rms: Array
     band: Array
@@ -49,16 +40,12 @@ def data(track: Track) -> TrackingData:
     return TrackingData(
         track.pid.time - track.pid.time[0],
         track.pid.target,
-        tuple(_curve(name, run) for name, run in shown.items()),
+        shown,
         steps(rung.muscle.model for rung in track.rungs),
         np.array([rung.tracking.rms_deg for rung in track.rungs]),
         np.array(bands).reshape(-1, 2),
         track.pid.rms_deg,
     )
-
-
-def _curve(name: str, run: Tracking) -> RunCurve:
-    return RunCurve(name, run.flexion, run.error)
 
 
 def _name(track: Track, k: int) -> str:
@@ -77,9 +64,9 @@ def draw(track: Track) -> Figure:
     below = figure.add_subplot(grid[1, 0], sharex=above)
     above.plot(shown.time, shown.target, color=INK, linewidth=2.4, alpha=0.35, label="wanted")
     zero_line(below)
-    for curve, colour, dash in zip(shown.curves, COLOURS, DASHES, strict=False):
-        above.plot(shown.time, curve.flexion, color=colour, linestyle=dash, linewidth=1.3)
-        below.plot(shown.time, curve.error, color=colour, linestyle=dash, linewidth=1.3, label=curve.name)
+    for (name, run), colour, dash in zip(shown.runs.items(), COLOURS, DASHES, strict=False):
+        above.plot(shown.time, run.flexion, color=colour, linestyle=dash, linewidth=1.3)
+        below.plot(shown.time, run.error, color=colour, linestyle=dash, linewidth=1.3, label=name)
     above.set_ylabel("knee flexion (°)")
     above.legend(loc="upper left")
     above.tick_params(labelbottom=False)

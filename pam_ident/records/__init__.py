@@ -1,8 +1,7 @@
 """Test-rig records: what was measured, cut into branches, cycles and holds."""
 
 from ..core import Specimen
-from .frame import record_from_frame
-from .load import file_sha256, read_record, read_specimen
+from .load import file_sha256, read_record, read_specimen, record_from_frame
 from .record import Record, build_record
 from .thin import thinned
 

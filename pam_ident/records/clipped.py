@@ -1,10 +1,12 @@
-"""A load cell, or its amplifier, at its end."""
+"""Rows that tell nothing of a law: a load cell, or its amplifier, is at its end, or a locked muscle hangs slack."""
 
 import numpy as np
 
-from ..core import Inputs
+from ..core import Array, Inputs
+from .kind import held_lengths
+from .record import Record
+from .roughness import position_noise
 
-Array = np.ndarray
 CHANCE = 1e-6
 """Chance that as many rows read the very same extreme force, if it is as likely as a step of the gauge next to it."""
 NEXT, PILED = 5, 3.0
@@ -17,6 +19,11 @@ BESIDE = 2
 """Rows to both sides that go with them: near its end a sensor cuts off half of the noise."""
 MOST = 0.25
 """Share of the rows up to which the others still are a record."""
+BAND, NEAR = 4.0, 0.02
+"""Noises of the force, and share of its largest, within which it stands where it begins; and of zero."""
+INSIDE, AFTER, STOPPED = 0.98, 0.1, 8.0
+"""Share of the rows up to a pressure that stand there, share of the pressure's range behind it in which the force is
+seen to grow, and bands by which it would have grown, had nothing been slack."""
 
 
 def clipped_rows(inputs: Inputs, force: Array) -> Array:
@@ -50,3 +57,38 @@ def ends_piled_up(force: Array) -> list[Array]:
         if pdtrc(counts[end] - 1, expected) < CHANCE:
             found.append(force == readings[end])
     return found
+
+
+def slack_rows(record: Record) -> Array:
+    """Mask (n,) of the samples of an isometric record in time in which the muscle is slack: at its length the force
+    stands at zero up to a pressure, and beyond it grows. They tell nothing of a law, which would push there."""
+    found = np.zeros(len(record), bool)
+    inputs, force = record.inputs, record.force
+    if record.kind != "isometric" or inputs.time is None:
+        return found
+    band = max(BAND * position_noise(force, inputs.time), NEAR * 0.1 * float(np.abs(force).max()))
+    held, rising = held_lengths(inputs.contraction), np.gradient(inputs.pressure) > 0.0
+    for length in np.unique(held):
+        for way in (True, False):
+            rows = np.flatnonzero((held == length) & (rising == way))
+            rows = rows[np.argsort(inputs.pressure[rows], kind="stable")]
+            found[rows[: _slack(inputs.pressure[rows], force[rows], band)]] = True
+    return found
+
+
+def _slack(pressure: Array, force: Array, band: float) -> int:
+    """How many of some rows (n,), in the order of the pressure, are slack."""
+    few = max(len(force) // 50, 3)
+    if len(force) < 10 * few:
+        return 0
+    zero = float(np.median(force[:few]))
+    if abs(zero) > max(band, NEAR * float(np.abs(force).max())):
+        return 0
+    stands = np.cumsum(np.abs(force - zero) < band) >= INSIDE * np.arange(1, len(force) + 1)
+    end = int(np.flatnonzero(stands)[-1]) + 1 if stands.any() else 0
+    edge = pressure[min(end, len(force) - 1)]
+    after = (pressure > edge) & (pressure < edge + AFTER * np.ptp(pressure))
+    if np.count_nonzero(after) < 3:
+        return 0
+    course = np.polyfit(pressure[after], force[after], 1)[0]
+    return end if course * (pressure[end] - pressure[0]) > STOPPED * band else 0

@@ -6,17 +6,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..core import DataError
+from ..core import Array, DataError
 from ..core.units import ATMOSPHERE_MPA, conversion
-from .cells import Clock, numbers_in
-from .frozen import frozen_rows
+from .faulty import frozen_rows, impossible_rows, spike_rows
 from .notes import Notes
 from .quantities import QUANTITIES, SHAPES, Source
 from .ranges import Values, check_empty, check_ranges, place_of
-from .spikes import impossible_rows, spike_rows
-from .table import Table, TableRows
+from .table import Clock, Table, TableRows, numbers_in
 
-Array = np.ndarray
 SENSORS = {"time", "pressure", "pressure_set", *SHAPES, "force", "temperature", "cycle", "torque", "angle"}
 """Quantities whose empty cells cost a row; branch and slack must be said in each."""
 FAULTS = {"frozen_sensor": frozen_rows, "impossible_value": impossible_rows, "spike": spike_rows}
@@ -29,7 +26,7 @@ def read_columns(
     """Each run of a table, whole; what a run is, what is noted, and what is raised, as `read_pieces` says."""
     run: Values = {}
     n = 0
-    for begins, values in read_pieces(table, sources, length_mm, notes):
+    for begins, values in read_pieces(table, sources, length_mm, notes or Notes()):
         if begins and run:
             yield {key: column[:n] for key, column in run.items()}
             run, n = {}, 0
@@ -44,7 +41,7 @@ def read_columns(
 
 
 def read_pieces(
-    table: Table, sources: dict[str, Source], length_mm: float, notes: Notes | None = None
+    table: Table, sources: dict[str, Source], length_mm: float, notes: Notes
 ) -> Iterator[tuple[bool, Values]]:
     """The rows of a table piece by piece, and whether a run begins with each: a file whose header comes again, or whose
     clock begins anew with another pressure_set, holds several.
@@ -54,7 +51,6 @@ def read_pieces(
     what is no number, for a column that is empty in most rows, for time that runs backwards, and for values beyond
     reason.
     """
-    notes = Notes() if notes is None else notes
     last: dict[str, float] = {}
     begins, seen, now = True, 0, -np.inf
     clock, gone = Clock(), dict.fromkeys(sources, 0)

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core import UsageError
+from ..core import Array, UsageError
 
-Array = np.ndarray
 STRETCH = 1 << 18
 """Rows of a column that are read at a time."""
 BITS = 16

@@ -57,7 +57,4 @@ def _record_in(folder: Path) -> Path | None:
 
 def _home() -> Path | None:
     """The folder of data sets: inside the installed package, else beside it in the checkout."""
-    for folder in (PACKAGE / "_datasets", PACKAGE.parent / "datasets"):
-        if folder.is_dir():
-            return folder
-    return None
+    return next((folder for folder in (PACKAGE / "_datasets", PACKAGE.parent / "datasets") if folder.is_dir()), None)

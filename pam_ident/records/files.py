@@ -1,7 +1,10 @@
 """Which files are a record, and which loader reads each."""
 
+import gzip
 import os
 import re
+import zipfile
+import zlib
 from dataclasses import dataclass, replace
 from glob import glob, has_magic
 from pathlib import Path
@@ -19,6 +22,8 @@ from .text_table import read_layout, read_text
 TEXT = (".csv", ".tsv", ".txt", ".dat", ".asc")
 PROSE = re.compile(r"(read[ _-]?me|sources?|notes?|licen[cs]e|changelog)\.", re.IGNORECASE)
 """Names of files beside a record that are for people."""
+PIECE = 1 << 20
+"""Bytes that are unpacked at a time."""
 
 
 @dataclass(frozen=True)
@@ -125,3 +130,28 @@ def _natural(path: Path) -> list[tuple[int, float, str]]:
     """Sort key under which run2 is before run10."""
     words = re.split(r"(\d+(?:\.\d+)?)", str(path))
     return [(1, 0.0, word) if k % 2 == 0 else (0, float(word), "") for k, word in enumerate(words)]
+
+
+def check_unpacked(path: Path, most: int) -> None:
+    """Raises DataError for a gzipped file, a workbook or a Parquet file that unpacks to more than `most` bytes; of what
+    is broken its reader tells."""
+    name, size = path.name.lower(), 0
+    try:
+        if name.endswith(".gz"):
+            with gzip.open(path, "rb") as file:
+                while size <= most and (piece := file.read(PIECE)):
+                    size += len(piece)
+        elif name.endswith((".xlsx", ".xlsm")):
+            with zipfile.ZipFile(path) as book:
+                size = sum(item.file_size for item in book.infolist())
+        elif name.endswith(".parquet"):
+            import pyarrow.parquet
+
+            about = pyarrow.parquet.ParquetFile(path).metadata
+            size = 8 * about.num_rows * about.num_columns
+    except (OSError, EOFError, zlib.error, zipfile.BadZipFile, ImportError, ValueError):
+        return
+    if size > most:
+        raise DataError(
+            f"{path}: unpacks to more than {most / 2**20:.0f} MiB; expected a record of less. Give a part of it"
+        )

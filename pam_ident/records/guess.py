@@ -4,15 +4,17 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 
+from ..core import Array
 from ..core.units import TO_INTERNAL, known_scale, split_header
 from .quantities import QUANTITIES, SHAPES
+from .ranges import Values
 from .table import Table, number_of
+from .turning import pivots
 
-Array = np.ndarray
 WORDS = {
     "pressure_set": r"soll\w*|set|setpoint|target|command\w*|cmd|consigne",
     "temperature": r"temp|temperatur\w*",
@@ -29,6 +31,14 @@ ABSOLUTE = "bar_abs", "kPa_abs", "MPa_abs"
 SYNONYMS = "degC", "sec", "kg"
 ROWS, FIRST = 400, 2000
 """Rows that are looked at to tell columns apart by their numbers, and the first ones that they are taken from."""
+MANY = 100
+"""Rows from which a record may be a log."""
+JUMP, FEW = 0.1, 0.05
+"""Share of a range that a smooth track does not go in a step, and share of the steps that do, to another isobar."""
+BACK, SPAN = 0.25, 0.05
+"""Share of a range that a track turns back by, and least range beside the largest value of a track that is driven."""
+SEVERAL = 3
+"""Ways back that no table has whose rows are sorted; where a clock is seen, or branches are said, see `is_log`."""
 
 
 @dataclass(frozen=True)
@@ -151,16 +161,13 @@ def _by_numbers(needed: list[str], free: list[int], found: list[str], values: li
     if not needed or len(free) < len(needed) or len(free) > 8:
         return []
     known = {("displacement" if name in SHAPES else name): k for k, name in enumerate(found) if name}
+    few = [column[:: max(len(column) // ROWS, 1)] for column in values]
     best: tuple[float, tuple[int, ...]] = (-np.inf, ())
     for chosen in permutations(free, len(needed)):
         roles = known | dict(zip(needed, chosen, strict=True))
-        pick = {name: _some(values[roles[name]]) for name in ("pressure", "displacement", "force")}
+        pick = {name: few[roles[name]] for name in ("pressure", "displacement", "force")}
         best = max(best, (_explained(**pick), chosen))
     return list(zip(best[1], needed, strict=True)) if best[1] else []
-
-
-def _some(column: Array) -> Array:
-    return column[:: max(len(column) // ROWS, 1)]
 
 
 def _explained(pressure: Array, displacement: Array, force: Array) -> float:
@@ -199,3 +206,32 @@ def _unit(quantity: str, header: str, column: Array) -> str:
     if dimension == "temperature":
         return "K" if len(finite) and float(np.median(finite)) > 200.0 else "C"
     return "pct" if largest > 1.5 else "1"
+
+
+def likely_clock(table: Table, passed: tuple[int, ...]) -> str:
+    """The header of the column among those `passed` over that looks like a clock: its name says so, or its numbers rise
+    throughout, and do not merely count the rows; empty for none."""
+    columns = dict(zip(passed, numbers_of(table, passed), strict=True)) if passed else {}
+    rising = [k for k, column in columns.items() if rises(column) and not np.all(np.diff(column) == 1.0)]
+    named = [k for k in rising if by_name(table.headers[k]) == "time"]
+    return table.headers[(named or rising)[0]] if rising else ""
+
+
+def is_log(values: Values, contraction: Array, clock: str) -> bool:
+    """Whether the rows of a record without a time look like a log: its `contraction` (n,) or pressure goes smoothly
+    back and forth, several times, or at all beside what looks like a `clock`. Where branches were said, a table of
+    loops is meant unless there is a clock."""
+    if len(contraction) < MANY or ("branch" in values and not clock):
+        return False
+    back = max(_ways_back(contraction), _ways_back(values["pressure"]))
+    return back >= (1 if clock else SEVERAL)
+
+
+def _ways_back(track: Array) -> int:
+    """How often a smooth track (n,) turns back; what a jump begins anew is no turn."""
+    span, steps = float(np.ptp(track)), np.abs(np.diff(track))
+    jumps = np.flatnonzero(steps > JUMP * span) + 1
+    if not span > SPAN * np.abs(track).max() or len(jumps) > FEW * len(steps):
+        return 0
+    pieces = [track[begin:end] for begin, end in pairwise([0, *jumps.tolist(), len(track)])]
+    return sum(max(len(pivots(piece, BACK * span)) - 2, 0) for piece in pieces)

@@ -1,10 +1,10 @@
 """What was read of a record, and advice on the rig."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from .advice import advise
 from .doubt import Doubt
 from .files import Files, find_files
 from .gate import doubts_of
@@ -25,7 +25,7 @@ class Isobar:
 @dataclass(frozen=True)
 class Inspection:
     """A record in numbers. `speeds` are the strokes' speeds in mm/s, `None` fields are not in the record. `kind` is the
-    kind of test, `doubts` what looks wrong.
+    kind of test, `doubts` what looks wrong, `advice` that and what the record cannot show, in plain words.
 
     `cycles` is the largest number of cycles on one isobar; `branches` maps a branch to its number of samples.
     """
@@ -52,6 +52,7 @@ def inspect_record(record: Record) -> Inspection:
     names = {"contraction": 1.0, "extension": -1.0, "without a branch": 0.0}
     counts = {name: int(np.sum(inputs.direction == sign)) for name, sign in names.items()}
     held = None if inputs.moving is None else ~inputs.moving
+    noted = {note.code for note in record.notes}
     return Inspection(
         record,
         find_files(record.source) if record.sha256 else None,
@@ -59,12 +60,12 @@ def inspect_record(record: Record) -> Inspection:
         {name: count for name, count in counts.items() if count},
         len(np.unique(record.stroke[record.stroke > 0])),
         speeds,
-        None if inputs.cycle is None else _most_cycles(record),
+        None if inputs.cycle is None else max(len(np.unique(inputs.cycle[record.level == p])) for p in record.levels),
         None if held is None else int(np.sum(np.diff(np.r_[False, held].astype(int)) == 1)),
         0 if held is None else int(held.sum()),
         None if inputs.time is None else float(inputs.time[-1] - inputs.time[0]),
         None if inputs.temperature is None else (float(inputs.temperature.min()), float(inputs.temperature.max())),
-        advise(record, doubts, speeds),
+        (*(doubt.text for doubt in doubts if doubt.code not in noted), *_gaps(record, speeds)),
         record.kind,
         doubts,
     )
@@ -85,18 +86,59 @@ def stroke_speeds(record: Record) -> tuple[float, ...]:
 
 def _isobar(record: Record, level: float) -> Isobar:
     here = record.level == level
-    pressure, contraction = record.inputs.pressure[here], record.inputs.contraction[here]
-    force = record.force[here]
-    return Isobar(
-        float(level),
-        int(here.sum()),
-        float(pressure.std()),
-        (float(contraction.min()), float(contraction.max())),
-        (float(force.min()), float(force.max())),
-    )
+    wander = float(record.inputs.pressure[here].std())
+    ends = [(float(x[here].min()), float(x[here].max())) for x in (record.inputs.contraction, record.force)]
+    return Isobar(float(level), int(here.sum()), wander, *ends)
 
 
-def _most_cycles(record: Record) -> int:
-    cycle = record.inputs.cycle
-    assert cycle is not None
-    return max(len(np.unique(cycle[record.level == level])) for level in record.levels)
+def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
+    """What the record cannot show."""
+    inputs = record.inputs
+    levels = len(record.levels)
+    if levels < 3 and record.kind == "isobaric":
+        yield (
+            f"{levels} pressure level{'s' if levels > 1 else ''}: what grows with pressure cannot be told from what "
+            "does not. Measure at least three, better five."
+        )
+    if inputs.time is None:
+        yield "no time column (time_s): damping, lag, creep, drift and holds cannot be seen. Log the time."
+        if not inputs.has("branch"):
+            yield "no branches: friction cannot be seen. Log time, or a branch column (contraction or extension)."
+    else:
+        if len(speeds) < 2:
+            yield (
+                f"{'one stroke speed' if speeds else 'no stroke'}: damping and lag cannot be told from friction. "
+                "Measure at two speeds or more, a factor of three apart."
+            )
+        if inputs.moving is not None and inputs.moving.all():
+            yield "no holds: creep and what friction keeps at rest cannot be seen. Hold some seconds at both ends."
+        cycles = 0 if inputs.cycle is None else len(np.unique(inputs.cycle))
+        if cycles == 1:
+            yield (
+                "no repeated cycle: drift and softening over cycles cannot be told from noise, and nothing can be held "
+                "out whole. Run three cycles or more on each isobar."
+            )
+        elif cycles == 2:
+            yield (
+                "two cycles: the noise is known from one repeat alone, and a trend over cycles cannot be told from it. "
+                "Run three cycles or more on each isobar."
+            )
+    yield from _lone_branches(record)
+    if inputs.temperature is None:
+        yield "no temperature (temperature_C): softening by warming cannot be told from drift. Log it at the bladder."
+
+
+def _lone_branches(record: Record) -> Iterator[str]:
+    """Isobars with one branch alone, where branches are known."""
+    names = {1.0: "contraction", -1.0: "extension"}
+    lone: dict[float, list[str]] = {}
+    for level in record.levels:
+        signs = set(np.unique(record.inputs.direction[record.level == level])) & set(names)
+        if len(signs) == 1:
+            lone.setdefault(signs.pop(), []).append(f"{level:g}")
+    for sign, levels in lone.items():
+        many = f"{len(levels)} isobars" if len(levels) > 5 else f"{' and '.join(levels)} MPa"
+        yield (
+            f"the {names[-sign]} branch is missing at {many}: friction cannot be seen there. Measure both ways on each "
+            "isobar."
+        )

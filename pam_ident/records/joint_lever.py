@@ -7,15 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ..core import DataError
+from ..core import Array, DataError
 from ..core.units import split_header
 from .quantities import Source
 
-Array = np.ndarray
-UNITS = {
-    "torque": {"Nm": 1000.0, "Ncm": 10.0, "Nmm": 1.0},
-    "angle": {"deg": math.pi / 180.0, "rad": 1.0},
-}
+UNITS = {"torque": {"Nm": 1000.0, "Ncm": 10.0, "Nmm": 1.0}, "angle": {"deg": math.pi / 180.0, "rad": 1.0}}
 """What is measured at a joint → its units, in N·mm and in radians."""
 SIZES = {"radius_mm", "a_mm", "b_mm", "angle_offset_deg", "fixed_mm"}
 LEAST_ARM = 0.01

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from ..core import DataError, Specimen
+from ..core import Array, DataError, Specimen
 from .turning import pivots
 
-Array = np.ndarray
 KINDS = {
     "isobaric": "the pressure is held and the length driven",
     "isometric": "the length is held and the pressure driven",
@@ -58,7 +57,8 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
         if driven and _way(held) < WAY * _way(p):
             return kind
     switched = driven and np.count_nonzero(np.diff(level)) >= len(_turns(e))
-    return "dynamic" if switched or _wander(p, level) > HELD_PRESSURE else "isobaric"
+    off = (p - level) / np.maximum(np.abs(level), 0.05)
+    return "dynamic" if switched or np.sqrt(np.mean(off**2)) > HELD_PRESSURE else "isobaric"
 
 
 def held_lengths(contraction: Array) -> Array:
@@ -77,9 +77,3 @@ def _way(values: Array) -> float:
     """Way from turn to turn in multiples of the range (n,)."""
     span, turns = float(np.ptp(values)), _turns(values)
     return float(np.sum(np.abs(np.diff(values[turns])))) / span if span > 0.0 else 0.0
-
-
-def _wander(pressure: Array, level: Array) -> float:
-    """Standard deviation of the pressure on its isobars beside their levels, over all rows."""
-    off = (pressure - level) / np.maximum(np.abs(level), 0.05)
-    return float(np.sqrt(np.mean(off**2)))

@@ -4,14 +4,15 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..core import DataError, Specimen
-from .clipped import clipped_rows
+from .clipped import clipped_rows, slack_rows
 from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
-from .logged import is_log, likely_clock
+from .guess import is_log, likely_clock
 from .mapping import Mapping, read_mapping
 from .notes import Notes
 from .package import read_metadata
@@ -19,10 +20,12 @@ from .quantities import Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
-from .slack import slack_rows
 from .sources import Finder, find_sources, passed_over
 from .specimen_file import read_kind, read_specimen
-from .table import Table
+from .table import Table, table_in_memory
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def read_record(
@@ -62,10 +65,8 @@ def read_record(
     clock = ""
     for table, sources, length_mm in tables_of(files, columns, muscle, notes, find):
         for values in read_columns(table, sources, length_mm, notes):
-            values |= {
-                "run": np.full(len(values["force"]), len(runs)),
-                "muscle": np.full(len(values["force"]), length_mm),
-            }
+            for group, number in (("run", len(runs)), ("muscle", length_mm)):
+                values[group] = np.full(len(values["force"]), number)
             runs.append(on_length(values, length_mm, muscle.initial_length_mm))
         if not where:
             passed, clock = left_out(table, sources)
@@ -77,6 +78,41 @@ def read_record(
     note_clock(notes, values, muscle, passed, clock)
     found = build_loaded(*names, muscle, values, _in_one(where), notes, said_kind(files, specimen, columns))
     return replace(found, metadata=read_metadata(files.folder), passed=passed)
+
+
+def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "", find: Finder = find_sources) -> Record:
+    """A record from a table whose columns are found by name and unit, as those of a file are (`Pressure [bar]`).
+
+    Args:
+        frame: a row a sample. Errors count rows from 0, as `frame.iloc` does.
+        specimen: the muscle.
+        name: of the record; by default the specimen's.
+        find: what finds the columns; by default those of a record.
+
+    Raises:
+        DataError: for columns that are missing or of unknown unit, cells that are no numbers, time that runs backwards
+            and values beyond reason.
+
+    Example:
+        >>> import pandas as pd
+        >>> from pam_ident.core import Specimen
+        >>> from pam_ident.records import record_from_frame
+        >>> table = pd.DataFrame({"Pressure [bar]": [2.0, 2.0], "length_mm": [200, 180], "Force (kN)": [0.45, 0.21]})
+        >>> record = record_from_frame(table, Specimen("muscle 7", initial_length_mm=200.0))
+        >>> print(record.inputs.pressure, "MPa,", record.inputs.contraction, "of the length,", record.force, "N")
+        [0.2 0.2] MPa, [0.  0.1] of the length, [450. 210.] N
+    """
+    place = f"table {name!r}" if name else "the table"
+    if frame.empty:
+        raise DataError(f"{place}: has no rows; expected one row a sample")
+    table = table_in_memory(place, place, frame.reset_index(drop=True), 0)
+    sources = find(table)
+    notes = Notes()
+    values = join_runs(read_columns(table, sources, specimen.initial_length_mm, notes), place)
+    passed, clock = left_out(table, sources)
+    note_clock(notes, values, specimen, passed, clock)
+    found = build_loaded(name or specimen.name, name or "table", "", specimen, values, headers(sources), notes)
+    return replace(found, passed=passed)
 
 
 def left_out(table: Table, sources: dict[str, Source]) -> tuple[tuple[str, ...], str]:

@@ -13,20 +13,22 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from ..core import Inputs, Specimen
+from ..core import Array, Inputs, Specimen
 from .columns import pause_between, read_pieces, same_quantities
 from .columns_on_disk import STRETCH, Columns
 from .files import Files, find_files
 from .load import files_sha256, headers, nothing_left, record_name, said_kind, specimen_of, tables_of
-from .long_motion import KINDS, keep_motion
+from .motion import follow, long_pause
 from .notes import Note, Notes
 from .ranges import Values, contraction_of
-from .record import Record, nominal
+from .record import Record, nominal, turns
+from .roughness import NORMAL_MEDIAN, roughness
 from .run_constants import on_length
 
-Array = np.ndarray
 CHUNK = 1 << 16
 """Rows that are handed on at a time."""
+KINDS = {"branch": np.int8, "moving": np.bool_, "segment": np.int32, "stroke": np.int32, "turn": np.int32}
+"""How columns are kept that are no floating-point numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +65,7 @@ class LongRecord:
     @property
     def last_run(self) -> int:
         """The number of the last turn or stroke of a record with time."""
-        ends = [int(self.on_disk.read(k, self.n - 1, self.n, KINDS[k])[0]) for k in ("turn", "stroke")]
-        return max(ends)
+        return max(int(self.on_disk.read(k, self.n - 1, self.n, KINDS[k])[0]) for k in ("turn", "stroke"))
 
     def level(self, begin: int, end: int) -> Array:
         """Nominal pressure in MPa of rows begin … end."""
@@ -113,19 +114,9 @@ class LongRecord:
         direction, stroke, turn = (
             none if (found := column(name)) is None else found for name in ("branch", "stroke", "turn")
         )
-        inputs = Inputs(
-            pressure=pressure,
-            contraction=read("contraction", np.float64),
-            specimen=self.specimen,
-            direction=direction.astype(float),
-            time=column("time", full),
-            velocity=column("velocity", full),
-            stroke_speed=column("stroke_speed", full),
-            moving=column("moving"),
-            cycle=column("cycle", full),
-            temperature=column("temperature", full),
-            segment=column("segment"),
-        )
+        given = Inputs(pressure, read("contraction", np.float64), self.specimen, direction.astype(float))
+        logged = {name: column(name, full) for name in ("time", "velocity", "stroke_speed", "cycle", "temperature")}
+        inputs = replace(given, moving=column("moving"), segment=column("segment"), **logged)
         level = self._nominal(read(self._by, np.float64))
         origin = (self.source, self.sha256, self.columns)
         facts = {"masked": self.masked, "notes": self.notes, "said_kind": self.said_kind}
@@ -215,20 +206,61 @@ class _Spill:
         self.join()
         pressures = np.array(sorted(self.pressures))
         counts = np.array([self.pressures[p] for p in pressures.tolist()])
-        found = LongRecord(
-            record_name(self.files, self.specimen),
-            self.specimen,
-            self.files.given,
-            files_sha256(self.files),
-            where,
-            self.masked,
-            self.n,
-            pressures,
-            nominal(pressures, counts),
-            self.on_disk,
-        )
+        origin = self.files.given, files_sha256(self.files), where, self.masked
+        isobars = pressures, nominal(pressures, counts)
+        name = record_name(self.files, self.specimen)
+        found = LongRecord(name, self.specimen, *origin, self.n, *isobars, self.on_disk)
         if "time" in self.quantities:
             given = tuple(name for name in ("branch", "cycle") if name in self.quantities)
             length = self.specimen.initial_length_mm
             keep_motion(self.on_disk, self.n, length, self.high - self.low, found.level, given)
         return found
+
+
+def keep_motion(
+    on_disk: Columns, n: int, length_mm: float, span: float, level: Callable[[int, int], Array], given: tuple[str, ...]
+) -> None:
+    """Find strokes, holds, cycles, segments and turns of `n` rows as `build_record` does, and keep each as a column
+    (n,).
+
+    `span` is the range of the motion in mm, `level` gives the nominal pressures of some rows, begin … end; `given`
+    columns stand already.
+    """
+
+    def read(begin: int, end: int) -> tuple[Array, Array, Array]:
+        x = on_disk.read("contraction", begin, end) * length_mm
+        return on_disk.read("time", begin, end), x, level(begin, end)
+
+    begin, turn, noise = 0, 0, noise_on_disk(on_disk, n, length_mm)
+    pause = long_pause(on_disk.quantile("time", 0, n, 1, 0.95))
+    for fresh, found in follow(n, read, noise, span, pause):
+        end = begin + len(found.stroke)
+        track = read(begin, end)[1]
+        begins = turns(track, found.stroke, found.segment)
+        begins[0] |= fresh and begin > 0
+        count = turn + np.cumsum(begins)
+        columns = {name: getattr(found, name) for name in ("velocity", "stroke_speed", "moving", "stroke", "segment")}
+        columns |= {"turn": count, "branch": found.direction, "cycle": found.cycle}
+        for name in columns.keys() - set(given):
+            on_disk.append(name, columns[name].astype(KINDS.get(name, np.float64)))
+        begin, turn = end, int(count[-1])
+
+
+def noise_on_disk(on_disk: Columns, n: int, length_mm: float) -> float:
+    """`position_noise` of the whole record in mm."""
+    count = _keep_roughness(on_disk, n, length_mm, timed=True) or _keep_roughness(on_disk, n, length_mm, timed=False)
+    middle = on_disk.quantile("roughness", 0, count, 0, 0.5)
+    on_disk.drop("roughness")
+    return middle / NORMAL_MEDIAN
+
+
+def _keep_roughness(on_disk: Columns, n: int, length_mm: float, timed: bool) -> int:
+    """Keep the roughness of the track, by the clock or as of even rows, as a column; how many numbers it has."""
+    count = 0
+    for begin in range(0, n, STRETCH):
+        end = min(begin + STRETCH + 4, n)
+        x = on_disk.read("contraction", begin, end) * length_mm
+        rough = roughness(x, on_disk.read("time", begin, end) if timed else None)
+        on_disk.append("roughness", rough)
+        count += len(rough)
+    return count

@@ -1,23 +1,17 @@
 """columns.toml: which column of a foreign file is what, for anything that names and units do not tell."""
 
-import tomllib
 from collections.abc import Mapping as Dict
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..core import DataError
+from ..core.files import read_toml
 from ..core.units import is_absolute, known_scale, split_header
 from .joint_lever import LeverColumns, read_lever
 from .kind import check_kind
-from .quantities import (
-    BRANCHES,
-    QUANTITIES,
-    SHAPES,
-    Source,
-    quantity_of,
-    scale_of,
-)
+from .quantities import BRANCHES, QUANTITIES, SHAPES, Source, quantity_of, scale_of
 from .run_constants import Runs, read_runs
 from .sources import check_complete, check_shape, find_sources
 from .table import Table
@@ -60,7 +54,7 @@ class Mapping:
     def sources(self, table: Table, run: str = "") -> dict[str, Source]:
         """The columns that are named here, no others, and the constants of the file `run`. Raises DataError where
         one is not in the table."""
-        by_lever = self._by_lever(table)
+        by_lever = self.lever.sources(table.headers, partial(self._position, table)) if self.lever else {}
         if not self.columns:
             has_force = bool(by_lever) or any(quantity_of(h) == "force" for h in table.headers)
             return find_sources(table, self.runs.sources(run, has_force) | by_lever)
@@ -85,11 +79,6 @@ class Mapping:
             if name in found and (found[name].position is not None or name in by_lever):
                 raise DataError(f"{self.path}: {name} is a column and a constant of {run!r}; keep one")
         return check_shape(found | own, f"{self.path}: [columns]")
-
-    def _by_lever(self, table: Table) -> dict[str, Source]:
-        if self.lever is None:
-            return {}
-        return self.lever.sources(table.headers, lambda key, column: self._position(table, key, column))
 
     def _check_unit(self, header: str, key: str, name: str, scale: tuple[float, float], entry: Dict[str, Any]) -> None:
         """Refuse a unit against the one that the file states, unless a factor or an offset says that it is meant."""
@@ -119,10 +108,7 @@ class Mapping:
 
 def read_mapping(path: str | Path) -> Mapping:
     """Read a columns.toml. Raises DataError for what it cannot mean."""
-    try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    content = read_toml(path)
     kind = check_kind(content.pop("kind", None), str(path))
     strange = set(content) - {"columns", "file", "runs", "lever"}
     lever = read_lever(str(path), content.get("lever"), lambda key, value: _entry(path, key, value, known=True))

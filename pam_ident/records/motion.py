@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..core import Array
 from . import turning
 from .roughness import NORMAL_MEDIAN, position_noise, roughness
 from .smoothing import FEWEST, LARGEST, NOISE_ONLY, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
 from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
-Array = np.ndarray
 Read = Callable[[int, int], tuple[Array, Array, Array]]
 """Time in s, position in mm and nominal pressure in MPa of some rows, begin … end."""
 SLOW_ORDERS = 12
@@ -91,7 +91,8 @@ def pieces(n: int, read: Read, threshold: float, pause: float) -> Iterator[tuple
         at = 0
         for stop in [*breaks.tolist(), len(x)]:
             while stop - at > most:
-                cut = at + turning.cut_at_turn(x[at : at + most], threshold)
+                late = (turn for turn in pivots(x[at : at + most], threshold) if most // 2 <= turn < most - 1)
+                cut = at + next(late, most)  # the first turn in the second half
                 yield fresh, time[at:cut], x[at:cut]
                 at, fresh = cut, False
             if stop < len(x) or end == n:
@@ -164,8 +165,10 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
     missed, rests, scatter, by_rests, freedom = [], [], [], 0.0, np.zeros(2)
     for begin, end in pairwise(middles):
         t, rows = time[begin : end + 1], slice(begin, end + 1)
-        if len(t) < FEWEST or t[-1] <= t[0]:
+        if t[-1] <= t[0]:
             return []
+        if len(t) < FEWEST:  # too few rows to tell a smooth stroke by
+            continue
         even = np.linspace(t[0], t[-1], len(t))  # between few rows at rest a curve could do as it likes
         way, still = np.interp(even, t, x[rows]), np.interp(even, t, held[rows].astype(float)) > 0.0
         waves = chebyshev_waves(even, min(SLOW_ORDERS, len(t) // 3))
@@ -179,6 +182,8 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
         freedom[0] += len(t) - waves.shape[1]
         rests.append(still)
         scatter.append(roughness(way)[np.convolve(still, np.ones(5), "valid") == 0.0])
+    if not missed:
+        return []
     off, still = np.concatenate(missed), np.concatenate(rests)
     # Of the moving rows, too: there a jittering clock's noise grows with the speed.
     whole = np.sqrt(np.mean(np.concatenate([[noise], *scatter]) ** 2))

@@ -1,61 +1,39 @@
 """What was assumed or left out while a record was read: facts for whoever shows the record."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
-TEXTS: dict[str, Callable[[int, str | None, str], str]] = {
-    "empty_cells": lambda n, column, where: f"{_rows(n)} left out: column {column!r} is empty there (first {where})",
-    "frozen_sensor": lambda n, column, where: (
-        f"{_rows(n)} left out: column {column!r} repeats one reading there and jumps when it wakes (first {where})"
-    ),
-    "impossible_value": lambda n, column, where: (
-        f"{_rows(n)} left out: column {column!r} reads there several times what it does in all others (first {where})"
-    ),
-    "spike": lambda n, column, where: (
-        f"{_rows(n)} left out: column {column!r} jumps away there for a reading and comes back (first {where})"
-    ),
-    "clipped": lambda n, column, where: (
-        f"{_rows(n)} left out: column {column!r} is at the end of its range there or next to it (first {where})"
-    ),
-    "slack": lambda n, column, where: (
-        f"{_rows(n)} left out: column {column!r} stands at zero there while the pressure changes, as of a muscle that "
-        f"hangs slack (first {where})"
-    ),
-    "decimal_point": lambda _, column, where: (
-        f"column {column!r}: {where} was read with a decimal point, but nothing in the file says that the point does "
-        "not part thousands. Say decimal = '.' or ',' under [file] in a columns.toml"
-    ),
-    "absolute_pressure": lambda _, column, where: (
-        f"column {column!r} is absolute pressure; the air's {where} were taken off"
-    ),
-    "midnight": lambda _, column, where: f"column {column!r}: the clock passes midnight at {where}; it was let run on",
-    "coarse_clock": lambda n, column, where: (
-        f"column {column!r}: several rows have one time; {_rows(n)} put evenly within the clock's tick (first {where})"
-    ),
-    "one_for_all_runs": lambda n, column, where: (
-        f"{column} = {where} was taken for {n} runs alike; where they differ, say so in columns.toml: "
-        f"[runs.'FILE'] {column} = …"
-    ),
-    "run_lengths": lambda n, column, where: (
-        f"{n} runs have an initial length of their own ({where}); their contraction is by it, and ways in mm are told "
-        "of the specimen's"
-    ),
-    "guessed_columns": lambda _, __, where: (
-        f"columns are taken by word and unit, not by name: {where}. Where that is wrong, say in a columns.toml beside "
-        "the file which column it is"
-    ),
-    "no_clock": lambda _, column, where: (
-        "the rows look like a log, one after another, but no column was read as its time: damping, lag, creep and "
-        f"friction would be taken for something else. {_name_it(column, where)}"
-    ),
-    "lever": lambda _, column, where: f"{column} and shape are from torque and angle by the lever: {where}",
-    "weight_stands": lambda n, _, where: (
-        f"{n} of {where} samples are left out: they stand at an end of the length, or a weight sticks there while the "
-        "pressure changes, and friction may be anything up to its level"
-    ),
-    "rows_chosen": lambda n, column, where: f"{_rows(n)} left out: {where} does not hold there",
+LEFT_OUT = {
+    "empty_cells": "{rows} left out: column {column!r} is empty there (first {where})",
+    "frozen_sensor": "{rows} left out: column {column!r} repeats one reading there and jumps when it wakes "
+    "(first {where})",
+    "impossible_value": "{rows} left out: column {column!r} reads there several times what it does in all others "
+    "(first {where})",
+    "spike": "{rows} left out: column {column!r} jumps away there for a reading and comes back (first {where})",
+    "clipped": "{rows} left out: column {column!r} is at the end of its range there or next to it (first {where})",
+    "slack": "{rows} left out: column {column!r} stands at zero there while the pressure changes, as of a muscle that "
+    "hangs slack (first {where})",
+    "weight_stands": "{n} of {where} samples are left out: they stand at an end of the length, or a weight sticks "
+    "there while the pressure changes, and friction may be anything up to its level",
+    "rows_chosen": "{rows} left out: {where} does not hold there",
 }
-"""Code → its text from the number of rows (or runs), the column, and the place or the cell."""
+TEXTS = LEFT_OUT | {
+    "decimal_point": "column {column!r}: {where} was read with a decimal point, but nothing in the file says that the "
+    "point does not part thousands. Say decimal = '.' or ',' under [file] in a columns.toml",
+    "absolute_pressure": "column {column!r} is absolute pressure; the air's {where} were taken off",
+    "midnight": "column {column!r}: the clock passes midnight at {where}; it was let run on",
+    "coarse_clock": "column {column!r}: several rows have one time; {rows} put evenly within the clock's tick "
+    "(first {where})",
+    "one_for_all_runs": "{column} = {where} was taken for {n} runs alike; where they differ, say so in columns.toml: "
+    "[runs.'FILE'] {column} = …",
+    "run_lengths": "{n} runs have an initial length of their own ({where}); their contraction is by it, and ways in mm "
+    "are told of the specimen's",
+    "guessed_columns": "columns are taken by word and unit, not by name: {where}. Where that is wrong, say in a "
+    "columns.toml beside the file which column it is",
+    "no_clock": "the rows look like a log, one after another, but no column was read as its time: damping, lag, creep "
+    "and friction would be taken for something else. {clock}",
+    "lever": "{column} and shape are from torque and angle by the lever: {where}",
+}
+"""Code → its text, by the number `n` of rows (or runs), the `column`, and `where`, the place or the cell."""
 
 
 @dataclass(frozen=True)
@@ -81,22 +59,12 @@ class Notes:
 
     def told(self) -> tuple[Note, ...]:
         """The notes so far."""
-        return tuple(
-            Note(code, column, TEXTS[code](n, column, where), n if code in LEAVE_OUT else 0)
-            for (code, column), (n, where) in self.found.items()
-        )
-
-
-LEAVE_OUT = (
-    "empty_cells",
-    "frozen_sensor",
-    "impossible_value",
-    "spike",
-    "clipped",
-    "slack",
-    "weight_stands",
-    "rows_chosen",
-)
+        found = []
+        for (code, column), (n, where) in self.found.items():
+            rows = "1 row is" if n == 1 else f"{n} rows are"
+            text = TEXTS[code].format(n=n, rows=rows, column=column, where=where, clock=_name_it(column, where))
+            found.append(Note(code, column, text, n if code in LEFT_OUT else 0))
+        return tuple(found)
 
 
 def _name_it(column: str | None, passed: str) -> str:
@@ -107,7 +75,3 @@ def _name_it(column: str | None, passed: str) -> str:
         f"Column {column!r} looks like it: name it time_s or time_ms, or give it so, with the others, under [columns] "
         "of a columns.toml"
     )
-
-
-def _rows(n: int) -> str:
-    return "1 row is" if n == 1 else f"{n} rows are"

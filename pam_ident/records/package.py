@@ -5,7 +5,6 @@ https://specs.frictionlessdata.io/data-package
 
 import json
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import date, datetime, time
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core import DataError
+from ..core.files import read_toml
 
 DESCRIPTOR, METADATA = "datapackage.json", "metadata.toml"
 
@@ -61,10 +61,7 @@ def read_metadata(folder: Path) -> dict[str, Any]:
 
 def metadata_of(path: str | Path) -> dict[str, Any]:
     """The content of a TOML file, dates as text. Raises DataError."""
-    try:
-        return _plain(tomllib.loads(Path(path).read_text(encoding="utf-8")))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    return _plain(read_toml(path))
 
 
 def _plain(value: Any) -> Any:

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core import Array
 from .doubt import Doubt
 from .record import Record
 
-Array = np.ndarray
 ATMOSPHERE_MPA = 0.101325
 SLIPS = (
     (4.2, "pound-force and N (4.4) or radius and diameter (4)"),
@@ -68,21 +68,17 @@ def doubt_units(record: Record) -> Iterator[Doubt]:
     """What looks like a wrong unit, sign or zero."""
     pressure, muscle = record.inputs.pressure, record.specimen
     if not 2.0 * muscle.initial_radius_mm < muscle.initial_length_mm < LONGEST_MM:
-        yield Doubt(
-            "specimen",
+        text = (
             f"a muscle {muscle.initial_length_mm:g} mm long and {2.0 * muscle.initial_radius_mm:g} mm wide. Check the "
-            "unit of initial_length_mm and initial_radius_mm of the specimen, which are in mm.",
-            None,
-            True,
+            "unit of initial_length_mm and initial_radius_mm of the specimen, which are in mm."
         )
+        yield Doubt("specimen", text, grave=True)
     if pressure.min() < -0.02:
-        yield Doubt(
-            "pressure_sign",
+        text = (
             f"the pressure goes down to {pressure.min():.4g} MPa: below the air's. Check the zero of the sensor, and "
-            "whether the air's pressure was taken off twice.",
-            "pressure",
-            bool(pressure.min() < -ATMOSPHERE_MPA or pressure.mean() < 0.0),
+            "whether the air's pressure was taken off twice."
         )
+        yield Doubt("pressure_sign", text, "pressure", bool(pressure.min() < -ATMOSPHERE_MPA or pressure.mean() < 0.0))
     likeness = _likeness(record)
     pull = pull_at(record)
     if pull is not None and likeness is not None and likeness < FALLS:
@@ -126,14 +122,12 @@ def _doubt_pull(pull: Pull, record: Record) -> Iterator[Doubt]:
         what = f"the force grows with the pressure {pull.slope:.3g} times as an ideal braid's would"
         yield _scale(what, pull.slope, grave)
     elif pressure.min() > 0.9 * ATMOSPHERE_MPA and (pull.begins_MPa > LATEST_MPA or _from_vacuum(record, pull)):
-        yield Doubt(
-            "pressure_absolute",
+        text = (
             f"near its full length the muscle begins to pull at {pull.begins_MPa:.3f} MPa, and no pressure is below "
             f"the air's: the pressure may be absolute. If so, take {ATMOSPHERE_MPA:.4f} MPa off "
-            "(offset in a columns.toml).",
-            "pressure",
-            pull.begins_MPa > TOO_LATE_MPA or _from_vacuum(record, pull),
+            "(offset in a columns.toml)."
         )
+        yield Doubt("pressure_absolute", text, "pressure", pull.begins_MPa > TOO_LATE_MPA or _from_vacuum(record, pull))
 
 
 def _from_vacuum(record: Record, pull: Pull) -> bool:
@@ -158,22 +152,18 @@ def _doubt_range(record: Record) -> Iterator[Doubt]:
     contraction, pressure = record.inputs.contraction, record.inputs.pressure
     most = max(BEYOND * _free(record), 0.4)
     if contraction.max() > 0.35:
-        yield Doubt(
-            "displacement_scale",
+        text = (
             f"contraction reaches {contraction.max():.3f}: a braided muscle seldom goes beyond 0.35. Check the unit of "
-            "the displacement and initial_length_mm of the specimen.",
-            "displacement",
-            bool(contraction.max() > most),
+            "the displacement and initial_length_mm of the specimen."
         )
+        yield Doubt("displacement_scale", text, "displacement", bool(contraction.max() > most))
     if contraction.min() < -0.01:
         turned = contraction.min() < STRETCHED or -contraction.min() > max(contraction.max(), 0.06)
-        yield Doubt(
-            "displacement_sign",
+        text = (
             f"contraction goes down to {contraction.min():.3f}: the muscle is stretched beyond its initial length. "
-            "Check the zero of the displacement and its sign (contraction is positive).",
-            "displacement",
-            bool(turned),
+            "Check the zero of the displacement and its sign (contraction is positive)."
         )
+        yield Doubt("displacement_sign", text, "displacement", bool(turned))
     wrong = ""
     if 0.0 < pressure.max() < FAINT_MPA:
         wrong = f"{1e6 * pressure.max():.3g} Pa, of which a muscle feels nothing"
@@ -216,26 +206,22 @@ def _doubt_isobar(record: Record, likeness: float | None) -> Iterator[Doubt]:
         return
     level = float(np.median(record.level[here]))
     if likeness > RISES:
-        yield Doubt(
-            "displacement_sign",
+        text = (
             f"at {level:g} MPa the force rises with the contraction: a muscle pulls less the shorter it is. Check the "
-            "sign of the displacement (contraction is positive) or of the force.",
-            "displacement",
-            True,
+            "sign of the displacement (contraction is positive) or of the force."
         )
+        yield Doubt("displacement_sign", text, "displacement", True)
     elif likeness < FALLS and force.mean() > 0.0:
         half, free = _half(e, force), _free(record)
         slope, offset = np.polyfit(e, force, 1)
         end = float(-offset / slope)
         grave = half is not None and not HALF[0] < half / free < HALF[1]
         if grave or (likeness < -0.7 and not BEND[0] < end < BEND[1]):
-            yield Doubt(
-                "displacement_scale",
+            text = (
                 f"at {level:g} MPa the force falls as if it ended at a contraction of {end:.3g}, where a braided "
-                "muscle ends at 0.15 to 0.4. Check the unit of the displacement and initial_length_mm of the specimen.",
-                "displacement",
-                grave,
+                "muscle ends at 0.15 to 0.4. Check the unit of the displacement and initial_length_mm of the specimen."
             )
+            yield Doubt("displacement_scale", text, "displacement", grave)
 
 
 def _doubt_lift(record: Record) -> Iterator[Doubt]:
@@ -245,13 +231,11 @@ def _doubt_lift(record: Record) -> Iterator[Doubt]:
     ideal = specimen.ideal_contraction(np.maximum(p[inflated], LEAST_MPA), record.force[inflated])
     way, expected = (np.diff(np.quantile(one, ENDS))[0] for one in (record.inputs.contraction[inflated], ideal))
     if expected > LEAST_LIFT and not LIFT[0] < way / expected < LIFT[1]:
-        yield Doubt(
-            "displacement_scale",
+        text = (
             f"under its loads the contraction changes by {way:.3g}, where an ideal braid's changes by {expected:.3g}. "
-            "Check the unit of the displacement and initial_length_mm of the specimen.",
-            "displacement",
-            True,
+            "Check the unit of the displacement and initial_length_mm of the specimen."
         )
+        yield Doubt("displacement_scale", text, "displacement", True)
 
 
 def _half(e: Array, force: Array) -> float | None:

@@ -4,11 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..core import DataError
+from ..core import Array, DataError
 from .quantities import SHAPES, Source
 from .table import Table, TableRows
 
-Array = np.ndarray
 MOST_CONTRACTION = 0.95
 MOST = {
     "time": (1e13, "s", "seconds"),
@@ -44,10 +43,19 @@ def contraction_of(values: Values, length_mm: float) -> Array:
 
 
 def check_ranges(table: Table, block: TableRows, sources: dict[str, Source], values: Values, length_mm: float) -> None:
-    """Refuse values (n,) in internal units that no muscle has. Raises DataError."""
+    """Refuse values (n,) in internal units that no muscle has, and a commanded pressure that is none of the measured
+    one's size: it names the isobars. Raises DataError."""
     for key, row, wrong in beyond_reason(values, length_mm):
         raise DataError(f"{place_of(table, block, row, sources[key])}: {wrong}")
-    _check_set(table, sources, values)
+    if "pressure_set" not in values:
+        return
+    there = (values["pressure_set"] > NO_PRESSURE_MPA) & (values["pressure"] > NO_PRESSURE_MPA)
+    ratio = float(np.median(values["pressure_set"][there] / values["pressure"][there])) if there.any() else 1.0
+    if not 1.0 / SET_APART < ratio < SET_APART:
+        raise DataError(
+            f"{table.place}, column {sources['pressure_set'].header!r}: {ratio:.3g} times the pressure measured "
+            f"({sources['pressure'].header!r}); expected about as much. Check the units of both columns"
+        )
 
 
 def beyond_reason(values: Values, length_mm: float) -> Iterator[tuple[str, int, str]]:
@@ -67,19 +75,6 @@ def beyond_reason(values: Values, length_mm: float) -> Iterator[tuple[str, int, 
         high = np.flatnonzero(~(np.abs(values[key]) <= most))
         if len(high):
             yield key, int(high[0]), f"{values[key][high[0]]:g} {unit}; expected {meant}. Check its unit, and the cell"
-
-
-def _check_set(table: Table, sources: dict[str, Source], values: Values) -> None:
-    """Refuse a commanded pressure that is none of the measured one's size: it names the isobars."""
-    if "pressure_set" not in values:
-        return
-    there = (values["pressure_set"] > NO_PRESSURE_MPA) & (values["pressure"] > NO_PRESSURE_MPA)
-    ratio = float(np.median(values["pressure_set"][there] / values["pressure"][there])) if there.any() else 1.0
-    if not 1.0 / SET_APART < ratio < SET_APART:
-        raise DataError(
-            f"{table.place}, column {sources['pressure_set'].header!r}: {ratio:.3g} times the pressure measured "
-            f"({sources['pressure'].header!r}); expected about as much. Check the units of both columns"
-        )
 
 
 def check_empty(

@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..core import DataError, Inputs, Specimen
+from ..core import Array, DataError, Inputs, Specimen
 from .kind import find_kind
 from .motion import find_motion
 from .notes import Note
 from .smoothing import calmed
 
-Array = np.ndarray
 SHORT_LIST = 200
 """Most pressures that may each be an isobar's own value; more are one sensor's noise about fewer."""
 CROWD = 3
@@ -186,7 +185,9 @@ def build_record(
     level = _levels(pressure if level is None else level)
     origin["said_kind"] = said_kind
     if time is None:
-        return _table(name, specimen, pressure, contraction, force, level, direction, temperature, origin)
+        unknown = np.zeros(len(force)) if direction is None else direction
+        states = Inputs(pressure, contraction, specimen, unknown, temperature=temperature)
+        return _table(name, states, force, level, origin)
     kind = said_kind or find_kind(specimen, pressure, contraction, force, level, timed=True)
     slide, driven = None, None
     if kind == "isometric":
@@ -264,28 +265,11 @@ def turns(x: Array, stroke: Array, segment: Array) -> Array:
     return found
 
 
-def _table(
-    name: str,
-    specimen: Specimen,
-    pressure: Array,
-    contraction: Array,
-    force: Array,
-    level: Array,
-    direction: Array | None,
-    temperature: Array | None,
-    origin: dict[str, object],
-) -> Record:
+def _table(name: str, inputs: Inputs, force: Array, level: Array, origin: dict[str, object]) -> Record:
     """A static table: no time, so no speed; blocks are its lengths, or its isobars where each length is its own."""
-    inputs = Inputs(
-        pressure=pressure,
-        contraction=contraction,
-        specimen=specimen,
-        direction=np.zeros(len(force)) if direction is None else direction,
-        temperature=temperature,
-    )
-    lengths = np.unique(np.round(contraction, 4))
-    by_length = len(lengths) <= max(12, len(force) // 6)
-    _, block = np.unique(np.round(contraction, 4) if by_length else level, return_inverse=True)
+    rounded = np.round(inputs.contraction, 4)
+    by_length = len(np.unique(rounded)) <= max(12, len(force) // 6)
+    _, block = np.unique(rounded if by_length else level, return_inverse=True)
     kind = "length" if by_length else "isobar"
     return Record(name, inputs, force, level, np.zeros(len(force), int), block, inputs, block_kind=kind, **origin)  # type: ignore[arg-type]
 

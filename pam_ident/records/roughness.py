@@ -2,7 +2,8 @@
 
 import numpy as np
 
-Array = np.ndarray
+from ..core import Array
+
 NORMAL_MEDIAN = 0.6745
 """Median magnitude of a standard normal number."""
 

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ..core import Array
 from .roughness import position_noise
 from .turning import quantile
 
-Array = np.ndarray
 FEWEST = 12
 """Samples of a stroke that a polynomial is fitted to."""
 LARGEST = 4.0
@@ -28,6 +28,7 @@ def smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
     n, width = len(x), float(np.ptp(time))
     if width <= 0.0:
         return x, np.zeros(n)
+    position = x
     if n >= FEWEST:
         waves = smooth_basis(time, n)
         few = waves[:, : min(7, n // 6) + 1]  # of more, a slope would swing at the ends of a stroke
@@ -43,8 +44,7 @@ def smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
         position = x - off if smooth else x
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
             return position, few[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
-        return position, _local_slopes(time, x, noise)
-    return x, _local_slopes(time, x, noise)
+    return position, _local_slopes(time, x, noise)
 
 
 def smooth_basis(time: Array, n: int) -> Array:

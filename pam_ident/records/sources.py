@@ -7,11 +7,10 @@ import numpy as np
 
 from ..core import DataError
 from ..core.units import TO_INTERNAL, is_absolute, known_scale, split_header
-from .cells import Clock, numbers_in
 from .guess import by_name, guess_table, told_by
 from .quantities import QUANTITIES, SHAPES, Source, quantity_of, scale_of
 from .run_constants import GRAVITY, MASSES
-from .table import Table
+from .table import Clock, Table, numbers_in
 
 _CLOCK = re.compile(r"[hms:.,0fdyYMDHTZ \-]*:[hms:.,0fzTZ ]*", re.IGNORECASE)
 """What stands for a unit above clock times: `hh:mm:ss.000`, `YYYY-MM-DD hh:mm:ss`."""

@@ -1,12 +1,12 @@
 """specimen.toml: the muscle's geometry at rest, and the errors of the sensors where they are known."""
 
 import json
-import tomllib
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 from ..core import DataError, Sensors, Specimen
+from ..core.files import read_toml
 from .kind import check_kind
 
 
@@ -57,16 +57,12 @@ def read_kind(path: str | Path) -> str:
 
 
 def _content(path: Path, record: Path | None = None) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        beside = f" beside {record}" if record else ""
-        raise DataError(
-            f"{path}: no specimen file{beside}; write one with a table [specimen] (name, initial_length_mm, "
-            "initial_radius_mm, braid_angle_deg) or pass --specimen FILE"
-        ) from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DataError(f"{path}: not a readable TOML file ({error})") from None
+    beside = f" beside {record}" if record else ""
+    absent = (
+        f"no specimen file{beside}; write one with a table [specimen] (name, initial_length_mm, initial_radius_mm, "
+        "braid_angle_deg) or pass --specimen FILE"
+    )
+    return read_toml(path, absent)
 
 
 def _read_sensors(path: Path, table: object) -> Sensors | None:

@@ -1,14 +1,25 @@
-"""A table as a file holds it, before its columns are known: what every loader hands on."""
+"""A table as a file holds it, before its columns are known: what every loader hands on; and its cells as numbers, with
+what loggers write beside plain numbers (clock times, per cent, nothing).
+"""
 
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime, time, timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..core import Array
+
 if TYPE_CHECKING:
     import pandas as pd
+
+EMPTY = {"", "-", "--", "---", "na", "n/a", "nan", "nat", "none", "null", "<na>", "#n/a"}
+"""Words for a reading that is missing, in lower case."""
+DAY = 86400.0
+_CLOCK = re.compile(r"(\d{1,3}):([0-5]?\d):([0-5]?\d(?:\.\d*)?)")
 
 
 @dataclass(frozen=True)
@@ -72,3 +83,101 @@ def number_of(cell: object, decimal: str = ".") -> float:
 def count_numbers(cells: Iterable[object], decimal: str = ".") -> int:
     """How many cells are finite numbers."""
     return sum(math.isfinite(number_of(cell, decimal)) for cell in cells)
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Cells (n,) as numbers, NaN where they are none: those `done` are in internal units already, others in the
+    column's. `empty` ones hold nothing; the rest of the NaN is no number."""
+
+    values: Array
+    done: Array
+    empty: Array
+
+    def scaled(self, factor: float, offset: float) -> Array:
+        """In internal units; what no number can hold is infinite."""
+        if (factor, offset) == (1.0, 0.0):
+            return self.values
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.where(self.done, self.values, self.values * factor + offset)
+
+
+@dataclass
+class Clock:
+    """Clock times of a table as seconds since its first one: `hh:mm:ss`, which pass midnight, and ISO times."""
+
+    first: float | datetime | None = None
+    last: float = 0.0
+    days: int = 0
+    midnight: int | None = None
+    """Index among the cells read last at which the clock passed midnight."""
+
+    def seconds(self, cell: object, index: int) -> float:
+        """A cell as seconds since the first, NaN where it is no clock time."""
+        found = _moment(cell)
+        if found is None:
+            return np.nan
+        if self.first is None:
+            self.first = found
+        try:
+            since = found - self.first  # type: ignore[operator]
+        except TypeError:  # a date and none, or a time zone and none
+            return np.nan
+        if isinstance(since, timedelta):
+            return since.total_seconds()
+        if since + DAY * self.days < self.last - DAY / 2:
+            self.days, self.midnight = self.days + 1, index
+        self.last = since + DAY * self.days
+        return self.last
+
+
+def numbers_in(cells: "pd.Series | Array", dimension: str, decimal: str, clock: Clock) -> Numbers:
+    """The cells (n,) of a column of a dimension as numbers. Raises DataError for nothing: what is wrong is NaN."""
+    n = len(cells)
+    done = np.zeros(n, bool)
+    kind = cells.dtype.kind
+    if kind in "fiu":
+        values = np.asarray(cells, dtype=float)
+        empty = done if np.isfinite(values).all() else np.isnan(values)
+        if dimension == "time" and clock.first is not None:
+            values = np.full(n, np.nan)
+        return Numbers(values, done, empty)
+    listed = list(cells)
+    values = np.array([number_of(cell, decimal) for cell in listed], dtype=float)
+    empty = np.zeros(n, bool)
+    clock.midnight = None
+    clocked = dimension == "time" and (clock.first is not None or np.isnan(values[:1]).any())
+    for k in np.flatnonzero(np.isnan(values)).tolist():
+        cell = listed[k]
+        if cell is None or cell != cell or str(cell).strip().lower() in EMPTY:
+            empty[k] = True
+        elif clocked:
+            values[k] = clock.seconds(cell.replace(decimal, ".") if isinstance(cell, str) else cell, k)
+        elif dimension == "ratio" and isinstance(cell, str) and cell.rstrip().endswith("%"):
+            values[k] = number_of(cell.rstrip()[:-1].rstrip(), decimal) / 100.0
+        done[k] = np.isfinite(values[k])
+    if dimension == "time" and clock.first is not None:
+        values[~done] = np.nan  # numbers among clock times: seconds of what?
+    return Numbers(values, done, empty)
+
+
+def _moment(cell: object) -> float | datetime | None:
+    """A clock time: seconds of the day or since a start, or date and time."""
+    if isinstance(cell, timedelta):
+        return cell.total_seconds()
+    if isinstance(cell, np.datetime64):
+        cell = cell.astype("datetime64[us]").item()
+    if isinstance(cell, datetime):
+        return cell
+    if isinstance(cell, time):
+        return 3600.0 * cell.hour + 60.0 * cell.minute + cell.second + 1e-6 * cell.microsecond
+    if not isinstance(cell, str) or ":" not in cell:
+        return None
+    text = cell.strip()
+    if found := _CLOCK.fullmatch(text):
+        hours, minutes, seconds = found.groups()
+        return 3600.0 * float(hours) + 60.0 * float(minutes) + float(seconds)
+    try:
+        return datetime.fromisoformat(text)
+    except ValueError:
+        return None

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core import Array
 from .record import Record
 
-Array = np.ndarray
 LEAST = 20
 """Rows of a stroke or a hold that are kept at least: a corner, a bump or a decay must still be seen."""
 STRETCH = 600

@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-Array = np.ndarray
+from ..core import Array
+
 BLOCK = 64
 """Samples that are passed over at once where none of them can be a turn."""
 PIECE = 1 << 20
@@ -17,11 +18,6 @@ NEAR, FAR_STEP = 8, 8.0
 of the noise that needs no such search."""
 FEW, FAR = 3, 20.0
 """Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
-
-
-def cut_at_turn(x: Array, threshold: float) -> int:
-    """Index at which PIECE samples x (n,) are parted: the first turn in the second half, or the end."""
-    return next((turn for turn in pivots(x, threshold) if turn >= len(x) // 2 and turn < len(x) - 1), len(x))
 
 
 def pivots(x: Array, threshold: float) -> list[int]:

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ..core import DataError, UsageError
+from ..core import Array, DataError, UsageError
 from ..core.units import split_header
 from .motion import long_pause
 from .notes import Notes
 from .quantities import QUANTITIES, scale_of
 from .record import Record
 
-Array = np.ndarray
 LONGEST = 2000
 """Characters of a condition."""
 BRANCHES = {1.0: "contraction", -1.0: "extension", 0.0: ""}

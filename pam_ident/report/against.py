@@ -12,9 +12,8 @@ from ..effects import in_words
 from ..live import available
 from .easel import Easel, Part, Picture, live
 from .opening import BESIDE, HERO
-from .render import MOST_POINTS, environment, inlined
+from .render import MOST_POINTS, page
 from .tables import PageTable
-from .tables import provenance as provenance_table
 from .words import VERDICTS, known_to, likely, newtons, unit, with_error
 
 SAMPLES = 2 * MOST_POINTS
@@ -25,17 +24,7 @@ def render_against(found: Against, provenance: Mapping[str, object]) -> str:
     """One HTML file as text; `provenance` as in a Story."""
     names = [one.base.record.name for one in (found.a, found.b)]
     records = [("ab", "A against B", parts(found, SAMPLES if available() else 0))]
-    return (
-        environment()
-        .get_template("report.html.j2")
-        .render(
-            title=f"{names[0]} against {names[1]}",
-            records=records,
-            live=inlined(records),
-            provenance=provenance_table(provenance),
-            command=provenance.get("command"),
-        )
-    )
+    return page(f"{names[0]} against {names[1]}", records, provenance)
 
 
 def parts(found: Against, samples: int = 0) -> tuple[Part, ...]:

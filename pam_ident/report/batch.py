@@ -2,9 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from . import tables
 from .easel import Easel, Part, Picture
-from .render import environment
+from .render import page
 from .tables import PageTable
 from .words import newtons, number
 
@@ -13,13 +12,4 @@ __all__ = ["Easel", "PageTable", "Part", "Picture", "newtons", "number", "render
 
 def render_batch(title: str, sections: Sequence[tuple[str, tuple[Part, ...]]], provenance: Mapping[str, object]) -> str:
     """One HTML file as text, a section for each named group of parts; `provenance` as in a Story."""
-    return (
-        environment()
-        .get_template("report.html.j2")
-        .render(
-            title=title,
-            records=[(f"b{i}", name, parts) for i, (name, parts) in enumerate(sections, start=1)],
-            provenance=tables.provenance(provenance),
-            command=provenance.get("command"),
-        )
-    )
+    return page(title, [(f"b{i}", name, parts) for i, (name, parts) in enumerate(sections, start=1)], provenance)

@@ -1,7 +1,6 @@
 """A story becomes a Markdown file with figures beside it."""
 
 import re
-from typing import Any
 from urllib.parse import quote
 
 from markupsafe import Markup
@@ -29,7 +28,7 @@ def render_markdown(story: Story, folder: str) -> tuple[str, dict[str, str]]:
         figures[name] = plain(to_svg(picture.figure))
         return Markup(quote(f"{folder}/{name}"))
 
-    made = environment().overlay(finalize=_finalize)
+    made = environment().overlay(finalize=lambda value: Markup(escape(value)) if type(value) is str else value)
     text = made.get_template("report.md.j2").render(
         title=story.title,
         records=chapters(story),
@@ -38,10 +37,6 @@ def render_markdown(story: Story, folder: str) -> tuple[str, dict[str, str]]:
         hang=hang,
     )
     return re.sub(r"\n{3,}", "\n\n", text), figures
-
-
-def _finalize(value: Any) -> Any:
-    return Markup(escape(value)) if type(value) is str else value
 
 
 def escape(text: str) -> str:

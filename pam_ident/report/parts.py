@@ -9,7 +9,8 @@ from ..diagnosis.nouns import Diagnosis
 from ..effects import named
 from ..records import Record
 from . import tables
-from .easel import Easel, Part, live
+from .easel import Easel, Part
+from .easel import live as figures_of
 from .opening import held_out, opening
 from .rungs import steps
 from .story import Section
@@ -18,7 +19,7 @@ from .words import equation, groups, newtons, percent
 
 def parts(section: Section, prefix: str, points: int, samples: int = 0) -> tuple[Part, ...]:
     """All parts that the section has something to say in; figures to zoom into have so many `samples`, if any."""
-    easel = Easel(prefix, points, live(section.before, section.after, samples))
+    easel = Easel(prefix, points, figures_of(section.before, section.after, samples))
     builders: tuple[Callable[[Section, Easel], Part | None], ...] = (
         opening,
         _numbers,
@@ -56,25 +57,25 @@ def _kind(record: Record) -> str:
 
 def _measured(section: Section, easel: Easel) -> Part:
     before, after = section.before, section.after
+    figure = plot.measured_against_model.draw(before, after, easel.points)
+    levels, live = None, None
     if section.record.drives_pressure:
-        figure = plot.measured_against_model.draw(before, after, easel.points)
-        label = f"The answer to the pressure, measured and modelled by the {before.model.words}, and the error below"
+        what = "The answer to the pressure"
         caption = (
             "What answered the pressure: points are measured, lines are the model. Below, the error measured − model"
         )
-        caption += ", before and after adding the effects, on one scale." if after else "."
-        return Part(
-            f"{easel.prefix}-measured", "Measured against model", pictures=(easel.hang(figure, label, caption),)
+    else:
+        what = "Force over contraction"
+        caption = (
+            "Force over contraction ratio at each pressure. Points are measured, lines are the model; in a record in "
+            "time a line is the model's mean over all cycles and speeds. Below, the error measured − model of every "
+            "point shown"
         )
-    figure = plot.measured_against_model.draw(before, after, easel.points)
-    label = f"Force over contraction, measured and modelled by the {before.model.words}, and the error below"
-    caption = (
-        "Force over contraction ratio at each pressure. Points are measured, lines are the model; in a record in time "
-        "a line is the model's mean over all cycles and speeds. Below, the error measured − model of every point shown"
-    )
+        levels = {gid: f"{level:g} MPa" for gid, level in plot.measured_against_model.isobars(before).items()}
+        live = easel.live and easel.live.isobars
+    label = f"{what}, measured and modelled by the {before.model.words}, and the error below"
     caption += ", before and after adding the effects, on one scale." if after else "."
-    levels = {gid: f"{level:g} MPa" for gid, level in plot.measured_against_model.isobars(before).items()}
-    picture = easel.hang(figure, label, caption, levels, levels, easel.live and easel.live.isobars)
+    picture = easel.hang(figure, label, caption, levels, levels, live)
     return Part(f"{easel.prefix}-measured", "Measured against model", pictures=(picture,))
 
 

@@ -1,6 +1,6 @@
 """A story becomes a page."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 MOST_POINTS, FEWEST_POINTS = 1500, 200
 
-Chapters = list[tuple[str, str, tuple[Part, ...]]]
+Chapters = Sequence[tuple[str, str, tuple[Part, ...]]]
 
 
 def render(story: Story, live: bool = True) -> str:
@@ -27,16 +27,21 @@ def render(story: Story, live: bool = True) -> str:
 
     Where Bokeh is installed and `live`, figures can be zoomed into and pointed at; else there is no script.
     """
-    found = chapters(story, live and available())
+    command = Markup.escape(plain(str(story.provenance.get("command", ""))))  # to be copied as it is
+    return page(story.title, chapters(story, live and available()), dict(story.provenance) | {"command": command})
+
+
+def page(title: str, records: Chapters, provenance: Mapping[str, object]) -> str:
+    """One HTML file as text, a chapter for each group of parts; `provenance` as in a Story."""
     return (
         environment()
         .get_template("report.html.j2")
         .render(
-            title=story.title,
-            records=found,
-            live=inlined(found),
-            provenance=tables.provenance(story.provenance),
-            command=Markup.escape(plain(str(story.provenance.get("command", "")))),  # to be copied as it is
+            title=title,
+            records=records,
+            live=inlined(records),
+            provenance=tables.provenance(provenance),
+            command=provenance.get("command"),
         )
     )
 

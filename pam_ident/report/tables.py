@@ -14,6 +14,7 @@ from ..records import Record
 from ..records.package import told
 from ..schema.diagnosis import STATUS
 from ..schema.diagnosis import candidates as likeliest
+from ..schema.fit import in_order
 from .story import Section
 from .words import heldout, known_to, likely, newtons, number, percent, standing, stderr, unit, value_of
 
@@ -114,14 +115,9 @@ def fitted(fit: Fit, which: str) -> tuple[PageTable, ...]:
 
 def parameters(fit: Fit, which: str) -> PageTable:
     """Every fitted parameter with unit, standard error and, in words, whether the record determines it."""
-    rows = tuple((e.name, value_of(e), stderr(e), unit(e.unit), standing(e), e.doc) for e in _in_order(fit.estimates))
+    rows = tuple((e.name, value_of(e), stderr(e), unit(e.unit), standing(e), e.doc) for e in in_order(fit.estimates))
     head = ("parameter", "value", "standard error", "unit", "standing", "meaning")
     return PageTable(f"Parameters of {which}: {fit.model.words}", head, rows, (1, 2))
-
-
-def _in_order(estimates: tuple[Estimate, ...]) -> list[Estimate]:
-    """The law's parameters by name, as its formula is read, then the effects' as they come."""
-    return sorted(estimates, key=lambda e: (1, "") if "." in e.name else (0, e.name))
 
 
 def isobars(table: IsobarTable) -> list[PageTable]:
@@ -129,7 +125,7 @@ def isobars(table: IsobarTable) -> list[PageTable]:
     found = []
     for branch in dict.fromkeys(row.branch for row in table.rows):
         mine = [row for row in table.rows if row.branch == branch]
-        heads = {e.name: f"{e.name} ({unit(e.unit)})" for row in mine for e in _in_order(row.estimates)}
+        heads = {e.name: f"{e.name} ({unit(e.unit)})" for row in mine for e in in_order(row.estimates)}
         rows = tuple(
             (
                 f"{row.pressure_MPa:g}",

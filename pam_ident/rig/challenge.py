@@ -1,64 +1,35 @@
 """Sealed challenge sets: many records with the answers kept apart in truth.json."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ..core.progress import steps
+from . import friction, memory
 from .drives import DRIVES, PROTOCOLS
-from .faults import FAULTS
 from .hidden import EFFECTS, UNKNOWNS, TooSmall
 from .protocol import TooShort
 from .record import Plan, RigRecord, Secret, make_record, write_case
-from .sensors import GAUGES
+from .sensors import FAULTS, GAUGES
 
-EXPONENTIAL = (
-    "coulomb_friction",
-    "stribeck_friction",
-    "pressure_friction",
-    "viscous_damping",
-    "presliding_hysteresis",
-    "pressure_lag",
-    "force_drift",
-    "creep",
-    "mullins_softening",
-    "thermal_softening",
-)
-# What each law leaves visible; the exponential law with free coefficients takes up most static effects.
+EXPONENTIAL = (*friction.FORMS, *memory.FORMS)
+# What each law leaves visible: the exponential law with free coefficients takes up most static effects.
 VISIBLE = {
     "exponential_law": EXPONENTIAL,
-    "modified_chou_hannaford": (
-        *EXPONENTIAL,
-        "bladder_elasticity",
-        "threshold_pressure",
-        "series_compliance",
-    ),
+    "modified_chou_hannaford": (*EXPONENTIAL, "bladder_elasticity", "threshold_pressure", "series_compliance"),
 }
-FAMILY = {
-    "coulomb_friction": "friction",
-    "stribeck_friction": "friction",
-    "pressure_friction": "friction",
-    "presliding_hysteresis": "friction",
-    "viscous_damping": "rate",
-    "pressure_lag": "rate",
-    "end_taper": "ends",
-    "length_offset": "ends",
+_FAMILIES = {
+    "friction": ("coulomb_friction", "stribeck_friction", "pressure_friction", "presliding_hysteresis"),
+    "rate": ("viscous_damping", "pressure_lag"),
+    "ends": ("end_taper", "length_offset"),
 }
+FAMILY = {name: family for family, names in _FAMILIES.items() for name in names}
 """Effects of the same kind, between which a wrong name counts as right kind; others are a family of their own."""
-SHARES = {
-    "tier1": 0.25,
-    "tier2": 0.25,
-    "tier3": 0.10,
-    "pair": 0.15,
-    "null": 0.10,
-    "unknown": 0.08,
-    "blunt": 0.07,
-}
+SHARES = {"tier1": 0.25, "tier2": 0.25, "tier3": 0.10, "pair": 0.15, "null": 0.10, "unknown": 0.08, "blunt": 0.07}
 SINGLE = {"tier1": 0.5, "tier2": 0.5}
 """What is asked where the catalogue lacks the hidden effect, or its form: one effect in white noise."""
 WIDE_SHARES = {"tier1": 0.15, "tier2": 0.25, "tier3": 0.10, "pair": 0.10, "null": 0.20, "unknown": 0.20}
@@ -66,10 +37,7 @@ WIDE_SHARES = {"tier1": 0.15, "tier2": 0.25, "tier3": 0.10, "pair": 0.10, "null"
 COLOURED = ("ar1", "ou", "slow")
 HARD = ("ar1", "ou", "slow", "pink", "heavy", "growing")
 SHARP = (
-    "standard",
-    "standard",
-    "standard",
-    "standard",
+    *("standard",) * 4,
     "other_speeds",
     "four_speeds",
     "slow_to_fast",
@@ -77,21 +45,7 @@ SHARP = (
     "four_pressures",
     "long_holds",
 )
-WIDE = (
-    *dict.fromkeys(SHARP),
-    "triangles",
-    "sines",
-    "fast_first",
-    "one_cycle",
-    "three_pressures",
-    "eight_pressures",
-    "minor_loops",
-    "low_stroke",
-    "breathing",
-    "dense",
-    "sparse",
-    *DRIVES,
-)
+WIDE = tuple(name for name in PROTOCOLS if name != "blunt")
 SETS = {
     "plain": SHARP,
     "all": WIDE,
@@ -152,9 +106,8 @@ class _Drawer:
         subjects = [(law, name) for law, names in VISIBLE.items() for name in names]
         self.subjects = {kind: _rounds(subjects, self.rng) for kind in ("tier1", "tier2", "tier3", "pair")}
         self.subjects["unknown"] = _rounds([(law, u) for law in VISIBLE for u in known], self.rng)
-        self.subjects["blunt"] = _rounds(
-            [(law, e) for law in VISIBLE for e in ("coulomb_friction", "viscous_damping")], self.rng
-        )
+        rubs = ("coulomb_friction", "viscous_damping")
+        self.subjects["blunt"] = _rounds([(law, e) for law in VISIBLE for e in rubs], self.rng)
         self.subjects["null"] = _rounds([(law, "") for law in VISIBLE], self.rng)
         self.kinds: dict[str, Callable[[Plan, str], Plan]] = {
             "tier1": lambda p, e: replace(p, secrets=(_secret(e, p.driven.kind, True, self.rng),)),
@@ -183,11 +136,9 @@ class _Drawer:
             other_specimen=bool(rng.random() < 0.4),
         )
         if self.wide:
-            plan = replace(
-                plan,
-                gauges=str(rng.choice(list(GAUGES), p=(0.6, 0.2, 0.2))),
-                fault=str(rng.choice(list(FAULTS))) if rng.random() < 0.4 else None,
-            )
+            gauges = str(rng.choice(list(GAUGES), p=(0.6, 0.2, 0.2)))
+            fault = str(rng.choice(list(FAULTS))) if rng.random() < 0.4 else None
+            plan = replace(plan, gauges=gauges, fault=fault)
         if plan.fault == "clipped" and plan.driven.kind == "isotonic":
             plan = replace(plan, fault=None)  # a weight beyond the load cell is not known
         plan = self.kinds[kind](plan, effect)
@@ -197,12 +148,8 @@ class _Drawer:
 
     def _coloured(self, plan: Plan, effect: str) -> Plan:
         textbook = bool(self.rng.random() < 0.5)
-        return replace(
-            plan,
-            secrets=(_secret(effect, plan.driven.kind, textbook, self.rng),),
-            tier=3,
-            noise=str(self.rng.choice(COLOURED)),
-        )
+        secrets = (_secret(effect, plan.driven.kind, textbook, self.rng),)
+        return replace(plan, secrets=secrets, tier=3, noise=str(self.rng.choice(COLOURED)))
 
     def _pair(self, plan: Plan, effect: str) -> Plan:
         shown = [e for e in VISIBLE[plan.law] if _forms(e, plan.driven.kind)]
@@ -261,11 +208,9 @@ def make_challenge(
         kind = kinds[at]
         while True:
             plan = drawer.plan(kind)
-            try:
+            with suppress(TooSmall, TooShort):
                 record = make_record(plan)
                 break
-            except (TooSmall, TooShort):
-                continue
         case = folder / f"c{i:03d}"
         truth.append(write_case(case, record))
         if left_out is not None:

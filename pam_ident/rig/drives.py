@@ -4,8 +4,6 @@ What a locked muscle rubs and creeps along is its braid, which shortens a little
 `slide` of some millimetres a kilonewton beside the contraction.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -78,26 +76,9 @@ class Drive:
         slide = eps + 1e-3 * give * muscle.force(p, eps) / length
         rate = np.gradient(slide, t)
         moving = np.where(np.abs(rate) > STILL, np.sign(rate), 0.0)
-        last = np.maximum.accumulate(np.where(moving != 0, np.arange(len(t)), 0))
-        heading = np.where(moving[last] == 0, 1.0, moving[last])
-        rows = np.flatnonzero(logged > 0)
-        flat = np.full_like(t, 23.0)
-        return RigRun(
-            t,
-            eps,
-            rate,
-            p,
-            flat,
-            moving,
-            heading,
-            cycle,
-            count_,
-            isobar,
-            rows,
-            length,
-            slide,
-            place if loaded else None,
-        )
+        rows, flat = np.flatnonzero(logged > 0), np.full_like(t, 23.0)
+        load = place if loaded else None
+        return RigRun(t, eps, rate, p, flat, moving, cycle, count_, isobar, rows, length, slide, load)
 
     def heating(self, time: Array) -> Array:
         """No heater, shape (m,)."""

@@ -5,8 +5,6 @@ change of the muscle force (N) on the fine grid, shape (m,).  Friction resists t
 pull while the muscle contracts and raises it while it is stretched.  Sizes in N unless said otherwise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -18,11 +16,30 @@ from .protocol import RigRun
 Settings = dict[str, float]
 Force = Callable[[float], Array]
 Form = Callable[[RigRun, RigMuscle, np.random.Generator], tuple[Settings, Force]]
+Forms = dict[str, dict[str, Form]]
+"""Forms by effect and by their names."""
+FORMS: Forms = {}
+
+
+def form_of(known: Forms, effect: str, name: str = "textbook") -> Callable[[Form], Form]:
+    """Enters the function below into the forms `known` of an effect."""
+
+    def enter(form: Form) -> Form:
+        known.setdefault(effect, {})[name] = form
+        return form
+
+    return enter
 
 
 def scaled(shape: Array) -> Force:
     """A force (m,) in N that grows in proportion to its size."""
     return lambda size: size * shape
+
+
+def elsewhere(c: RigRun, m: RigMuscle, pressure: Array | None = None, eps: Array | None = None) -> Array:
+    """Change of force (N), shape (m,), where the muscle has another pressure (MPa) or contraction than is read."""
+    there = m.force(c.pressure if pressure is None else pressure, c.eps if eps is None else eps)
+    return there - m.force(c.pressure, c.eps)
 
 
 def direction(c: RigRun, hold_share: float) -> Array:
@@ -35,17 +52,20 @@ def speed_mm_s(c: RigRun) -> Array:
     return np.abs(c.rate) * c.length_mm
 
 
+@form_of(FORMS, "coulomb_friction")
 def coulomb_sign(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-F_c sgn(eps'), half of it left in the holds."""
     return {"hold_share": 0.5}, scaled(-direction(c, 0.5))
 
 
+@form_of(FORMS, "coulomb_friction", "tanh")
 def coulomb_tanh(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-F_c tanh(v/v0): smooth through zero, nothing left in a hold."""
     v0 = rng.uniform(0.2, 0.8)
     return {"v0_mm_s": v0}, scaled(-np.tanh(c.rate * c.length_mm / v0))
 
 
+@form_of(FORMS, "coulomb_friction", "two_levels")
 def coulomb_two_levels(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Different level in the two directions."""
     skew, share = rng.uniform(0.1, 0.3), rng.uniform(0.3, 1.0)
@@ -53,6 +73,7 @@ def coulomb_two_levels(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tup
     return {"skew": skew, "hold_share": share}, scaled(-s * (1 + skew * np.sign(s)))
 
 
+@form_of(FORMS, "coulomb_friction", "relaxing_hold")
 def coulomb_relaxing(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Locked in a hold, and partly let go with time."""
     tau, loss = rng.uniform(0.5, 3.0), rng.uniform(0.2, 0.5)
@@ -69,32 +90,38 @@ def _stribeck(
     return {"peak": peak, "vs_mm_s": vs, "hold_share": share}, scaled(-level * direction(c, share))
 
 
+@form_of(FORMS, "stribeck_friction")
 def stribeck_gauss(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-[F_c + (F_s - F_c) exp(-(v/v_s)^2)] sgn."""
     return _stribeck(c, rng, lambda u: np.exp(-(u**2)), 0.5)
 
 
+@form_of(FORMS, "stribeck_friction", "exponential")
 def stribeck_exponential(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """exp(-v/v_s) in place of the bell (Bo and Pavelescu 1982)."""
     return _stribeck(c, rng, lambda u: np.exp(-u), rng.uniform(0.3, 1.0))
 
 
+@form_of(FORMS, "stribeck_friction", "lorentz")
 def stribeck_lorentz(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """1/(1 + (v/v_s)^2) in place of the bell (Hess and Soom 1990)."""
     return _stribeck(c, rng, lambda u: 1 / (1 + u**2), rng.uniform(0.3, 1.0))
 
 
+@form_of(FORMS, "pressure_friction")
 def pressure_plain(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-mu_f p S sgn, S constant; size in N at 0.5 MPa."""
     return {"hold_share": 0.5}, scaled(-c.pressure / 0.5 * direction(c, 0.5))
 
 
+@form_of(FORMS, "pressure_friction", "contact_area")
 def pressure_contact_area(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """S = lateral surface of the braid, growing with contraction."""
     share = rng.uniform(0.3, 1.0)
     return {"hold_share": share}, scaled(-c.pressure / 0.5 * m.specimen.lateral_area(c.eps) * direction(c, share))
 
 
+@form_of(FORMS, "pressure_friction", "radius")
 def pressure_radius(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Thread tension sets the pressing at the crossings: it goes with p r."""
     share = rng.uniform(0.3, 1.0)
@@ -102,29 +129,34 @@ def pressure_radius(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[
     return {"hold_share": share}, scaled(-c.pressure / 0.5 * grow * direction(c, share))
 
 
+@form_of(FORMS, "pressure_friction", "offset")
 def pressure_offset(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The threads press a little before there is any pressure: p + p0."""
     p0, share = rng.uniform(0.02, 0.06), rng.uniform(0.3, 1.0)
     return {"p0_MPa": p0, "hold_share": share}, scaled(-(c.pressure + p0) / 0.5 * direction(c, share))
 
 
+@form_of(FORMS, "viscous_damping")
 def viscous_linear(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-B eps'; size in N at 10 mm/s."""
     return {}, scaled(-c.rate * c.length_mm / 10.0)
 
 
+@form_of(FORMS, "viscous_damping", "power")
 def viscous_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-B |eps'|^n sgn, n below 1."""
     n = rng.uniform(0.5, 0.8)
     return {"n": n}, scaled(-np.sign(c.rate) * (speed_mm_s(c) / 10.0) ** n)
 
 
+@form_of(FORMS, "viscous_damping", "pressure")
 def viscous_pressure(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """B grows with the pressure that presses the threads together."""
     gain = rng.uniform(0.3, 1.2)
     return {"gain": gain}, scaled(-c.rate * c.length_mm / 10.0 * (1 + gain * c.pressure / 0.5))
 
 
+@form_of(FORMS, "viscous_damping", "thinning")
 def viscous_thinning(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Shear thinning: B v/(1 + v/v1)."""
     v1 = rng.uniform(20.0, 80.0)
@@ -145,6 +177,8 @@ def maxwell_slip(x: Array, reach: Array, weight: Array) -> Array:
 
 
 def _slip(count: int) -> Form:
+    """Maxwell slip with so many elements."""
+
     def form(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
         longest = rng.uniform(0.012, 0.035)
         reach = longest * (np.arange(count) + 1) / count
@@ -152,13 +186,14 @@ def _slip(count: int) -> Form:
         shape = maxwell_slip(c.slide, reach, weight / weight.sum())
         return {"reach": longest, "elements": count}, scaled(-shape)
 
-    form.__doc__ = f"Maxwell slip with {count} elements."
     return form
 
 
-maxwell_one, maxwell_three, maxwell_eight = _slip(1), _slip(3), _slip(8)
+for _name, _count in (("textbook", 3), ("maxwell_1", 1), ("maxwell_8", 8)):
+    form_of(FORMS, "presliding_hysteresis", _name)(_slip(_count))
 
 
+@form_of(FORMS, "presliding_hysteresis", "bouc_wen")
 def bouc_wen(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """dz/dx = (1 - |z|^n [gamma + beta sgn(z dx)])/reach, gamma + beta = 1."""
     reach, n, gamma = rng.uniform(0.006, 0.02), rng.uniform(1.0, 2.0), rng.uniform(0.5, 0.8)
@@ -170,6 +205,7 @@ def bouc_wen(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Setting
     return {"reach": reach, "n": n, "beta": gamma}, scaled(-travel_path(c.slide, 0.0, slope))
 
 
+@form_of(FORMS, "presliding_hysteresis", "dahl")
 def dahl(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Dahl 1968: dz/dx = |1 - z sgn(dx)|^i / reach."""
     reach, power = rng.uniform(0.006, 0.015), rng.uniform(1.0, 1.6)
@@ -177,6 +213,7 @@ def dahl(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, F
     return {"reach": reach, "power": power}, scaled(-shape)
 
 
+@form_of(FORMS, "presliding_hysteresis", "lugre")
 def lugre(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Canudas de Wit 1995: z' = v - |v| z/(reach g(v)), force z/reach, g falling a little with speed."""
     reach, peak, vs = rng.uniform(0.006, 0.015), rng.uniform(1.1, 1.3), rng.uniform(3.0, 12.0)
@@ -191,6 +228,8 @@ def lugre(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, 
 
 
 def _sticking(level: Callable[[RigRun], Array]) -> Form:
+    """Dry friction under a weight: the length stays while the pull is off the load by less than its level."""
+
     def form(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
         load, grip = c.load, level(c)
         if load is None:
@@ -205,48 +244,8 @@ def _sticking(level: Callable[[RigRun], Array]) -> Form:
 
         return {}, force
 
-    form.__doc__ = (
-        "Dry friction under a weight: the length stays while the pull is off the load by less than its level."
-    )
     return form
 
 
-sticking = _sticking(lambda c: np.ones_like(c.pressure))
-sticking_pressed = _sticking(lambda c: c.pressure / np.max(c.pressure))
-
-
-FORMS: dict[str, dict[str, Form]] = {
-    "coulomb_friction": {
-        "textbook": coulomb_sign,
-        "tanh": coulomb_tanh,
-        "two_levels": coulomb_two_levels,
-        "relaxing_hold": coulomb_relaxing,
-        "sticking": sticking,
-    },
-    "stribeck_friction": {
-        "textbook": stribeck_gauss,
-        "exponential": stribeck_exponential,
-        "lorentz": stribeck_lorentz,
-    },
-    "pressure_friction": {
-        "textbook": pressure_plain,
-        "contact_area": pressure_contact_area,
-        "radius": pressure_radius,
-        "offset": pressure_offset,
-        "sticking": sticking_pressed,
-    },
-    "viscous_damping": {
-        "textbook": viscous_linear,
-        "power": viscous_power,
-        "pressure": viscous_pressure,
-        "thinning": viscous_thinning,
-    },
-    "presliding_hysteresis": {
-        "textbook": maxwell_three,
-        "maxwell_1": maxwell_one,
-        "maxwell_8": maxwell_eight,
-        "bouc_wen": bouc_wen,
-        "dahl": dahl,
-        "lugre": lugre,
-    },
-}
+form_of(FORMS, "coulomb_friction", "sticking")(_sticking(lambda c: np.ones_like(c.pressure)))
+form_of(FORMS, "pressure_friction", "sticking")(_sticking(lambda c: c.pressure / np.max(c.pressure)))

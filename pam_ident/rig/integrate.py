@@ -1,7 +1,5 @@
 """Small integrators on an uneven time grid, exact or implicit so that long holds keep them stable."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -9,18 +7,19 @@ import numpy as np
 from .muscle import Array
 
 
+def fading(keep: Array, gain: Array) -> Array:
+    """y, shape (m,), with y[i] = keep[i] y[i-1] + gain[i], from 0 before the first."""
+    out, now = np.empty_like(gain), 0.0
+    for i, (k, more) in enumerate(zip(keep.tolist(), gain.tolist(), strict=True)):
+        out[i] = now = k * now + more
+    return out
+
+
 def follow(time: Array, drive: Array, tau: float) -> Array:
     """q' = (u - q)/tau from q = u at the start, shapes (m,); exact for u straight between grid points."""
     dt = np.maximum(np.diff(time), 1e-12)
-    decay = np.exp(-dt / tau)
     behind = np.diff(drive) / dt * tau * -np.expm1(-dt / tau)
-    lag, out = 0.0, np.empty_like(drive)
-    out[0] = drive[0]
-    for i, (a, b) in enumerate(zip(decay.tolist(), behind.tolist(), strict=True)):
-        lag = a * lag + b  # lag = u - q
-        out[i + 1] = lag
-    out[1:] = drive[1:] - out[1:]
-    return out
+    return drive - np.r_[0.0, fading(np.exp(-dt / tau), behind)]  # u - (u - q)
 
 
 def stiff_path(time: Array, start: float, slope: Callable[[int, float], tuple[float, float]]) -> Array:

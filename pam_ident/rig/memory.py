@@ -3,21 +3,15 @@
 Same signature as in friction.py: (course, muscle, rng) -> (settings, force(size) in N on the fine grid).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from .friction import Force, Form, Settings, scaled
+from .friction import Force, Forms, Settings, elsewhere, form_of, scaled
 from .integrate import follow, stiff_path
 from .muscle import AMBIENT_MPA, Array, RigMuscle
 from .protocol import RigRun
 
 KAPPA = 1.4  # adiabatic exponent of air
-
-
-def _by_gas(c: RigRun, m: RigMuscle, gas: Array) -> Array:
-    """Change of force (N) when the muscle holds `gas` (gauge MPa) and the valve sensor reads c.pressure."""
-    return m.force(gas, c.eps) - m.force(c.pressure, c.eps)
+FORMS: Forms = {}
 
 
 def _growth(c: RigRun, m: RigMuscle) -> list[float]:
@@ -26,12 +20,13 @@ def _growth(c: RigRun, m: RigMuscle) -> list[float]:
     return [0.0, *steps.tolist()]
 
 
+@form_of(FORMS, "pressure_lag")
 def lag_quasi_steady(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p_m = p - T [p' + p_abs (V'/V) eps'] at the rates of pressure and contraction; size T in s."""
     fall = np.gradient(c.pressure, c.time + 1e-9 * np.arange(len(c.time)))
     fall += (c.pressure + AMBIENT_MPA) * m.specimen.log_volume_slope(c.eps) * c.rate
     fall = np.where(c.moving != 0, fall, 0.0)
-    return {}, lambda size: _by_gas(c, m, c.pressure - size * fall)
+    return {}, lambda size: elsewhere(c, m, c.pressure - size * fall)
 
 
 def _through_valve(c: RigRun, m: RigMuscle, n: float, venting: float = 1.0) -> Force:
@@ -46,23 +41,26 @@ def _through_valve(c: RigRun, m: RigMuscle, n: float, venting: float = 1.0) -> F
             way = opening[i] * (1.0 if valve[i] > p else venting) / size
             return way * (valve[i] - p) - n * (p + AMBIENT_MPA) * growth[i], -way - n * growth[i]
 
-        return _by_gas(c, m, stiff_path(c.time, valve[0], slope))
+        return elsewhere(c, m, stiff_path(c.time, valve[0], slope))
 
     return force
 
 
+@form_of(FORMS, "pressure_lag", "first_order")
 def lag_first_order(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A linear valve; size T in s, n 1..1.4."""
     n = rng.uniform(1.0, KAPPA)
     return {"polytropic": n}, _through_valve(c, m, n)
 
 
+@form_of(FORMS, "pressure_lag", "two_ways")
 def lag_two_ways(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A valve that vents more slowly than it fills."""
     n, slower = rng.uniform(1.0, KAPPA), rng.uniform(0.4, 0.8)
     return {"polytropic": n, "venting": slower}, _through_valve(c, m, n, slower)
 
 
+@form_of(FORMS, "pressure_lag", "orifice")
 def lag_orifice(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Gas balance (9) with the orifice (10), (11), b' = 0.3..0.5, and a laminar part near equal pressures.
 
@@ -90,7 +88,7 @@ def lag_orifice(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Sett
             g = opening[i] * conductance(max(v, p), min(v, p)) / size
             return g * (v - p) - KAPPA * p * growth[i], -g - KAPPA * growth[i]
 
-        return _by_gas(c, m, stiff_path(c.time, valve[0], slope) - AMBIENT_MPA)
+        return elsewhere(c, m, stiff_path(c.time, valve[0], slope) - AMBIENT_MPA)
 
     return {"critical_ratio": critical}, force
 
@@ -99,6 +97,7 @@ def _elapsed(c: RigRun) -> Array:
     return c.time - c.time[c.rows[0]]
 
 
+@form_of(FORMS, "force_drift")
 def drift_linear(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Straight in time; size in N over the whole record, either sign."""
     sign = float(rng.choice([-1.0, 1.0]))
@@ -106,12 +105,14 @@ def drift_linear(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Set
     return {"sign": sign}, scaled(sign * t / t[-1])
 
 
+@form_of(FORMS, "force_drift", "settling")
 def drift_settling(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """1 - exp(-t/tau): an amplifier warming up."""
     sign, tau = float(rng.choice([-1.0, 1.0])), rng.uniform(80.0, 400.0)
     return {"sign": sign, "tau_s": tau}, scaled(-sign * np.expm1(-_elapsed(c) / tau))
 
 
+@form_of(FORMS, "force_drift", "log")
 def drift_log(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """log(1 + t/t0): creep of the load cell's glue."""
     sign, t0 = float(rng.choice([-1.0, 1.0])), rng.uniform(10.0, 60.0)
@@ -126,6 +127,7 @@ def maxwell_arms(c: RigRun, drive: Array, taus: Array, weights: Array) -> Array:
     return out
 
 
+@form_of(FORMS, "creep")
 def creep_solid(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Standard linear solid on the contraction: -G (eps - q), q' = (eps - q)/tau; size G in N."""
     tau = float(np.exp(rng.uniform(np.log(2.0), np.log(12.0))))
@@ -138,22 +140,26 @@ def _prony(taus: Array, rng: np.random.Generator, c: RigRun) -> tuple[Settings, 
     return settings, scaled(-maxwell_arms(c, c.slide, taus, weight / weight.sum()))
 
 
+@form_of(FORMS, "creep", "prony_2")
 def creep_prony2(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Two Prony terms."""
     return _prony(np.array([rng.uniform(0.8, 2.5), rng.uniform(8.0, 30.0)]), rng, c)
 
 
+@form_of(FORMS, "creep", "prony_3")
 def creep_prony3(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Three Prony terms over two decades."""
     return _prony(np.array([rng.uniform(0.5, 1.0), rng.uniform(4.0, 8.0), rng.uniform(30.0, 60.0)]), rng, c)
 
 
+@form_of(FORMS, "creep", "log_time")
 def creep_log_time(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Relaxation straight in log time from 0.3 to 300 s: a flat spectrum of arms."""
     taus = np.geomspace(0.3, 300.0, 10)
     return {"fastest_s": 0.3, "slowest_s": 300.0}, scaled(-maxwell_arms(c, c.slide, taus, np.full(10, 0.1)))
 
 
+@form_of(FORMS, "creep", "power_law")
 def creep_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Power-law kernel t^-beta (springpot), its spectrum tau^-beta cut at 0.3 and 300 s."""
     beta = rng.uniform(0.15, 0.5)
@@ -162,6 +168,7 @@ def creep_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Sett
     return {"beta": beta}, scaled(-maxwell_arms(c, c.slide, taus, weight / weight.sum()))
 
 
+@form_of(FORMS, "creep", "by_force")
 def creep_by_force(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Driven by the load in place of the contraction: g (F - q), q following F; size a share of the force."""
     tau = float(np.exp(rng.uniform(np.log(2.0), np.log(12.0))))
@@ -169,29 +176,25 @@ def creep_by_force(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[S
     return {"tau_s": tau}, scaled(maxwell_arms(c, drive, np.array([tau]), np.ones(1)))
 
 
+@form_of(FORMS, "mullins_softening")
 def mullins_exponential(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A exp(-(n - 1)/n0), n the cycle within the isobar; size A in N."""
     n0 = rng.uniform(0.8, 2.5)
     return {"n0": n0}, scaled(np.exp(-(c.cycle - 1) / n0))
 
 
+@form_of(FORMS, "mullins_softening", "power")
 def mullins_power(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A n^-k."""
     k = rng.uniform(0.7, 1.5)
     return {"k": k}, scaled(c.cycle**-k)
 
 
+@form_of(FORMS, "mullins_softening", "force_share")
 def mullins_force(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """First cycles stiffer by a share of the force; size that share."""
     n0 = rng.uniform(0.8, 2.5)
     return {"n0": n0}, scaled(m.force(c.pressure, c.eps) * np.exp(-(c.cycle - 1) / n0))
-
-
-def mullins_rested(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """Between isobars the rubber recovers only a share of what the first one took."""
-    n0, share = rng.uniform(0.8, 2.5), rng.uniform(0.3, 0.8)
-    left = np.where(c.isobar == c.isobar[c.rows[0]], 1.0, share)
-    return {"n0": n0, "recovered": share}, scaled(left * np.exp(-(c.cycle - 1) / n0))
 
 
 def _bladder(c: RigRun, m: RigMuscle) -> Array:
@@ -199,12 +202,22 @@ def _bladder(c: RigRun, m: RigMuscle) -> Array:
     return (1 - c.eps) * (1 - m.specimen.initial_radius_mm / m.specimen.radius(c.eps))
 
 
+@form_of(FORMS, "mullins_softening", "elastic_share")
 def mullins_elastic(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """A virgin bladder resists more: -A exp(-(n - 1)/n0) times the hoop stress, zero at rest."""
     n0 = rng.uniform(0.8, 2.5)
     return {"n0": n0}, scaled(-_bladder(c, m) * np.exp(-(c.cycle - 1) / n0))
 
 
+@form_of(FORMS, "mullins_softening", "rested")
+def mullins_rested(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Between isobars the rubber recovers only a share of what the first one took."""
+    n0, share = rng.uniform(0.8, 2.5), rng.uniform(0.3, 0.8)
+    left = np.where(c.isobar == c.isobar[c.rows[0]], 1.0, share)
+    return {"n0": n0, "recovered": share}, scaled(left * np.exp(-(c.cycle - 1) / n0))
+
+
+@form_of(FORMS, "mullins_softening", "travel")
 def mullins_travel(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Damage by the way travelled within the isobar, no step between cycles."""
     n0 = rng.uniform(0.8, 2.0)
@@ -217,6 +230,7 @@ def mullins_travel(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[S
     return {"n0": n0}, scaled(out)
 
 
+@form_of(FORMS, "mullins_softening", "whole_test")
 def mullins_whole_test(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The damage stays from one isobar to the next: n counted from the start of the test."""
     n0 = rng.uniform(2.0, 6.0)
@@ -227,16 +241,19 @@ def _warming(c: RigRun) -> Array:
     return c.temperature - c.temperature[c.rows[0]]
 
 
+@form_of(FORMS, "thermal_softening")
 def thermal_force(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """F (1 - alpha dT); size alpha in 1/K."""
     return {}, scaled(-m.force(c.pressure, c.eps) * _warming(c))
 
 
+@form_of(FORMS, "thermal_softening", "elastic_part")
 def thermal_elastic(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Only the bladder softens: it takes less off the pull; size in N/K at full shape."""
     return {}, scaled(_bladder(c, m) * _warming(c))
 
 
+@form_of(FORMS, "thermal_softening", "core")
 def thermal_core(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The rubber runs behind the logged skin temperature by a first-order lag."""
     tau = rng.uniform(20.0, 60.0)
@@ -244,42 +261,9 @@ def thermal_core(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Set
     return {"tau_s": tau}, scaled(-m.force(c.pressure, c.eps) * core)
 
 
+@form_of(FORMS, "thermal_softening", "saturating")
 def thermal_saturating(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Softening that levels off: dT/(1 + dT/T1), T1 20..60 K."""
     t1 = rng.uniform(20.0, 60.0)
     warm = _warming(c)
     return {"T1_K": t1}, scaled(-m.force(c.pressure, c.eps) * warm / (1 + np.abs(warm) / t1))
-
-
-FORMS: dict[str, dict[str, Form]] = {
-    "pressure_lag": {
-        "textbook": lag_quasi_steady,
-        "first_order": lag_first_order,
-        "two_ways": lag_two_ways,
-        "orifice": lag_orifice,
-    },
-    "force_drift": {"textbook": drift_linear, "settling": drift_settling, "log": drift_log},
-    "creep": {
-        "textbook": creep_solid,
-        "prony_2": creep_prony2,
-        "prony_3": creep_prony3,
-        "log_time": creep_log_time,
-        "power_law": creep_power,
-        "by_force": creep_by_force,
-    },
-    "mullins_softening": {
-        "textbook": mullins_exponential,
-        "power": mullins_power,
-        "force_share": mullins_force,
-        "elastic_share": mullins_elastic,
-        "rested": mullins_rested,
-        "travel": mullins_travel,
-        "whole_test": mullins_whole_test,
-    },
-    "thermal_softening": {
-        "textbook": thermal_force,
-        "elastic_part": thermal_elastic,
-        "core": thermal_core,
-        "saturating": thermal_saturating,
-    },
-}

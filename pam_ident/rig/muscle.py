@@ -3,11 +3,8 @@
 Units: force N, gauge pressure MPa (= N/mm^2), lengths mm, contraction eps = (L0 - L)/L0 without unit.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from typing import Any
-from typing import Protocol as Interface
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,19 +52,6 @@ class RigSpecimen:
         return (self.radius(eps) / self.initial_radius_mm) * (1 - eps)
 
 
-class RigLaw(Interface):
-    """A static law: force(p, eps) in N of p (MPa) and eps of one shape, and its record name."""
-
-    @property
-    def name(self) -> str:
-        """Name as records and truth.json print it."""
-        ...
-
-    def force(self, p: Array, eps: Array) -> Array:
-        """Pull force (N)."""
-        ...
-
-
 @dataclass(frozen=True)
 class Exponential:
     """F = (a0 + a1 p) - (b0 + b1 p) eps + (c0 + c1 p) exp(-mu eps), p in MPa, eps of its shape; defaults: law (4)."""
@@ -109,7 +93,7 @@ class RigMuscle:
     """A specimen with the static law that holds for it; p (MPa) and eps are of one shape."""
 
     specimen: RigSpecimen
-    law: RigLaw
+    law: Exponential | ChouHannaford
 
     def force(self, p: Array, eps: Array) -> Array:
         """Static force (N)."""
@@ -154,10 +138,8 @@ def draw_specimen(rng: np.random.Generator, vary: bool = True) -> RigSpecimen:
 def draw_muscle(rng: np.random.Generator, law: str, specimen: RigSpecimen) -> RigMuscle:
     """A plausible muscle: coefficients scattered about law (4), or about k0 0.87, k1 1.15, k2 0."""
     if law == "modified_chou_hannaford":
-        return RigMuscle(
-            specimen,
-            ChouHannaford(specimen, rng.uniform(0.75, 1.0), rng.uniform(1.05, 1.25), rng.uniform(-20.0, 20.0)),
-        )
+        k0, k1, k2 = rng.uniform(0.75, 1.0), rng.uniform(1.05, 1.25), rng.uniform(-20.0, 20.0)
+        return RigMuscle(specimen, ChouHannaford(specimen, k0, k1, k2))
     if law != "exponential_law":
         raise ValueError(f"law {law!r}: the rig knows exponential_law and modified_chou_hannaford")
     area = (specimen.initial_radius_mm / 10.0) ** 2

@@ -5,15 +5,14 @@ computed on a grid `substeps` times finer than the rows, gaps between the isobar
 with memory (creep, lag, presliding) go on while nobody logs.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
-from itertools import cycle, islice
+from functools import cached_property
 from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .integrate import fading
 from .muscle import Array, RigMuscle
 
 T = TypeVar("T", int, float)
@@ -29,9 +28,9 @@ class RigRun:
     """One run on the fine grid, all arrays of shape (m,); `rows` (n,) are the logged instants.
 
     time (s), contraction eps, rate d(eps)/dt (1/s), pressure at the valve (gauge MPa), temperature (deg C),
-    moving -1 (extension) | 0 | +1 (contraction), heading = last motion, cycle within the isobar from 1,
-    count of cycles since the start of the test, isobar number from 0. `slide` is the contraction of the braid, of which
-    rate, moving and heading are; `load` (N) what hangs on a muscle whose length answers, None where that is driven.
+    moving -1 (extension) | 0 | +1 (contraction), cycle within the isobar from 1, count of cycles since the start of the
+    test, isobar number from 0. `slide` is the contraction of the braid, of which rate, moving and heading are; `load`
+    (N) what hangs on a muscle whose length answers, None where that is driven.
     """
 
     time: Array
@@ -40,7 +39,6 @@ class RigRun:
     pressure: Array
     temperature: Array
     moving: Array
-    heading: Array
     cycle: Array
     count: Array
     isobar: Array
@@ -48,6 +46,12 @@ class RigRun:
     length_mm: float
     slide: Array
     load: Array | None = None
+
+    @cached_property
+    def heading(self) -> Array:
+        """The last motion, shape (m,), +1 before any: it was contracted before the first row."""
+        last = np.maximum.accumulate(np.where(self.moving != 0, np.arange(len(self.moving)), 0))
+        return np.where(self.moving[last] == 0, 1.0, self.moving[last])
 
     def since_stop(self) -> Array:
         """Seconds since the last motion ended, 0 while moving."""
@@ -105,14 +109,6 @@ class Protocol:
         seconds, rows = _listed(self.hold_s), _listed(self.hold_rows)
         return tuple(zip(seconds, rows * len(seconds), strict=False))
 
-    @property
-    def n_rows(self) -> int:
-        """Rows of the record."""
-        sets = len(self.pressures_MPa) * len(self.speeds_mm_s)
-        halves = 2 * sets * self.cycles_per_speed
-        minor = 2 * sets * (1 + self.cycles_per_speed * len(self.minor_loops_mm)) if self.minor_loops_mm else 0
-        return (halves + minor) * self.move_rows + sum(rows for _, rows in islice(cycle(self.holds), halves))
-
     def run(self, muscle: RigMuscle, rng: np.random.Generator) -> RigRun:
         """The course of a run with the pressures in random order (temperature still flat)."""
         log = _Log(self, muscle.specimen.initial_length_mm)
@@ -137,12 +133,8 @@ class Protocol:
         if not self.breathing:
             return course
         share = -course.rate * course.length_mm / max(self.speeds_mm_s)
-        slow = np.empty_like(share)
-        state = 0.0
         kept = np.exp(-np.diff(course.time, prepend=course.time[0]) / 0.1)
-        for k, (keep, drive) in enumerate(zip(kept.tolist(), share.tolist(), strict=True)):
-            state = keep * state + (1.0 - keep) * drive
-            slow[k] = state
+        slow = fading(kept, (1.0 - kept) * share)
         return replace(course, pressure=course.pressure * (1.0 + self.breathing * slow))
 
     def heating(self, time: Array) -> Array:
@@ -159,7 +151,7 @@ class Protocol:
             raise TooShort(f"stroke_mm = {self.stroke_mm}: the muscle pulls up to {top:.1f} mm at {pressure:g} MPa")
         return bottom, top
 
-    def _minor_loops(self, log: _Log, bottom: float, top: float, speed: float) -> None:
+    def _minor_loops(self, log: "_Log", bottom: float, top: float, speed: float) -> None:
         """From the end of the stroke to its middle, the loops there, and back."""
         middle = 0.5 * (bottom + top)
         log.start_cycle()
@@ -200,23 +192,10 @@ class _Log:
     def _put(
         self, after: Array, x: Array, v: Array, moving: float, logged: Array, pressure: Array | None = None
     ) -> None:
-        one = np.ones_like(after)
-        p = self.pressure * one if pressure is None else pressure
-        self.pieces.append(
-            np.array(
-                [
-                    self.clock + after,
-                    x,
-                    v,
-                    p,
-                    moving * one,
-                    max(self.cycle, 1) * one,
-                    self.count * one,
-                    self.isobar * one,
-                    logged,
-                ]
-            )
-        )
+        p = self.pressure if pressure is None else pressure
+        cycle = max(self.cycle, 1)
+        piece = np.broadcast_arrays(self.clock + after, x, v, p, moving, cycle, self.count, self.isobar, logged)
+        self.pieces.append(np.array(piece))
 
     def _marks(self, rows: int) -> tuple[Array, Array]:
         """Progress 0..1 on the fine grid, and 1 where a row is logged."""
@@ -270,23 +249,9 @@ class _Log:
 
     def course(self) -> RigRun:
         t, x, v, p, moving, cycle, count, isobar, logged = np.concatenate(self.pieces, axis=1)
-        index = np.maximum.accumulate(np.where(moving != 0, np.arange(len(t)), 0))
-        heading = np.where(moving[index] == 0, 1.0, moving[index])  # it was contracted before the first row
-        return RigRun(
-            t,
-            x / self.length_mm,
-            v / self.length_mm,
-            p,
-            np.full_like(t, 23.0),
-            moving,
-            heading,
-            cycle,
-            count,
-            isobar,
-            np.flatnonzero(logged > 0),
-            self.length_mm,
-            x / self.length_mm,
-        )
+        eps, rate, rows = x / self.length_mm, v / self.length_mm, np.flatnonzero(logged > 0)
+        flat = np.full_like(t, 23.0)
+        return RigRun(t, eps, rate, p, flat, moving, cycle, count, isobar, rows, self.length_mm, eps)
 
 
 ISOBARIC: dict[str, Protocol] = {

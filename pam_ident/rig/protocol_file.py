@@ -1,12 +1,10 @@
 """Protocols as TOML files: a table [protocol] with the keys of KEYS."""
 
-from __future__ import annotations
-
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from ..core import UsageError
+from ..core.files import read_toml
 from .protocol import Protocol
 
 KEYS = {
@@ -33,13 +31,8 @@ def read_protocol(path: str | Path) -> Protocol:
     Raises UsageError naming file and key, with what was expected there.
     """
     path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise UsageError(f"{path}: no such file; `pam-ident diagnose RECORD --protocol FILE.toml` writes one") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"{path}: not a readable TOML file ({error})") from None
-    table = content.get("protocol")
+    absent = "no such file; `pam-ident diagnose RECORD --protocol FILE.toml` writes one"
+    table = read_toml(path, absent, UsageError).get("protocol")
     if not isinstance(table, dict):
         raise UsageError(f"{path}: no table [protocol]; expected one with {', '.join(NEEDED)}")
     for key in NEEDED:

@@ -1,7 +1,5 @@
 """From a plan to a record: one muscle, one run, what is hidden in it, what the sensors make of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,22 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from .drives import PROTOCOLS, Drive
-from .faults import FAULTS
-from .hidden import Hidden, TooSmall, carry_over, draw_hidden
+from .hidden import Hidden, TooSmall, carry_over, draw_hidden, law_residual, rms
 from .muscle import Array, RigMuscle, draw_muscle, draw_specimen
 from .protocol import Protocol, RigRun
-from .refit import law_residual, rms
-from .sensors import GAUGES, RigSensors, temperature_course
+from .sensors import FAULTS, GAUGES, RigSensors, temperature_course
 
-COLUMNS = (
-    "time_s",
-    "cycle",
-    "pressure_set_MPa",
-    "pressure_MPa",
-    "displacement_mm",
-    "force_N",
-    "temperature_C",
-)
+COLUMNS = ("time_s", "cycle", "pressure_set_MPa", "pressure_MPa", "displacement_mm", "force_N", "temperature_C")
 DECIMALS = (4, 0, 3, 5, 4, 3, 2)
 ATTEMPTS = 8
 PIECE = 10_000
@@ -131,21 +119,14 @@ def make_record(plan: Plan) -> RigRecord:
         sized_on = _run(plan, PROTOCOLS["standard"], muscle, True)
     secrets = plan.secrets + ((plan.unknown,) if plan.unknown else ())
     hidden = tuple(_hide(s, i, plan, sized_on, course, muscle) for i, s in enumerate(secrets))
-    added = np.zeros(len(course.rows))
-    for h in hidden:
-        added += h.force[course.rows]
+    added = sum((h.force[course.rows] for h in hidden), np.zeros(len(course.rows)))
     table = _log(plan, course, muscle, added, _stream(plan.seed, 5))
     p_seen, eps_seen, force_seen = table[:, 3], table[:, 4] / course.length_mm, table[:, 5]
-    return RigRecord(
-        plan,
-        FAULTS[plan.fault](table, _stream(plan.seed, 6)) if plan.fault else table,
-        muscle,
-        hidden,
-        rms(force_seen - muscle.force(p_seen, eps_seen) - added),
-        rms(law_residual(muscle, p_seen, eps_seen, force_seen)),
-        course,
-        added,
-    )
+    noise = rms(force_seen - muscle.force(p_seen, eps_seen) - added)
+    by_law = rms(law_residual(muscle, p_seen, eps_seen, force_seen))
+    if plan.fault:
+        FAULTS[plan.fault](table, _stream(plan.seed, 6))
+    return RigRecord(plan, table, muscle, hidden, noise, by_law, course, added)
 
 
 def _log(plan: Plan, course: RigRun, muscle: RigMuscle, added: Array, rng: np.random.Generator) -> Array:

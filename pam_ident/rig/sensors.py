@@ -1,17 +1,24 @@
-"""Sensor noise of several colours, the temperature of the day, and the rounding of the log."""
+"""Sensor noise of several colours, the temperature of the day, and what a logger makes of a table.
 
-from __future__ import annotations
+Every fault changes the table (n, 7), in the order of record.COLUMNS, in place. A cell that is NaN is written empty, and
+a row whose time is NaN is not written.
+"""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from .integrate import fading
 from .muscle import Array
 
 COLOURS = ("white", "ar1", "ou", "slow", "pink", "heavy", "growing")
 GAUGES = {"good": (0.0002, 0.01), "noisy_pressure": (0.001, 0.01), "noisy_length": (0.0002, 0.04)}
 """Noise of the gauge in MPa and of the length sensor in mm."""
+TIME, PRESSURE, LENGTH, FORCE = 0, 3, 4, 5
+Fault = Callable[[Array, np.random.Generator], None]
 
 
 @dataclass(frozen=True)
@@ -40,11 +47,7 @@ def ornstein_uhlenbeck(time: Array, tau: float, rng: np.random.Generator) -> Arr
     """Unit-variance Ornstein-Uhlenbeck noise at uneven instants (n,)."""
     keep = np.exp(-np.diff(time, prepend=time[0] - 50 * tau) / tau)
     kicks = rng.standard_normal(len(time)) * np.sqrt(1 - keep**2)
-    out, now = np.empty(len(time)), 0.0
-    for i, (k, w) in enumerate(zip(keep.tolist(), kicks.tolist(), strict=True)):
-        now = k * now + w
-        out[i] = now
-    return out
+    return fading(keep, kicks)
 
 
 def _colour(colour: str, time: Array, rng: np.random.Generator) -> Array:
@@ -75,3 +78,51 @@ def temperature_course(time: Array, rng: np.random.Generator, warming: bool) -> 
     if warming:
         out += -rng.uniform(12.0, 18.0) * np.expm1(-(time - time[0]) / rng.uniform(150.0, 400.0))
     return out
+
+
+def _some(n: int, share: float, rng: np.random.Generator) -> NDArray[np.intp]:
+    return rng.choice(n, max(int(share * n), 1), replace=False)
+
+
+def _spikes(table: Array, rng: np.random.Generator) -> None:
+    """Two samples in a thousand of the force are off by 50 to 500 N."""
+    rows = _some(len(table), 0.002, rng)
+    table[rows, FORCE] += rng.choice([-1.0, 1.0], len(rows)) * rng.uniform(50.0, 500.0, len(rows))
+
+
+def _empty_cells(table: Array, rng: np.random.Generator) -> None:
+    """One in a hundred cells of pressure, length or force is empty."""
+    for column in (PRESSURE, LENGTH, FORCE):
+        table[_some(len(table), 0.01, rng), column] = np.nan
+
+
+def _lost_rows(table: Array, rng: np.random.Generator) -> None:
+    """One row in twenty was never written."""
+    table[_some(len(table), 0.05, rng), TIME] = np.nan
+
+
+def _jitter(table: Array, rng: np.random.Generator) -> None:
+    """The clock is read up to a fifth of a step too late."""
+    steps = np.diff(table[:, TIME], append=table[-1, TIME] + 0.01)
+    table[:, TIME] = np.round(table[:, TIME] + 0.2 * rng.uniform(0.0, 1.0, len(table)) * np.clip(steps, 0.0, 0.2), 5)
+
+
+def _coarse(table: Array, rng: np.random.Generator) -> None:
+    """A logger of 12 bits: 1 N, 0.05 mm, 0.5 kPa."""
+    for column, step in ((PRESSURE, 0.0005), (LENGTH, 0.05), (FORCE, 1.0)):
+        table[:, column] = np.round(table[:, column] / step) * step
+
+
+def _clipped(table: Array, rng: np.random.Generator) -> None:
+    """The load cell ends at 85 to 95 % of the largest force."""
+    table[:, FORCE] = np.minimum(table[:, FORCE], np.round(rng.uniform(0.85, 0.95) * table[:, FORCE].max(), 3))
+
+
+FAULTS: dict[str, Fault] = {
+    "spikes": _spikes,
+    "empty_cells": _empty_cells,
+    "lost_rows": _lost_rows,
+    "jitter": _jitter,
+    "coarse": _coarse,
+    "clipped": _clipped,
+}

@@ -3,15 +3,15 @@
 Same signature as in friction.py.  They act at a given pressure and contraction whatever came before.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
 
-from .friction import Force, Form, Settings, scaled
+from .friction import Force, Forms, Settings, elsewhere, form_of, scaled
 from .muscle import Array, RigMuscle, RigSpecimen
 from .protocol import RigRun
+
+FORMS: Forms = {}
 
 
 def elastic_force(specimen: RigSpecimen, energy: Callable[[Array, Array], Array], eps: Array) -> Array:
@@ -30,11 +30,7 @@ def elastic_force(specimen: RigSpecimen, energy: Callable[[Array, Array], Array]
     return slope / specimen.initial_length_mm
 
 
-def hoop_energy(hoop: Array, axial: Array) -> Array:
-    """Half (stretch - 1)^2, per unit modulus, of stretches of one shape."""
-    return 0.5 * (hoop - 1) ** 2
-
-
+@form_of(FORMS, "bladder_elasticity")
 def bladder_hoop(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Hoop energy in closed form, F_t = (2a/3) pi r0 t E (1 - eps)(1 - r0/r); size E in MPa."""
     s = m.specimen
@@ -43,6 +39,7 @@ def bladder_hoop(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Set
     return {}, scaled(-front * (1 - c.eps) * (1 - s.initial_radius_mm / s.radius(c.eps)))
 
 
+@form_of(FORMS, "bladder_elasticity", "mooney_rivlin")
 def bladder_mooney(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Incompressible Mooney-Rivlin tube, thinned as it widens; size 6 (C1 + C2) = E in MPa."""
     share = rng.uniform(0.0, 0.35)
@@ -56,6 +53,7 @@ def bladder_mooney(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[S
     return {"C2_share": share}, scaled(-elastic_force(m.specimen, energy, c.eps))
 
 
+@form_of(FORMS, "bladder_elasticity", "gent")
 def bladder_gent(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Gent 1996: -(mu/2) Jm log(1 - (I1 - 3)/Jm), chains run out of stretch; size 3 mu = E in MPa."""
     jm = rng.uniform(4.0, 12.0)
@@ -67,40 +65,30 @@ def bladder_gent(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Set
     return {"Jm": jm}, scaled(-elastic_force(m.specimen, energy, c.eps))
 
 
-def wall_thick(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """Chou and Hannaford's thick wall: pi p [D90 t (2 sin - 1/sin) - t^2]; size t in mm."""
-    sine0 = np.sin(np.radians(m.specimen.braid_angle_deg))
-    sine = np.sqrt(1 - m.specimen.cosine(c.eps) ** 2)
-    d90 = 2 * m.specimen.initial_radius_mm / sine0
-    return {}, lambda t: np.pi * c.pressure * (d90 * t * (2 * sine - 1 / sine) - t**2)
-
-
-def _at_pressure(c: RigRun, m: RigMuscle, p: Array) -> Array:
-    return m.force(p, c.eps) - m.force(c.pressure, c.eps)
-
-
+@form_of(FORMS, "threshold_pressure")
 def threshold_hard(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> max(p - p_th, 0); size p_th in MPa."""
-    return {}, lambda size: _at_pressure(c, m, np.maximum(c.pressure - size, 0.0))
+    return {}, lambda size: elsewhere(c, m, np.maximum(c.pressure - size, 0.0))
 
 
+@form_of(FORMS, "threshold_pressure", "soft")
 def threshold_soft(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """p -> w log(1 + exp((p - p_th)/w)): the bladder meets the braid bit by bit."""
     w = rng.uniform(0.01, 0.03)
-    return {"width_MPa": w}, lambda size: _at_pressure(c, m, w * np.logaddexp(0.0, (c.pressure - size) / w))
+    return {"width_MPa": w}, lambda size: elsewhere(c, m, w * np.logaddexp(0.0, (c.pressure - size) / w))
 
 
+@form_of(FORMS, "threshold_pressure", "rational")
+def threshold_rational(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """p -> p^2/(p + p_th)."""
+    return {}, lambda size: elsewhere(c, m, c.pressure**2 / (c.pressure + size))
+
+
+@form_of(FORMS, "threshold_pressure", "stretching")
 def threshold_stretching(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The wider the braid, the more the bladder must be stretched to touch it: p_th grows along the stroke."""
     growth = rng.uniform(0.2, 0.6) / float(c.eps.max())
-    return {"growth": growth}, lambda size: _at_pressure(
-        c, m, np.maximum(c.pressure - size * (1 + growth * c.eps), 0.0)
-    )
-
-
-def threshold_rational(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
-    """p -> p^2/(p + p_th)."""
-    return {}, lambda size: _at_pressure(c, m, c.pressure**2 / (c.pressure + size))
+    return {"growth": growth}, lambda size: elsewhere(c, m, np.maximum(c.pressure - size * (1 + growth * c.eps), 0.0))
 
 
 def _given_way(c: RigRun, m: RigMuscle, give: Callable[[Array], Array]) -> Array:
@@ -108,19 +96,22 @@ def _given_way(c: RigRun, m: RigMuscle, give: Callable[[Array], Array]) -> Array
     eps = c.eps.copy()
     for _ in range(60):
         eps = 0.3 * eps + 0.7 * (c.eps + give(m.force(c.pressure, eps)))
-    return m.force(c.pressure, eps) - m.force(c.pressure, c.eps)
+    return elsewhere(c, m, eps=eps)
 
 
+@form_of(FORMS, "series_compliance")
 def compliance_linear(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Fixture of stiffness K in series: eps_m = eps + F/(K L0); size 1/K in mm/kN."""
     return {}, lambda size: _given_way(c, m, lambda f: size * 1e-3 * f / c.length_mm)
 
 
+@form_of(FORMS, "series_compliance", "contact")
 def compliance_contact(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Hertzian seat: the give goes with F^(2/3)."""
     return {}, lambda size: _given_way(c, m, lambda f: size * (np.maximum(f, 0.0) / 1e3) ** (2 / 3) / c.length_mm)
 
 
+@form_of(FORMS, "series_compliance", "stiffening")
 def compliance_stiffening(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Clevis play and threads that bed in: F/(1 + F/F1), F1 0.8..2 kN."""
     f1 = rng.uniform(800.0, 2000.0)
@@ -131,26 +122,35 @@ def compliance_stiffening(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> 
     return {"F1_N": f1}, lambda size: _given_way(c, m, give(size))
 
 
-def _at_contraction(c: RigRun, m: RigMuscle, eps: Array) -> Array:
-    return m.force(c.pressure, eps) - m.force(c.pressure, c.eps)
+@form_of(FORMS, "wall_thickness")
+def wall_thick(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
+    """Chou and Hannaford's thick wall: pi p [D90 t (2 sin - 1/sin) - t^2]; size t in mm."""
+    sine0 = np.sin(np.radians(m.specimen.braid_angle_deg))
+    sine = np.sqrt(1 - m.specimen.cosine(c.eps) ** 2)
+    d90 = 2 * m.specimen.initial_radius_mm / sine0
+    return {}, lambda t: np.pi * c.pressure * (d90 * t * (2 * sine - 1 / sine) - t**2)
 
 
+@form_of(FORMS, "end_taper")
 def taper_scale(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """eps -> (1 + size) eps: the ends do not contract."""
-    return {}, lambda size: _at_contraction(c, m, (1 + size) * c.eps)
+    return {}, lambda size: elsewhere(c, m, eps=(1 + size) * c.eps)
 
 
+@form_of(FORMS, "end_taper", "saturating")
 def taper_saturating(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """The scale fades with contraction: eps (1 + size exp(-eps/eps1))."""
     fade = rng.uniform(0.05, 0.15)
-    return {"eps1": fade}, lambda size: _at_contraction(c, m, c.eps * (1 + size * np.exp(-c.eps / fade)))
+    return {"eps1": fade}, lambda size: elsewhere(c, m, eps=c.eps * (1 + size * np.exp(-c.eps / fade)))
 
 
+@form_of(FORMS, "length_offset")
 def offset_length(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """eps -> eps - size."""
-    return {}, lambda size: _at_contraction(c, m, c.eps - size)
+    return {}, lambda size: elsewhere(c, m, eps=c.eps - size)
 
 
+@form_of(FORMS, "braid_extensibility")
 def braid_stretch(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """-4 pi^2 r0^4 p^2 cos/(sin^4 EA), the sine at rest; size 1e6/EA in 1/N."""
     cos = m.specimen.cosine(c.eps)
@@ -158,27 +158,7 @@ def braid_stretch(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Se
     return {}, scaled(-4e-6 * np.pi**2 * m.specimen.initial_radius_mm**4 * c.pressure**2 * shape)
 
 
+@form_of(FORMS, "force_bias")
 def bias_constant(c: RigRun, m: RigMuscle, rng: np.random.Generator) -> tuple[Settings, Force]:
     """Load cell off zero; size in N."""
     return {}, scaled(np.ones_like(c.eps))
-
-
-FORMS: dict[str, dict[str, Form]] = {
-    "bladder_elasticity": {"textbook": bladder_hoop, "mooney_rivlin": bladder_mooney, "gent": bladder_gent},
-    "threshold_pressure": {
-        "textbook": threshold_hard,
-        "soft": threshold_soft,
-        "rational": threshold_rational,
-        "stretching": threshold_stretching,
-    },
-    "series_compliance": {
-        "textbook": compliance_linear,
-        "contact": compliance_contact,
-        "stiffening": compliance_stiffening,
-    },
-    "wall_thickness": {"textbook": wall_thick},
-    "end_taper": {"textbook": taper_scale, "saturating": taper_saturating},
-    "length_offset": {"textbook": offset_length},
-    "braid_extensibility": {"textbook": braid_stretch},
-    "force_bias": {"textbook": bias_constant},
-}

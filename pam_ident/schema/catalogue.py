@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..core import Param
-from .versions import schema, warnings_json
+from .fit import Json
+from .versions import picked, schema, warnings_json
 
 if TYPE_CHECKING:
     from ..effects import Effect
@@ -13,11 +14,9 @@ if TYPE_CHECKING:
     from ..records.inspection import Inspection
     from ..validation.check_effects import BrokenPromise
 
-Json = dict[str, Any]
-
 
 def _param(p: Param) -> Json:
-    return {"name": p.name, "unit": p.unit, "lower": p.lower, "upper": p.upper, "meaning": p.doc}
+    return picked(p, "name", "unit", "lower", "upper") | {"meaning": p.doc}
 
 
 def laws_json(laws: Sequence["Law"]) -> Json:
@@ -25,13 +24,8 @@ def laws_json(laws: Sequence["Law"]) -> Json:
     return {
         "schema": schema("laws"),
         "laws": [
-            {
-                "name": law.name,
-                "title": law.title,
-                "formula": law.formula,
-                "parameters": [_param(p) for p in law.params],
-                "source": law.source,
-            }
+            picked(law, "name", "title", "formula")
+            | {"parameters": [_param(p) for p in law.params], "source": law.source}
             for law in laws
         ],
     }

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from .fit import Json, covariance, length_json, muscle, parameters
-from .versions import schema, warnings_json
+from .versions import picked, schema, warnings_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -137,13 +137,8 @@ def diagnosis_json(
         "selected": list(diagnosis.selected),
         "groups": [list(group) for group in diagnosis.groups],
         "ranking": [
-            {
-                "effect": s.effect,
-                "status": s.status,
-                "probability": s.probability,
-                "rmse_after_N": s.rmse_after,
-                "heldout_rmse_after_N": s.heldout_rmse_after,
-            }
+            picked(s, "effect", "status", "probability")
+            | {"rmse_after_N": s.rmse_after, "heldout_rmse_after_N": s.heldout_rmse_after}
             for s in in_order(diagnosis)
         ],
         "rmse_after_N": diagnosis.best.rmse,
@@ -171,8 +166,7 @@ def _experiment(experiment: "Experiment | None") -> Json | None:
 
 
 def _pattern(pattern: "Pattern | None") -> Json | None:
-    keys = ("kind", "coordinate", "value", "unit", "share")
-    return None if pattern is None else {key: getattr(pattern, key) for key in keys}
+    return None if pattern is None else picked(pattern, "kind", "coordinate", "value", "unit", "share")
 
 
 def addition_json(record: str, addition: "Addition") -> Json:

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from .versions import schema, warnings_json
+from .versions import picked, schema, warnings_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,15 +17,16 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 
 
+def in_order(estimates: "Sequence[Estimate]") -> "list[Estimate]":
+    """The law's parameters by name, as its formula is read, then the effects' as they come."""
+    return sorted(estimates, key=lambda e: (1, "") if "." in e.name else (0, e.name))
+
+
 def parameters(estimates: "tuple[Estimate, ...]") -> Json:
     """Parameters by name, in full."""
     return {
         e.name: {
-            "value": e.value,
-            "stderr": e.stderr,
-            "unit": e.unit,
-            "at_bound": e.at_bound,
-            "identified": e.identified,
+            **picked(e, "value", "stderr", "unit", "at_bound", "identified"),
             "interval": [e.low, e.high],
             "freedom": e.dof,
             "verdict": e.verdict.kind,
@@ -57,7 +58,7 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
             {
                 "pressure_MPa": row.pressure_MPa,
                 "branch": row.branch,
-                "parameters": {e.name: {"value": e.value, "stderr": e.stderr} for e in row.estimates},
+                "parameters": {e.name: picked(e, "value", "stderr") for e in row.estimates},
                 "rmse_N": row.rmse,
             }
             for row in answer.isobars.rows

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from .fit import Json
-from .versions import schema, warnings_json
+from .versions import picked, schema, warnings_json
 
 if TYPE_CHECKING:
     from ..leg.track import Track, Tracking
@@ -22,12 +22,9 @@ def track_json(found: "Track") -> Json:
         "ground": found.ground is not None,
         "lessons": found.course.lessons,
         "off": {
+            **vars(found.off),
             "force": list(found.off.force),
-            "mass": found.off.mass,
-            "supply": found.off.supply,
-            "ageing": found.off.ageing,
             "unknown": None if found.off.unknown is None else found.off.unknown.label,
-            "size": found.off.size,
         },
         "agreement_deg": found.agreement_deg,
         "tuning": {"by_hand": _tuned(found.by_hand), "automatic": _tuned(found.automatic)},
@@ -43,13 +40,8 @@ def track_json(found: "Track") -> Json:
             for rung in found.rungs
         ],
         "ideal": _tracking(found.ideal),
-        "budget": {
-            "structure": budget.structure,
-            "tuning": budget.tuning,
-            "muscle": budget.muscle,
-            "all_rms_deg": budget.by_hand,
-            "automatic_rms_deg": budget.automatic,
-        },
+        "budget": picked(budget, "structure", "tuning", "muscle")
+        | {"all_rms_deg": budget.by_hand, "automatic_rms_deg": budget.automatic},
         "warnings": warnings_json(found.doubts),
     }
 
@@ -62,7 +54,6 @@ def _tuned(tuned: "Tuned") -> Json:
 
 def _tracking(run: "Tracking") -> Json:
     return {
-        "rms_deg": run.rms_deg,
-        "peak_deg": run.peak_deg,
-        "troubles": [{"kind": t.kind, "time_s": t.time_s, "share": t.share} for t in run.troubles],
+        **picked(run, "rms_deg", "peak_deg"),
+        "troubles": [picked(one, "kind", "time_s", "share") for one in run.troubles],
     }

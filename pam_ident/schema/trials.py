@@ -1,15 +1,25 @@
 """The program's trials of itself as the dictionaries that other programs read."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from .versions import schema
+from .fit import Json
+from .versions import picked, schema
 
 if TYPE_CHECKING:
+    from ..batch.run import Batch
     from ..tasks.demo import Demo
     from ..validation.challenge import Challenge
     from ..validation.selftest import SelfTest
 
-Json = dict[str, Any]
+
+def batch_json(found: "Batch") -> Json:
+    """Schema pam-ident/batch-summary/1: how many records, what went wrong, and where the results are."""
+    return {
+        "schema": schema("batch-summary"),
+        **picked(found, "records", "kept", "errors"),
+        "table": str(found.table),
+        "page": str(found.page),
+    }
 
 
 def demo_json(found: "Demo") -> Json:
@@ -37,10 +47,7 @@ def selftest_json(found: "SelfTest") -> Json:
     recovery = found.recovery
     return {
         "schema": schema("selftest"),
-        "problems": [
-            {"name": s.name, "start": s.start, "digits": s.digits, "digits_stderr": s.digits_stderr}
-            for s in found.problems
-        ],
+        "problems": [picked(one, "name", "start", "digits", "digits_stderr") for one in found.problems],
         "recovery": {
             "furthest_stderr": recovery.furthest,
             "verdict": recovery.clean_verdict,
@@ -58,33 +65,20 @@ def challenge_json(found: "Challenge") -> Json:
         "schema": schema("challenge"),
         "seconds": found.seconds,
         "kinds": {
-            t.kind: {
-                "n": t.n,
-                "right": t.right,
-                "exact": t.exact,
-                "right_by_group": t.grouped,
-                "error_removed_median": t.removed_median,
-                "error_removed_worst": t.removed_worst,
-            }
+            t.kind: picked(t, "n", "right", "exact")
+            | {"right_by_group": t.grouped}
+            | {"error_removed_median": t.removed_median, "error_removed_worst": t.removed_worst}
             for t in found.tallies
         },
         "confusion": [{"hidden": h, "named": n, "count": c} for (h, n), c in sorted(found.confusion.items())],
         "calibration": {
             "brier": reliability.brier,
-            "bins": [
-                {"low": b.low, "high": b.high, "n": b.n, "stated": b.stated, "true": b.true} for b in reliability.bins
-            ],
+            "bins": [picked(one, "low", "high", "n", "stated", "true") for one in reliability.bins],
         },
         "cases": [
-            {
-                "case": s.case,
-                "kind": s.kind,
-                "hidden": list(s.hidden),
-                "named": list(s.named),
-                "right": s.right,
-                "exact": s.exact,
-                "error_removed": s.removed,
-            }
+            picked(s, "case", "kind")
+            | {"hidden": list(s.hidden), "named": list(s.named)}
+            | {"right": s.right, "exact": s.exact, "error_removed": s.removed}
             for s in found.scores
         ],
     }

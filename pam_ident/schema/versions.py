@@ -34,6 +34,11 @@ VERSIONS = {
 }
 
 
+def picked(one: object, *names: str) -> dict[str, Any]:
+    """Some fields of an answer by their own names."""
+    return {name: getattr(one, name) for name in names}
+
+
 def warnings_json(doubts: "Sequence[Doubt]") -> list[dict[str, Any]]:
     """What stands under "warnings" in every answer."""
     return [asdict(doubt) for doubt in doubts]

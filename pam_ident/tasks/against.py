@@ -7,7 +7,7 @@ from ..diagnosis.against import Against
 from ..diagnosis.against import against as against_each_other
 from ..records import Record
 from ..report.against import render_against
-from ..report.provenance import provenance
+from ..report.story import provenance
 from .diagnose import diagnose_record
 from .gate import computing
 from .law_choice import LawChoice, choose_for_all

@@ -12,8 +12,7 @@ from ..diagnosis.compare import compare
 from ..diagnosis.follows import told, what_it_follows
 from ..diagnosis.nouns import Bin, Comparison, Follows
 from ..fitting import Fit, fit
-from ..fitting.carried import driven
-from ..fitting.in_length import InLength
+from ..fitting.carried import InLength, driven
 from ..fitting.length import by_length, weights_of
 from ..records import Record
 from .gate import admit, computing, require_rows

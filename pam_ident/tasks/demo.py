@@ -12,7 +12,7 @@ from ..parallel.executor import Executor
 from ..records import Record
 from ..records.datasets import dataset_record
 from ..report import Section, Story, render
-from ..report.provenance import provenance
+from ..report.story import provenance
 from .section import build_section
 from .setup import Setup
 

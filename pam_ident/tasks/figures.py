@@ -1,9 +1,10 @@
-"""Figures 7 to 10 of the paper, drawn from any record and fit."""
+"""Figures 7 to 10 of the paper, drawn from any record and fit, and those that a run of the leg leaves behind."""
 
 import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
@@ -14,8 +15,13 @@ from ..model import Model
 from ..plot import coefficients, isobars, laws_compared, measured_against_model, to_svg
 from .fit import FitAnswer
 
+if TYPE_CHECKING:
+    from ..leg.track import Track
+
 STANDARDS = ("chou_hannaford", "modified_chou_hannaford")
 """Laws that every fit is shown beside, as in Figure 8."""
+FRAMES = 25
+"""Pictures a second in the animation, and postures along the stride."""
 
 
 def paper_figures(answer: FitAnswer) -> dict[str, Figure]:
@@ -51,6 +57,36 @@ def write_figures(folder: str | Path, figures: Mapping[str, Figure]) -> list[Pat
     """Write each figure as FOLDER/NAME.svg, whole or not at all; the files in order."""
     texts = {name: to_svg(figure) for name, figure in figures.items()}
     return [write_whole(Path(folder) / f"{name}.svg", text) for name, text in texts.items()]
+
+
+def write_track(folder: str | Path, found: "Track") -> list[Path]:
+    """Write the figures of tracking (the paper's 16), loop (13) and knee as SVG; of a prototype also leg.xml, pictures
+    and an animation of the stride. Raises UsageError where MuJoCo cannot draw."""
+    from ..plot import four_bar, loop_diagram, tracking  # the last brings JAX, which a fit's figures do not wait for
+
+    folder = Path(folder)
+    leg = found.loop.pair.leg
+    figures = {"tracking": tracking.draw(found), "loop": loop_diagram.draw(), "four_bar": four_bar.draw(leg.knee)}
+    paths = write_figures(folder, figures)
+    if found.prototype:
+        paths += _prototype(folder, found)
+    return paths
+
+
+def _prototype(folder: Path, found: "Track") -> list[Path]:
+    from ..leg import mjcf
+    from ..leg.control import SAMPLE_S
+    from ..leg.loop import STEP_S
+    from ..leg.prototype import Prototype
+    from ..leg.render import animation, pictures
+
+    leg = found.loop.pair.leg
+    stride = Prototype(leg, found.course.gait, STEP_S, found.ground)
+    every = round(1.0 / (FRAMES * SAMPLE_S))
+    shown = found.motion[::every]
+    paths = [write_whole(folder / "leg.xml", mjcf.write(leg, STEP_S, found.ground))]
+    paths += pictures(stride, shown[:: max(len(shown) // 4, 1)][:4], folder)
+    return [*paths, animation(stride, shown, folder / "gait.gif", 1.0 / FRAMES)]
 
 
 def _laws(answer: FitAnswer) -> list[Fit]:

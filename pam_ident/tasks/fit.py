@@ -3,36 +3,40 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
 
 from ..core import UsageError
 from ..fitting import Fit, IsobarTable, fit, fit_isobars, lack_of_fit, loop_energies, repeat_noise
+from ..fitting.bootstrap import Bootstrap, Draws, bootstrap
+from ..fitting.carried import InLength
 from ..fitting.covariance import student
 from ..fitting.energy import energy_warning, model_loops, passive
 from ..fitting.fit import Estimate, branch_names, fit_long
 from ..fitting.floor import LackOfFit, RepeatNoise
 from ..fitting.identifiability import PINNED, StandIn
-from ..fitting.in_length import InLength
 from ..fitting.length import by_length
 from ..fitting.methods import MethodRow, compare_methods
 from ..fitting.prediction import Predictor, ReadingSpread, Simpler, reading_spread, simpler
-from ..fitting.profile import Profile
+from ..fitting.profile import Profile, profile
+from ..fitting.refit import refit_weights
 from ..fitting.weigh import LOSSES, Weighing
 from ..parallel.executor import Executor
 from ..records import Record
 from ..records.doubt import Doubt
 from ..records.long import open_long
 from .gate import admit, computing, warnings_of
-from .intervals import bootstrap_of, profiles_of
 from .setup import Setup
 
 BRANCHES = ("together", "separate", "contraction", "extension")
 METHODS = ("global", "two-stage", "both")
 INTERVALS = ("linear", "profile", "bootstrap")
 WEIGHTS = ("equal", "sensors")
+DRAWS = 2000
+"""Refits of a bootstrap."""
+PLAIN = {"method": "global", "weights": "equal", "loss": "linear", "intervals": "linear"}
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,11 @@ class FitOptions:
             raise UsageError("--workers and --scheduler are for --intervals profile or bootstrap; ask for one of them")
 
     @property
+    def special(self) -> Mapping[str, str]:
+        """What is asked for besides the plain fit, by the option's name: only one record in force and memory has it."""
+        return {name: asked for name, plain in PLAIN.items() if (asked := getattr(self, name)) != plain}
+
+    @property
     def weighing(self) -> Weighing:
         """What samples weigh."""
         return Weighing(self.weights == "sensors", self.loss)
@@ -91,7 +100,6 @@ class FitAnswer:
 
     record: Record
     fits: Mapping[str, Fit]
-    wishes: FitOptions
     checks: Mapping[str, Checks]
     isobars: IsobarTable | None = None
     two_stage: tuple[str, ...] = ()
@@ -203,36 +211,32 @@ def _fit_record(record: Record | str | Path, setup: Setup, wishes: FitOptions) -
             fits[name], profiles[name] = _with_intervals(one, setup, wishes)
     checks = {name: checks_of(one) for name, one in fits.items()}
     methods = compare_methods(record, setup.model, wishes.branch) if wishes.method == "both" else ()
-    return FitAnswer(record, fits, wishes, checks, isobars, straight, profiles, methods)
+    return FitAnswer(record, fits, checks, isobars, straight, profiles, methods)
 
 
 def answer_of(one: Fit) -> FitAnswer:
     """The answer that a fit of both branches together, made elsewhere, comes to."""
-    return FitAnswer(one.record, {"together": one}, FitOptions(), {"together": checks_of(one)})
+    return FitAnswer(one.record, {"together": one}, {"together": checks_of(one)})
 
 
 def _check_length(record: Record, wishes: FitOptions) -> None:
     """Raises UsageError for a wish that is for residuals in force, where the length answered."""
-    plain = FitOptions()
-    for name in ("method", "weights", "loss", "intervals"):
-        if by_length(record) and getattr(wishes, name) != getattr(plain, name):
-            raise UsageError(
-                f"{record.source or record.name}: in an isotonic test the length answers, and --{name} "
-                f"{getattr(wishes, name)} is for a force that does; leave it out"
-            )
+    for name, asked in wishes.special.items() if by_length(record) else ():
+        raise UsageError(
+            f"{record.source or record.name}: in an isotonic test the length answers, and --{name} {asked} is for a "
+            "force that does; leave it out"
+        )
 
 
 def _check_chunked(path: str | Path, setup: Setup, wishes: FitOptions) -> None:
     """Raises UsageError for a wish that a record in chunks cannot be given."""
     if setup.where is not None:
         raise UsageError(f"{path} is read in chunks: --where needs all of it in memory; fit a part of the record")
-    plain = FitOptions(wishes.branch, held=wishes.held)
-    for name in ("method", "weights", "loss", "intervals"):
-        if getattr(wishes, name) != getattr(plain, name):
-            raise UsageError(
-                f"{path} is read in chunks: --{name} {getattr(wishes, name)} needs all of it in memory at once; leave "
-                "that out, or fit a part of the record"
-            )
+    for name, asked in wishes.special.items():
+        raise UsageError(
+            f"{path} is read in chunks: --{name} {asked} needs all of it in memory at once; leave that out, or fit a "
+            "part of the record"
+        )
 
 
 def checks_of(one: Fit) -> Checks:
@@ -298,3 +302,28 @@ def _line_errors(table: IsobarTable, branch: str) -> dict[str, tuple[float, floa
         errors[f"{name}1"] = math.sqrt(variance / spread), n - 2
         errors[f"{name}0"] = math.sqrt(variance * (1.0 / n + p.mean() ** 2 / spread)), n - 2
     return errors
+
+
+def profiles_of(one: Fit, setup: Setup, executor: Executor) -> dict[str, Profile]:
+    """Profile of each fitted parameter that stands at no bound, by name, a task each."""
+    work = partial(_profile, *_packed(one, setup))
+    return dict(zip(one.free, executor.all(work, one.free, "profiles"), strict=True))
+
+
+def bootstrap_of(one: Fit, setup: Setup, seed: int, executor: Executor) -> Bootstrap:
+    """A bootstrap by cycles; its draws are made here, some hundred refits to them are a task."""
+    work = partial(_refit, *_packed(one, setup))
+    return bootstrap(one, DRAWS, "cycle", seed, lambda parts: executor.all(work, parts, "hundreds of refits"))
+
+
+def _packed(one: Fit, setup: Setup) -> tuple[Setup, Fit]:
+    """The two as they can be sent to another process, which loads the user's own effects itself."""
+    return setup.bare(), replace(one, model=setup.law_alone)
+
+
+def _profile(setup: Setup, one: Fit, name: str) -> Profile:
+    return profile(replace(one, model=setup.model), name)
+
+
+def _refit(setup: Setup, one: Fit, draws: Draws):
+    return refit_weights(replace(one, model=setup.model), *draws)

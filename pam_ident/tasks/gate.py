@@ -182,8 +182,12 @@ def doubt_values(one: Fit) -> Iterator[Doubt]:
 
 def warnings_of(one: Fit) -> tuple[Doubt, ...]:
     """The same, and what the effects of its model warn of."""
-    effects = [term.effect for term in one.model.terms]
-    return (*doubts_about(one), *(Doubt("effect", f"{capital(e.title)}: {e.warning}") for e in effects if e.warning))
+    return (*doubts_about(one), *(Doubt("effect", text) for text in effect_warnings(one.model)))
+
+
+def effect_warnings(model: Model) -> list[str]:
+    """What the effects of a model warn of."""
+    return [f"{capital(effect.title)}: {effect.warning}" for effect in model.own if effect.warning]
 
 
 def admit(record: Record, in_chunks: bool = False) -> None:

@@ -1,7 +1,6 @@
 """A commented scaffold of a user's own effect."""
 
 import keyword
-from dataclasses import dataclass
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -10,43 +9,29 @@ from ..core import UsageError
 from ..core.files import check_target, write_whole
 from ..effects import catalogue
 
-
-@dataclass(frozen=True)
-class Role:
-    """What an effect does to a law, with an example of it as source text."""
-
-    type: str
-    size: str
-    columns: str
-    form: str
-
-
 ROLES = {
-    "adds_force": Role(
-        "AddsForce",
-        'SIZE = Param("A", "N", "force at full length", -1000.0, 1000.0, scale=10.0)',
-        'xp.exp(-inputs.displacement_mm / values["length"])[:, None]',
-        'AddsForce("textbook", "+A exp(−x/length)", (SIZE,), _columns, (LENGTH,))',
-    ),
-    "scales_force": Role(
-        "ScalesForce",
-        'SIZE = Param("k", "1", "loss of force per contraction", -3.0, 3.0, scale=0.05)',
-        "-inputs.contraction[:, None]",
-        'ScalesForce("textbook", "F → F (1 − k ε)", (SIZE,), _columns)',
-    ),
-    "transforms_pressure": Role(
-        "TransformsPressure",
-        'SIZE = Param("g", "1", "error of the gauge, as a share", -0.5, 0.5, scale=0.02)',
-        "inputs.pressure[:, None]",
-        'TransformsPressure("textbook", "p → p (1 + g)", (SIZE,), _columns)',
-    ),
-    "transforms_contraction": Role(
-        "TransformsContraction",
-        'SIZE = Param("s", "1", "slack of the clamps, as a share of the stroke", -0.5, 0.5, scale=0.02)',
-        "-inputs.contraction[:, None]",
-        'TransformsContraction("textbook", "ε → ε (1 − s)", (SIZE,), _columns)',
-    ),
+    "adds_force": {
+        "size": 'SIZE = Param("A", "N", "force at full length", -1000.0, 1000.0, scale=10.0)',
+        "columns": 'xp.exp(-inputs.displacement_mm / values["length"])[:, None]',
+        "form": 'AddsForce("textbook", "+A exp(−x/length)", (SIZE,), _columns, (LENGTH,))',
+    },
+    "scales_force": {
+        "size": 'SIZE = Param("k", "1", "loss of force per contraction", -3.0, 3.0, scale=0.05)',
+        "columns": "-inputs.contraction[:, None]",
+        "form": 'ScalesForce("textbook", "F → F (1 − k ε)", (SIZE,), _columns)',
+    },
+    "transforms_pressure": {
+        "size": 'SIZE = Param("g", "1", "error of the gauge, as a share", -0.5, 0.5, scale=0.02)',
+        "columns": "inputs.pressure[:, None]",
+        "form": 'TransformsPressure("textbook", "p → p (1 + g)", (SIZE,), _columns)',
+    },
+    "transforms_contraction": {
+        "size": 'SIZE = Param("s", "1", "slack of the clamps, as a share of the stroke", -0.5, 0.5, scale=0.02)',
+        "columns": "-inputs.contraction[:, None]",
+        "form": 'TransformsContraction("textbook", "ε → ε (1 − s)", (SIZE,), _columns)',
+    },
 }
+"""Examples of what an effect may do to a law, as source text; a form begins with its class."""
 
 
 def new_effect(file: str | Path, name: str | None = None, role: str = "adds_force") -> str:
@@ -66,7 +51,6 @@ def new_effect(file: str | Path, name: str | None = None, role: str = "adds_forc
         )
     if given in catalogue():
         raise UsageError(f"effect {given!r} is known already; take another name, or `pam-ident effects show {given}`")
-    example = ROLES[role]
     template = Environment(
         loader=PackageLoader("pam_ident.tasks", ""), undefined=StrictUndefined, keep_trailing_newline=True
     )
@@ -75,10 +59,8 @@ def new_effect(file: str | Path, name: str | None = None, role: str = "adds_forc
         name=given,
         title=given.replace("_", " "),
         role=role,
-        classes=sorted([example.type, "Effect"]),
-        size=example.size,
-        columns=example.columns,
-        form=example.form,
+        classes=sorted([ROLES[role]["form"].partition("(")[0], "Effect"]),
+        **ROLES[role],
     )
     write_whole(path, text)
     return given

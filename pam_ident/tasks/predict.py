@@ -239,43 +239,35 @@ def _check_needs(model: Model, inputs: Inputs) -> None:
 def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
     """A row a sample: what was asked, force, its standard error, both 95 % intervals in N, whether the record that was
     fitted did not reach there, and whether a reading's interval is wide because the model leaves more than noise."""
-    import pandas as pd
-
-    columns = {"time_s": inputs.time, "pressure_MPa": inputs.pressure, "contraction": inputs.contraction}
-    frame = pd.DataFrame({name: column for name, column in columns.items() if column is not None})
-    return frame.assign(
-        force_N=found.force,
-        stderr_N=found.stderr,
-        mean_low_N=found.force - found.half_mean,
-        mean_high_N=found.force + found.half_mean,
-        reading_low_N=found.force - found.half_reading,
-        reading_high_N=found.force + found.half_reading,
-        outside=found.outside,
-        unexplained=found.unexplained,
-    )
+    told = {"contraction": inputs.contraction, "force_N": found.force}
+    return _frame(inputs, told, found.force, found, "N").assign(unexplained=found.unexplained)
 
 
 def length_frame(inputs: Inputs, load: Array, found: LengthPrediction) -> "pd.DataFrame":
     """The same of a length under `load` (n,) in N: what was asked, contraction, displacement and intervals in mm."""
+    mm = found.contraction * inputs.specimen.initial_length_mm
+    told = {"force_N": load, "contraction": found.contraction, "displacement_mm": mm}
+    return _frame(inputs, told, mm, found, "mm")
+
+
+def _frame(
+    inputs: Inputs, told: Mapping[str, Array], middle: Array, found: Prediction | LengthPrediction, unit: str
+) -> "pd.DataFrame":
+    """Time, pressure and what is `told`, then the intervals about `middle` (n,) in its unit."""
     import pandas as pd
 
-    mm = found.contraction * inputs.specimen.initial_length_mm
     columns = {
         "time_s": inputs.time,
         "pressure_MPa": inputs.pressure,
-        "force_N": load,
-        "contraction": found.contraction,
+        **told,
+        f"stderr_{unit}": found.stderr,
+        f"mean_low_{unit}": middle - found.half_mean,
+        f"mean_high_{unit}": middle + found.half_mean,
+        f"reading_low_{unit}": middle - found.half_reading,
+        f"reading_high_{unit}": middle + found.half_reading,
+        "outside": found.outside,
     }
-    frame = pd.DataFrame({name: column for name, column in columns.items() if column is not None})
-    return frame.assign(
-        displacement_mm=mm,
-        stderr_mm=found.stderr,
-        mean_low_mm=mm - found.half_mean,
-        mean_high_mm=mm + found.half_mean,
-        reading_low_mm=mm - found.half_reading,
-        reading_high_mm=mm + found.half_reading,
-        outside=found.outside,
-    )
+    return pd.DataFrame({name: column for name, column in columns.items() if column is not None})
 
 
 def predict_at(saved: SavedFit, at: str | Path) -> Predicted:

@@ -10,7 +10,7 @@ from ..diagnosis.nested import HERE
 from ..parallel.executor import Executor
 from ..records import Record
 from ..report import Story, find_browser, render, render_markdown, to_pdf
-from ..report.provenance import provenance
+from ..report.story import provenance
 from .law_choice import settle
 from .section import build_section
 from .setup import Setup

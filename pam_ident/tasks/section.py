@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 from ..core import FitError
-from ..core.prose import capital
 from ..diagnosis import compare
 from ..diagnosis.nested import HERE
 from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
@@ -13,7 +12,7 @@ from ..model import Model
 from ..parallel.executor import Executor
 from ..records import Record
 from ..report import Section
-from .gate import computing, doubt_values, doubts_about
+from .gate import computing, doubt_values, doubts_about, effect_warnings
 from .ladder import climb_ladder
 from .setup import Setup
 
@@ -76,10 +75,6 @@ def _isobars(model: Model, record: Record) -> tuple[IsobarTable, ...]:
 
 
 def _warnings(base: Fit, best: Fit, loops: dict[float, float]) -> tuple[str, ...]:
-    found = [doubt.text for doubt in doubts_about(base)]
-    found += [doubt.text for doubt in doubt_values(best) if best is not base]
-    found += [
-        f"{capital(term.effect.title)}: {term.effect.warning}" for term in best.model.terms if term.effect.warning
-    ]
+    doubts = [*doubts_about(base), *(doubt_values(best) if best is not base else ())]
     energy = energy_warning(loops)
-    return tuple([*found, energy] if energy else found)
+    return (*(doubt.text for doubt in doubts), *effect_warnings(best.model), *([energy] if energy else []))

@@ -149,10 +149,8 @@ class Setup:
         """The command line that asks the same again, of one record or of several."""
         records = (record,) if isinstance(record, str) else record
         words = ["pam-ident", verb, *records, "--law", self.law]
-        for name in self.effects:
-            words += ["--effect", name]
-        for path in self.effect_files:
-            words += ["--effect-file", path]
+        words += [word for name in self.effects for word in ("--effect", name)]
+        words += [word for path in self.effect_files for word in ("--effect-file", path)]
         if self.free_geometry:
             words.append("--free-geometry")
         if self.specimen is not None:
@@ -165,7 +163,7 @@ class Setup:
             words += [word for name in self.also for word in ("--also", name)]
             words += [word for name in self.without for word in ("--without", name)]
             words += [word for name in self.only for word in ("--only", name)]
-        if verb == "diagnose":
-            words += ["--prior", self.prior] if self.prior is not None else []
+        if verb == "diagnose" and self.prior is not None:
+            words += ["--prior", self.prior]
         words += [word for code in self.assume for word in ("--assume", code)]
         return shlex.join([*words, *more])

@@ -45,12 +45,8 @@ def fit_records(
     wishes = wishes or FitOptions()
     if setup.law == AUTO:
         raise UsageError("several records are fitted together by one law; name it by --law")
-    plain = FitOptions(wishes.branch, held=wishes.held)
-    for name in ("method", "weights", "loss", "intervals"):
-        if getattr(wishes, name) != getattr(plain, name):
-            raise UsageError(
-                f"--{name} {getattr(wishes, name)} is for one record; leave it out to fit several together"
-            )
+    for name, asked in wishes.special.items():
+        raise UsageError(f"--{name} {asked} is for one record; leave it out to fit several together")
     names = shared_names(setup.model, shared)
     with one_blas_thread():
         for record in records:
@@ -60,7 +56,7 @@ def fit_records(
         for k, record in enumerate(records):
             fits = {branch: found[k] for branch, found in each.items()}
             checks = {branch: checks_of(one) for branch, one in fits.items()}
-            answers.append(FitAnswer(record, fits, wishes, checks))
+            answers.append(FitAnswer(record, fits, checks))
     return tuple(answers)
 
 

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core import Param
+from ..core import Array, Param
 from ..fitting import Problem
 
-Array = np.ndarray
 Values = Mapping[int, float]
 Columns = Callable[[Array, Values], list[Array]]
 """x and the nonlinear parameters by number → a column per linear parameter, and one more for a fixed part."""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core import Param
+from ..core import Array, Param
 from ..effects import Effect, Form, catalogue
 from ..fitting import fit
 from ..fitting.solve import jacobian
@@ -21,7 +21,6 @@ from ..laws import get_law
 from ..model import Model, Term
 from ..records import Record
 
-Array = np.ndarray
 Values = dict[str, float]
 UNITS = {"1", "N", "kN", "MPa", "mm", "s", "m", "min", "K", "deg", "kg"}
 FIELDS = {
@@ -110,11 +109,8 @@ def says_what_it_is(effect: Effect, form: Form, record: Record) -> list[str]:
         f"two parameters have the same name: {', '.join(names)}": len(set(names)) == len(names),
     }
     found = [words for words, fine in checks.items() if not fine]
-    found += [
-        f"parameter {n!r} is no Python name without a double underscore"
-        for n in names
-        if not n.isidentifier() or "__" in n
-    ]
+    odd = [n for n in names if not n.isidentifier() or "__" in n]
+    found += [f"parameter {n!r} is no Python name without a double underscore" for n in odd]
     return found + [f"parameter {p.name} says nothing about itself (doc)" for p in form.params if not p.doc]
 
 
@@ -205,9 +201,8 @@ def start_is_inside(effect: Effect, form: Form, record: Record) -> list[str]:
     """Neutral values and the grids lie within the bounds."""
     outside = [p for p in form.linear if p.clip(p.neutral) != p.neutral]
     found = [f"size {p.name}: neutral {p.neutral:g} is out of bounds" for p in outside]
-    return found + [
-        f"{p.name}: {x:g} in its grid is out of bounds" for p in form.nonlinear for x in p.grid if p.clip(x) != x
-    ]
+    beyond = [(p.name, x) for p in form.nonlinear for x in p.grid if p.clip(x) != x]
+    return found + [f"{name}: {x:g} in its grid is out of bounds" for name, x in beyond]
 
 
 def it_matters(effect: Effect, form: Form, record: Record) -> list[str]:
@@ -271,9 +266,8 @@ def a_fit_finds_it(effect: Effect, form: Form, record: Record) -> list[str]:
     change = made.force - Model(model.law).force(record.inputs, {})
     problems = [] if found.converged else [f"a fit to clean data of its own does not converge ({found.message})"]
     if not found.rmse < 1e-3 * np.sqrt(np.mean(change**2)):
-        problems.append(
-            f"a fit to clean data of its own leaves {found.rmse:.3g} N; give the nonlinear parameters a grid of starts"
-        )
+        cure = "give the nonlinear parameters a grid of starts"
+        problems.append(f"a fit to clean data of its own leaves {found.rmse:.3g} N; {cure}")
     linear = {f"{effect.name}.{p.name}" for p in form.linear}
     for one in found.estimates:
         if one.identified and abs(one.value - truth[one.name]) > 0.02 * abs(truth[one.name]) + 1e-9:

@@ -25,13 +25,8 @@ def related(name: str) -> tuple[str, ...]:
     """
     known = catalogue()
     own = set(known[name].follows) - {"map"}
-    return tuple(
-        sorted(
-            e.name
-            for e in known.values()
-            if FAMILY.get(e.name, e.name) == FAMILY.get(name, name) or not own.isdisjoint(e.follows)
-        )
-    )
+    kin = {other for other in known if FAMILY.get(other, other) == FAMILY.get(name, name)}
+    return tuple(sorted(kin.union(e.name for e in known.values() if not own.isdisjoint(e.follows))))
 
 
 def effects_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:
@@ -47,12 +42,9 @@ def forms_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:
     clean_record = replace(record, force=clean)
     alone = fit(model, clean_record, detail=False).rmse
     effects = [catalogue()[one.name] for one in hidden.hidden]
-    return tuple(
-        f"{effect.name}:{form.name}"
-        for effect in effects
-        for form in effect.forms
-        if not form.free and fit(model.adding(Term(effect, form)), clean_record, detail=False).rmse < SAME * alone
-    )
+    written = [Term(effect, form) for effect in effects for form in effect.forms if not form.free]
+    same = [t for t in written if fit(model.adding(t), clean_record, detail=False).rmse < SAME * alone]
+    return tuple(f"{t.effect.name}:{t.form.name}" for t in same)
 
 
 LEFT_OUT: dict[str, Callable[[Path, RigRecord], tuple[str, ...]]] = {

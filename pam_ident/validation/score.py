@@ -170,17 +170,9 @@ def tally(scores: Sequence[Score]) -> tuple[Tally, ...]:
         own = [s for s in scores if kind in (s.kind, "all")]
         removed = [s.removed for s in own if s.removed is not None]
         if own:
-            lines.append(
-                Tally(
-                    kind,
-                    len(own),
-                    sum(s.right for s in own),
-                    sum(s.exact for s in own),
-                    sum(s.grouped for s in own),
-                    median(removed) if removed else None,
-                    min(removed, default=None),
-                )
-            )
+            right, exact, grouped = (sum(getattr(s, how) for s in own) for how in ("right", "exact", "grouped"))
+            middle = median(removed) if removed else None
+            lines.append(Tally(kind, len(own), right, exact, grouped, middle, min(removed, default=None)))
     return tuple(lines)
 
 

@@ -11,14 +11,12 @@ from ..core import PamError, UsageError
 from ..core.progress import steps
 from ..diagnosis import compare
 from ..diagnosis.nouns import Comparison, Diagnosis, Ladder, Rung
-from ..effects import catalogue
 from ..fitting import Fit, fit
 from ..fitting.carried import driven
-from ..model import Term
 from ..records import Record
 from ..records.doubt import Doubt, grave
 from ..report import Story, render
-from ..report.provenance import provenance
+from ..report.story import provenance
 from ..schema.diagnosis import candidates
 from ..tasks.diagnose import diagnosing_record
 from ..tasks.gate import admit, computing, doubts_about
@@ -114,13 +112,6 @@ class Bench:
         """The rungs as a ladder; None before a diagnosis has found the noise floor."""
         last = self.diagnosis or self.first
         return Ladder(self.rungs, last.noise_floor, last) if last else None
-
-    @property
-    def to_add(self) -> tuple[str, ...]:
-        """Every effect that the model does not hold, in each of its forms."""
-        held = set(self.fit.model.effect_names)
-        known = catalogue(self.setup.extra).values()
-        return tuple(Term(e, form).label for e in known if e.name not in held for form in e.forms)
 
     @property
     def judged(self) -> bool:

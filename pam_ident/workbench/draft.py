@@ -1,6 +1,8 @@
-"""What was dropped, before it is a record: its columns with what each may be, for a person to correct."""
+"""Files that came through the browser, as a record, or before they are one: columns with what each may be, for a person
+to correct."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -8,21 +10,24 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from ..core import DataError, PamError, Specimen
+from ..core import DataError, PamError, Specimen, UsageError
 from ..core.units import split_header
-from ..records import Record
-from ..records.files import read_tables
+from ..records import Record, read_record
+from ..records.files import check_unpacked, read_tables
 from ..records.guess import Guess, column_of, guess_columns, units_of
 from ..records.mapping import Mapping as Told
 from ..records.mapping import read_mapping
 from ..records.run_constants import read_runs
 from ..records.table import Table, number_of
-from .dropped import COMPANIONS, MOST_UNPACKED, check_unpacked, here, read_dropped, safe_name
 
 ROWS, SHOWN = 2000, 4
 """Rows that a guess looks at, and those that are shown."""
 LAYOUTS = ({}, {"header_row": 0}, {"decimal": ","}, {"header_row": 0, "decimal": ","})
 """Ways of reading a text table, the first that works is taken."""
+COMPANIONS = ("specimen.toml", "columns.toml")
+MOST_UNPACKED = 1 << 30
+"""Bytes that a file may have behind its compression."""
+UNSAFE = re.compile(r"[^\w.\- ]|^[.\s]+", re.ASCII)
 NEEDED = {"pressure": "the pressure", "force": "the force", "displacement": "the displacement"}
 
 
@@ -167,3 +172,42 @@ def _entry(columns: tuple[DraftColumn, ...], k: int) -> str:
         return f"{key} = {where}"
     shift = f", offset = {one.offset!r}" if one.offset or stated else ""
     return f"{key} = {{ column = {where}, factor = {one.factor!r}{shift} }}"
+
+
+def safe_name(name: str) -> str:
+    """The last part of a name without anything that a file system or a shell could take for more than a name."""
+    return UNSAFE.sub("_", name.replace("\\", "/").rpartition("/")[2])[-80:] or "record.csv"
+
+
+def read_dropped(files: Mapping[str, bytes], specimen: Specimen | None) -> tuple[Record, str]:
+    """The record of one or several files, and its name; specimen.toml and columns.toml may be among them.
+
+    `specimen` is taken where the files bring none. Raises UsageError without a record among them, DataError as
+    `read_record` does and for a file that is far larger than it looks.
+    """
+    named = {safe_name(name): content for name, content in files.items()}
+    if len(named) < len(files):
+        raise UsageError("two of the files have the same name; rename one of them")
+    runs = [name for name in named if name.lower() not in COMPANIONS]
+    if not runs:
+        raise UsageError("no record among the files; drop a file of measurements, specimen.toml beside it")
+    given = next((name for name in named if name.lower() == COMPANIONS[0]), None)
+    with TemporaryDirectory(prefix="pam-ident-") as place:
+        for name, content in named.items():
+            Path(place, name.lower() if name.lower() in COMPANIONS else name).write_bytes(content)
+        path = Path(place, runs[0]) if len(runs) == 1 else Path(place)
+        try:
+            for name in runs:
+                check_unpacked(Path(place, name), MOST_UNPACKED)
+            record = read_record(path, None if given else specimen)
+        except PamError as error:
+            raise type(error)(here(str(error), place)) from None
+    known_as = runs[0] if len(runs) == 1 else "the files"
+    notes = tuple(replace(note, text=here(note.text, place)) for note in record.notes)
+    columns = {key: here(header, place) for key, header in record.columns.items()}
+    return replace(record, source=known_as, notes=notes, columns=columns), known_as
+
+
+def here(text: str, place: str) -> str:
+    """A text without the folder of this machine in which the files lay for a moment."""
+    return text.replace(f"{place}/", "").replace(place, "the files")

@@ -11,8 +11,7 @@ from ..records.guess import units_of
 from ..records.quantities import QUANTITIES
 from . import words
 from .draft import Draft
-from .parts import LOOK, html, on_press
-from .specimen import SpecimenForm
+from .parts import LOOK, SpecimenForm, html, on_press
 
 WORDS = {"": "not used", "pressure_set": "pressure, set point", "displacement": "displacement (shortening > 0)",
          "contraction": "contraction ratio", "length": "length of the muscle"}  # fmt: skip

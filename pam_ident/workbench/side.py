@@ -13,8 +13,7 @@ from ..tasks.setup import Setup
 from . import words
 from .bench import Bench
 from .cards import Cards, Sliders
-from .parts import LOOK, html
-from .specimen import SpecimenForm
+from .parts import LOOK, SpecimenForm, html
 
 WIDE = {"sizing_mode": "stretch_width"} | LOOK
 

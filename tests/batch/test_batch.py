@@ -18,10 +18,9 @@ from scipy.optimize import curve_fit
 
 from pam_ident.batch import run
 from pam_ident.batch import table as batch_table
-from pam_ident.batch.record import answer
+from pam_ident.batch.record import Store, answer
 from pam_ident.batch.request import BatchRequest, plan
 from pam_ident.batch.run import run_batch
-from pam_ident.batch.store import Store
 from pam_ident.core import UsageError
 from pam_ident.parallel.executor import Executor
 from pam_ident.tasks.setup import Setup

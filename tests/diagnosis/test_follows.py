@@ -52,6 +52,20 @@ def shares(record):
     return {one.what: one.share for one in what_it_follows(fit(Model.build("exponential_law"), record))}
 
 
+def test_the_rate_of_a_driven_pressure_is_told_from_the_speed():
+    t = 0.05 * np.arange(4000)
+    turns = 2.0 * np.pi / np.array([23.0, 7.3])
+    p = 0.4 + 0.1 * np.sin(np.outer(t, turns)).sum(axis=1)
+    e = 0.1 - 0.1 * np.cos(2.0 * np.pi * t / 9.0)
+    law = p * (2400.0 - 9000.0 * e) - 150.0 - 600.0 * e
+    force = law + np.random.default_rng(4).standard_normal(len(t))
+    rate = 0.1 * np.cos(np.outer(t, turns)) @ turns
+    record = build_record("rig", SPECIMEN, p, e, force, time=t)
+    found = shares(replace(record, force=force + 1000.0 * rate**2))
+    others = sum(share for name, share in found.items() if name not in ("pressure_rate", "noise"))
+    assert record.kind == "dynamic" and found["pressure_rate"] > 0.5 and others < 0.1 * found["pressure_rate"], found
+
+
 @pytest.mark.parametrize("what", PLANTED)
 def test_what_was_planted_has_the_largest_share(what):
     found = shares(record_with(PLANTED[what]))

@@ -71,6 +71,14 @@ def test_coloured_noise_is_whitened_and_keeps_its_size(record, rho):
     assert np.std(left) == pytest.approx(1.0, rel=0.03)
 
 
+def test_noise_of_the_driven_sensors_is_not_taken_where_it_is_less_likely(record):
+    seen = record.inputs.displacement_mm + 0.02 * np.random.default_rng(6).standard_normal(4000)
+    noisy = build_record("loop", SPECIMEN, np.full(4000, 0.3), seen / 200.0, record.force, time=record.inputs.time)
+    slope = np.where(np.arange(4000) % 50 == 0, 80.0, 0.0)  # steep here and there, where nothing is rougher
+    with_it, without = (estimate_noise(noisy, 3.0 * coloured(0.9), v, 8) for v in (slope, np.zeros(4000)))
+    assert with_it.deviance == without.deviance and with_it.whole == without.whole
+
+
 def test_a_spike_is_set_aside_and_a_bump_is_not(record):
     residual = np.random.default_rng(4).standard_normal(4000)
     residual[100] += 30.0

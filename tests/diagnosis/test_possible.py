@@ -8,6 +8,7 @@ import pytest
 from pam_ident.core import Param, Specimen
 from pam_ident.core.param import Range
 from pam_ident.diagnosis import climb, diagnose
+from pam_ident.diagnosis.confirmed import _as_nature_allows
 from pam_ident.diagnosis.ladder import _alive
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
@@ -55,6 +56,23 @@ def test_an_impossible_bias_is_not_named_and_the_answer_says_why():
     assert "F_b = -160 N of bias of the load cell is impossible: -100 to 100 N" in found.sentence
     assert found.pattern.share > 0.9 and found.best.model == LAW
     assert diagnosis_json("r", found)["ranking"][0]["probability"] == 0.0
+
+
+def test_values_beyond_nature_are_sought_within_it_before_they_are_ruled_out():
+    t = np.arange(2000.0)
+    p, e = 0.2 + 0.1 * np.floor(t / 667.0), 0.1 - 0.1 * np.cos(2.0 * np.pi * t / 80.0)
+    swing = -5.8 * np.sin(2.0 * np.pi * t / 20700.0) - 21.6 * (1.0 - np.cos(2.0 * np.pi * t / 20700.0))
+    force = MUSCLE.ideal_force(p, e) + swing + np.random.default_rng(1).standard_normal(len(t))
+    best = fit(Model.build("chou_hannaford", ["force_drift:swinging"]), build_record("t", MUSCLE, p, e, force, time=t))
+    ends = {"force_drift.F_sin": 5.0, "force_drift.F_cos": 10.0}  # of a swing longer than the test only the bend shows
+    wrong = [
+        replace(one, range=Range(-ends[one.name], ends[one.name], "this test"))
+        for one in best.estimates
+        if one.name in ends
+    ]
+    inside = _as_nature_allows(best, wrong)
+    assert all(abs(best.values[name]) > end >= abs(inside.values[name]) for name, end in ends.items())
+    assert inside.rmse == pytest.approx(best.rmse, rel=1e-3) and 0.0 < abs(inside.values["force_drift.F_sin"]) < 5.0
 
 
 def test_a_model_with_an_impossible_value_of_its_own_is_never_adequate():

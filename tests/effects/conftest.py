@@ -3,7 +3,7 @@
 import pytest
 
 from pam_ident.records import Record
-from pam_ident.validation.effect_record import clean_record
+from pam_ident.validation.check_effects import clean_record
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,8 @@ from cases import BY_NAME, MUSCLE
 
 from pam_ident.core import Inputs
 from pam_ident.core.recursion import Live
-from pam_ident.export.targets.mujoco import mujoco_actuator
+from pam_ident.export.program import program
+from pam_ident.export.targets.mujoco import affine, mujoco_actuator
 from pam_ident.leg import prototype
 
 if find_spec("mujoco") is None:
@@ -28,8 +29,8 @@ def callbacks():
 def build(case, name="muscle"):
     made = mujoco_actuator(case.fitted, name)
     defined: dict = {}
-    exec(made.python, defined)
-    model = mujoco.MjModel.from_xml_string(made.xml)
+    exec(made.beside[".py"], defined)
+    model = mujoco.MjModel.from_xml_string(str(made.text))
     return made, model, mujoco.MjData(model), defined["install"]
 
 
@@ -55,17 +56,19 @@ def test_the_plain_actuator_is_off_by_what_it_says(name):
     for p in np.linspace(p_low, p_high, 25):
         for e in np.linspace(e_low, e_high, 25):
             off.append(-set_state(model, data, e, 0.0, p) - at_rest(case, p, e)[0])
-    assert np.sqrt(np.mean(np.square(off))) == pytest.approx(made.affine.rms_N, rel=1e-6)
-    assert np.abs(off).max() == pytest.approx(made.affine.most_N, rel=1e-6)
-    assert f"{made.affine.rms_N:.3g} N rms" in made.xml
+    line = affine(case.fitted, program(case.fitted))
+    assert np.sqrt(np.mean(np.square(off))) == pytest.approx(line.rms_N, rel=1e-6)
+    assert np.abs(off).max() == pytest.approx(line.most_N, rel=1e-6)
+    assert f"{line.rms_N:.3g} N rms" in made.text
 
 
 def test_a_force_that_is_affine_is_met_without_error():
     """F = π r0² p [a(1−ε)² − b] is not; F = p (a0 + a1 ε) + b0 + b1 ε is."""
     case = BY_NAME["law_polynomial"]
     values = dict.fromkeys(case.branches["together"], 0.0) | {"a0": 2000.0, "a1": -6000.0, "b0": -50.0, "b1": 300.0}
-    made, model, data, _ = build(replace(case, branches={"together": values}))
-    assert made.affine.most_N < 1e-9
+    case = replace(case, branches={"together": values})
+    _, model, data, _ = build(case)
+    assert affine(case.fitted, program(case.fitted)).most_N < 1e-9
     assert set_state(model, data, 0.1, 0.0, 0.5) == pytest.approx(-(0.5 * 1400.0 - 20.0), rel=1e-9)
 
 
@@ -146,5 +149,5 @@ def _stepped(model, data):
 def test_a_hostile_record_stays_in_its_comment():
     case = BY_NAME["law_exponential_law"]
     made = mujoco_actuator(replace(case.fitted, record="a --><worldbody/> & <b> --"), "muscle")
-    model = mujoco.MjModel.from_xml_string(made.xml)
+    model = mujoco.MjModel.from_xml_string(str(made.text))
     assert model.nu == 1 and model.nbody == 2

@@ -13,8 +13,8 @@ from pam_ident.fitting.fit import BY_READINGS, pays_in_chunks
 from pam_ident.fitting.readings import Readings, in_memory
 from pam_ident.fitting.solve import jacobian, solve
 from pam_ident.model import Model
+from pam_ident.validation.check_effects import clean_record
 from pam_ident.validation.effect_contract import LAW_VALUES, plausible
-from pam_ident.validation.effect_record import clean_record
 
 LAWS = ["exponential_law", "modified_chou_hannaford", "polynomial", "wickramatunge_leephakpreeda"]
 

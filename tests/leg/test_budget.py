@@ -8,10 +8,8 @@ from plain_loop import smooth_example
 
 from pam_ident.leg import tuning
 from pam_ident.leg.anatomy import KNEE, LEG
-from pam_ident.leg.budget import budget
+from pam_ident.leg.budget import SPEED_MM_S, Hinge, budget, linearised
 from pam_ident.leg.control import Sensor
-from pam_ident.leg.hinge import Hinge
-from pam_ident.leg.linear import SPEED_MM_S, linearised
 from pam_ident.leg.loop import Loop
 from pam_ident.leg.muscle import Muscle
 from pam_ident.leg.tuning import tune, tune_by_hand

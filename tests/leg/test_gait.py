@@ -5,7 +5,7 @@ import pytest
 
 from pam_ident.core import DataError
 from pam_ident.leg.arrays import jax, jnp
-from pam_ident.leg.gait import Window, read_gait, winter
+from pam_ident.leg.gait import read_gait, winter
 
 HEADER = "gait_percent,knee_deg\n"
 
@@ -65,11 +65,6 @@ def test_a_timed_table_gives_its_cadence_and_series(tmp_path):
     np.testing.assert_allclose(np.degrees(gait.cosines[0]), [25.0, 20.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(np.degrees(gait.sines[0]), [0.0, 0.0, 7.0], atol=1e-9)
     assert float(np.degrees(gait.at(0.4).ankle.angle)) == pytest.approx(3.0)
-
-
-def test_a_window_holds_both_its_ends():
-    times = Window(0.6, 0.2).times(0.005)
-    assert len(times) == 41 and times[0] == 0.6 and times[-1] == pytest.approx(0.8)
 
 
 @pytest.mark.parametrize(

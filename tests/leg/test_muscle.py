@@ -82,7 +82,7 @@ def test_a_fitted_model_says_along_a_record_what_its_fit_says():
         values |= plausible(term.effect, term.form)
     record = saw_tooth(model, values, noise=0.5)
     found = fit(model, record)
-    muscle = Muscle.from_fits({"together": found})
+    muscle = Muscle(model, record.specimen, found.values, found.values)
     assert muscle.together and muscle.specimen is record.specimen
     rows = np.flatnonzero(record.inputs.segment == 0)  # a muscle does not jump to its next start as a rig does
     alike = np.sign(record.inputs.velocity[rows]) == record.inputs.direction[rows]
@@ -262,10 +262,10 @@ def test_a_fit_comes_back_from_its_file(files, record):
 
 def test_branches_fitted_apart_come_back_apart(files, record):
     (muscle,) = Muscle.read(files / "apart.json")
-    fitted = Muscle.from_fits(fit_branches(Model.build("exponential_law"), record, "separate"))
+    fits = fit_branches(Model.build("exponential_law"), record, "separate")
     assert not muscle.together
     for branch in ("contraction", "extension"):
-        assert muscle.values()[branch] == pytest.approx(fitted.values()[branch], rel=1e-4)
+        assert muscle.values()[branch] == pytest.approx(fits[branch].values, rel=1e-4)
 
 
 def test_a_ladder_comes_back_rung_by_rung(files):
@@ -277,13 +277,9 @@ def test_a_ladder_comes_back_rung_by_rung(files):
         assert muscle.contraction == {name: q["value"] for name, q in one["parameters"].items()}
 
 
-def test_a_muscle_from_one_branch_or_of_two_models_is_refused(files, record):
+def test_a_muscle_from_one_branch_is_refused(files):
     with pytest.raises(UsageError, match=r"one\.json: holds contraction; expected both branches"):
         Muscle.read(files / "one.json")
-    fits = fit_branches(Model.build("exponential_law"), record, "separate")
-    other = fit_branches(Model.build("polynomial"), record, "separate")
-    with pytest.raises(UsageError, match="one model on one specimen"):
-        Muscle.from_fits({"contraction": fits["contraction"], "extension": other["extension"]})
 
 
 def _lacks_specimen(found):

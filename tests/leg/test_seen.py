@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pam_ident.leg.seen import outside
+from pam_ident.leg.trouble import outside
 
 WIDE = {"pressure_MPa": [0.0, 0.7], "contraction": [-0.1, 0.4], "speed_mm_s": [1.0, 500.0]}
 

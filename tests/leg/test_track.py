@@ -9,9 +9,9 @@ from plain_loop import smooth_example
 from pam_ident.core import Param
 from pam_ident.leg.control import Gains
 from pam_ident.leg.course import Course
+from pam_ident.leg.fit_file import ParameterSpread
 from pam_ident.leg.gait import Window, winter
 from pam_ident.leg.loop import Loop
-from pam_ident.leg.spread import ParameterSpread
 from pam_ident.leg.track import SAMPLES, Tracking, _Reduced
 
 GAINS = Gains(2.0, 1.0, 0.1)

@@ -48,7 +48,7 @@ def test_on_every_joint_it_is_the_slope_of_the_pads_energy(prototype):
     import mujoco
 
     def energy():
-        deep = [HIP_HEIGHT_M - GROUND.below_hip_m - prototype._world("foot", p)[2] for p in sole(LEG)]
+        deep = [HIP_HEIGHT_M - GROUND.below_hip_m - prototype.world("foot", p)[2] for p in sole(LEG)]
         return 0.5 * GROUND.stiffness_N_m * sum(max(d, 0.0) ** 2 for d in deep), deep
 
     prototype.reset(time_s=0.05)

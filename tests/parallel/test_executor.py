@@ -102,7 +102,7 @@ def test_an_executor_that_cannot_be_is_refused(who, word):
 
 
 def test_a_scheduler_that_does_not_answer_is_told(monkeypatch):
-    monkeypatch.setattr("pam_ident.parallel.dask.ANSWER_S", 0.3)
+    monkeypatch.setattr("pam_ident.parallel.executor.ANSWER_S", 0.3)
     with pytest.raises(UsageError, match="no Dask scheduler answers"):
         Executor(scheduler="tcp://127.0.0.1:9").all(math.sqrt, [4.0], "roots")
 

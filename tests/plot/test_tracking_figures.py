@@ -30,15 +30,15 @@ def track():
 
 def test_it_shows_both_pids_and_the_first_and_last_rung(track):
     shown = tracking.data(track)
-    assert [curve.name for curve in shown.curves] == [
+    assert list(shown.runs) == [
         "PID, tuned by hand",
         "PID, tuned automatically",
         "PID + ideal law of Chou and Hannaford",
         "PID + ideal law of Chou and Hannaford with 2 effects",
     ]
-    for curve, size in zip(shown.curves, (4.0, 2.0, 1.0, 0.25), strict=True):
-        assert curve.flexion + curve.error == pytest.approx(shown.target)
-        assert np.max(np.abs(curve.error)) == pytest.approx(size, rel=1e-3)
+    for run, size in zip(shown.runs.values(), (4.0, 2.0, 1.0, 0.25), strict=True):
+        assert run.flexion + run.error == pytest.approx(shown.target)
+        assert np.max(np.abs(run.error)) == pytest.approx(size, rel=1e-3)
     assert shown.time[0] == 0.0 and shown.time[-1] == pytest.approx(0.995)
 
 
@@ -52,7 +52,7 @@ def test_rungs_have_the_error_of_a_sine_and_their_bands(track):
 
 def test_a_single_rung_is_drawn_once(track):
     track = SimpleNamespace(pid_by_hand=track.pid_by_hand, pid=track.pid, rungs=track.rungs[:1])
-    assert len(tracking.data(track).curves) == 3
+    assert len(tracking.data(track).runs) == 3
 
 
 def test_it_can_be_drawn_and_says_its_units(track):

@@ -11,7 +11,7 @@ from pam_ident.core import DataError
 from pam_ident.core.units import split_header
 from pam_ident.records import read_record
 from pam_ident.records.columns import spread
-from pam_ident.records.frozen import frozen_rows
+from pam_ident.records.faulty import frozen_rows
 
 
 def refusal(path, *words):

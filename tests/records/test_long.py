@@ -8,8 +8,7 @@ import pytest
 from pam_ident.core import DataError
 from pam_ident.records import read_record, text_table, turning
 from pam_ident.records.columns_on_disk import Columns
-from pam_ident.records.long import open_long
-from pam_ident.records.long_motion import noise_on_disk
+from pam_ident.records.long import noise_on_disk, open_long
 from pam_ident.records.roughness import position_noise
 from pam_ident.rig import Plan, Protocol, make_record, write_case
 
@@ -132,7 +131,7 @@ def test_a_quantile_on_disk_is_numpys(tmp_path, n):
 @pytest.mark.parametrize("clock", ["jitters", "stands still", "is even"])
 def test_the_noise_of_the_position_is_that_of_the_record_in_memory(clock, tmp_path, monkeypatch):
     """By the clock that was logged: evenly spaced rows would take its jitter for noise of 0.1 mm."""
-    monkeypatch.setattr("pam_ident.records.long_motion.STRETCH", 97)
+    monkeypatch.setattr("pam_ident.records.long.STRETCH", 97)
     random = np.random.default_rng(4)
     rows = np.arange(2000.0)
     time = {"jitters": 0.02 * (rows + random.uniform(-0.35, 0.35, 2000)), "stands still": 0.0 * rows, "is even": rows}

@@ -115,6 +115,13 @@ def test_a_slow_turn_is_no_hold(speed, noise, jitter):
     np.testing.assert_array_equal(found.direction[judged], direction[judged])
 
 
+def test_a_stroke_of_few_rows_leaves_slow_turns_what_they_are():
+    t, x, _ = slow_turns(20.0, 50)
+    short_t, short_x, _ = slow_turns(60.0, 5, cycles=1)
+    found = record_of(np.r_[t, t[-1] + 0.04 + short_t], np.r_[x, 0.1 * short_x], 0.04).inputs
+    assert found.moving[: len(t)].all()
+
+
 def test_a_hold_in_which_the_drive_still_brakes_keeps_the_position_of_what_rests():
     t, x, _, moving, _, _ = trapezoid(10.0, 4.0, 40, in_hold=8)
     last = np.flatnonzero((np.diff(moving) < 0.0) & (x[1:] == TRAVEL)) + 1

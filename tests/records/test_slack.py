@@ -7,7 +7,7 @@ from pam_ident.core import Specimen
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import build_record, read_record
-from pam_ident.records.slack import slack_rows
+from pam_ident.records.clipped import slack_rows
 
 MUSCLE = Specimen("locked", 200.0, 10.0, 25.4, 1.5)
 NOISE = 1.5

@@ -10,8 +10,8 @@ from pam_ident.core import Specimen
 from pam_ident.records import read_record, record_from_frame
 from pam_ident.records.clipped import clipped_rows
 from pam_ident.records.datasets import dataset_record
+from pam_ident.records.faulty import spike_rows
 from pam_ident.records.gate import doubts_of
-from pam_ident.records.spikes import spike_rows
 from pam_ident.tasks.compare import compare_record
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.fit import fit_record

@@ -28,7 +28,7 @@ DONE = {
 import sys
 from pam_ident.effects import catalogue
 from pam_ident.validation.effect_contract import EFFECT_CHECKS, FORM_CHECKS
-from pam_ident.validation.effect_record import clean_record
+from pam_ident.validation.check_effects import clean_record
 effect, record = catalogue()["spindle_ripple"], clean_record()
 print([said for check in EFFECT_CHECKS for said in check(effect, record)])
 from pam_ident.cli import main

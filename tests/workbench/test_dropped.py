@@ -7,7 +7,7 @@ import zipfile
 import pytest
 
 from pam_ident.core import DataError, PamError
-from pam_ident.workbench import dropped
+from pam_ident.workbench import draft as dropped
 from pam_ident.workbench.draft import Draft
 
 HEADER = b"time_s,pressure_bara,displacement_mm,force_N\n"

@@ -25,7 +25,7 @@ from tornado.httpclient import HTTPRequest  # noqa: E402
 from tornado.iostream import StreamClosedError  # noqa: E402
 from tornado.websocket import WebSocketClosedError, websocket_connect  # noqa: E402
 
-from pam_ident.workbench.dropped import MOST_UNPACKED  # noqa: E402
+from pam_ident.workbench.draft import MOST_UNPACKED  # noqa: E402
 from pam_ident.workbench.server import MOST_BYTES  # noqa: E402
 
 SESSIONS = 50

@@ -3,7 +3,7 @@
 from ..fitted import Fitted
 from ..program import Block, Program, program
 from ..target import Target, Written
-from ..writer import Dialect, Names, check_name, constants, heading, statements
+from ..writer import COMPARE, INFIX, Dialect, Names, check_name, constants, heading, statements
 
 _SAME = "exp expm1 log log1p sin cos tan asin acos atan atan2 sinh cosh tanh sqrt floor ceil abs max min rem"
 _TWO = {"atan2", "max", "min", "rem"}
@@ -13,9 +13,7 @@ _WORDS = (
     "isempty logical power nthroot"
 )
 MATLAB = Dialect(
-    infix={"add": ("+", 5), "sub": ("-", 5), "mul": (".*", 6), "div": ("./", 6)}
-    | {"lt": ("<", 4), "le": ("<=", 4), "gt": (">", 4), "ge": (">=", 4), "eq": ("==", 4), "ne": ("~=", 4)}
-    | {"and": ("&", 2), "or": ("|", 1)},
+    infix=INFIX | COMPARE | {"mul": (".*", 6), "div": ("./", 6), "ne": ("~=", 4), "and": ("&", 2), "or": ("|", 1)},
     calls={op: f"{op}({'{0}, {1}' if op in _TWO else '{0}'})" for op in _SAME.split()}
     | {"cbrt": "nthroot({0}, 3)", "pow": "power({0}, {1})"}
     | {"not": "(~({0}))", "select": "pick({0}, {1}, {2})"},

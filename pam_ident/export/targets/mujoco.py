@@ -1,6 +1,5 @@
 """A fitted model as an actuator of MuJoCo: plain MJCF that is affine, and a Python file that makes it exact."""
 
-from dataclasses import dataclass
 from string import Template
 from typing import NamedTuple
 from xml.sax.saxutils import escape
@@ -103,26 +102,18 @@ class Affine(NamedTuple):
     most_N: float
 
 
-@dataclass(frozen=True)
-class MujocoActuator:
-    """Text of an MJCF file and of a Python file, both called NAME, and how well the affine actuator fits."""
-
-    xml: str
-    python: str
-    affine: Affine
-
-
-def mujoco_actuator(fitted: Fitted, name: str) -> MujocoActuator:
-    """An actuator for a fitted model. Raises UsageError for a name that Python does not take, or a model that cannot be
-    exported."""
+def mujoco_actuator(fitted: Fitted, name: str) -> Written:
+    """An actuator for a fitted model: an MJCF file, and beside it a Python file. Raises UsageError for a name that
+    Python does not take, or a model that cannot be exported."""
     check_name(name, PYTHON)
     made = program(fitted)
     span, length_mm = fitted.span or USUAL, fitted.specimen.initial_length_mm
     line = affine(fitted, made)
     (p_low, p_high), (e_low, e_high) = span
+    about = harmless(f"{fitted.model.law.name} fitted to {fitted.record} by pam-ident.")
     xml = MODEL.substitute(
         name=name,
-        about=escape(_in_comment(f"{fitted.model.law.name} fitted to {fitted.record} by pam-ident.")),
+        about=escape(about.replace("--", "- -").rstrip("-")),  # which cannot end a comment of XML
         length=repr(length_mm / 1000.0),
         down=repr(min(e_low, 0.0) * length_mm / 1000.0),
         up=repr(e_high * length_mm / 1000.0),
@@ -138,7 +129,11 @@ def mujoco_actuator(fitted: Fitted, name: str) -> MujocoActuator:
     listed = ", ".join(f'given["{argument}"]' for argument in made.arguments)
     call = f"force = {name}({listed})" if made.later is None else f"force, now = {name}({listed}, state=last)"
     python = python_function(fitted, name) + INSTALL.substitute(name=name, length_mm=repr(length_mm), call=call)
-    return MujocoActuator(xml, python, line)
+    note = (
+        f"{name}.xml alone is affine in length: off the fitted model by {line.rms_N:.3g} N rms, {line.most_N:.3g} N at "
+        f"most; install() of {name}.py makes it exact"
+    )
+    return Written(xml, {".py": python}, (note,), MARK)
 
 
 def affine(fitted: Fitted, made: Program) -> Affine:
@@ -156,18 +151,4 @@ def affine(fitted: Fitted, made: Program) -> Affine:
     return Affine((gain0, gain1), (bias0, bias1), float(np.sqrt(np.mean(missed**2))), float(np.abs(missed).max()))
 
 
-def _in_comment(text: str) -> str:
-    """Text that cannot end a comment of XML."""
-    return harmless(text).replace("--", "- -").rstrip("-")
-
-
-def _write(fitted: Fitted, name: str) -> Written:
-    made = mujoco_actuator(fitted, name)
-    note = (
-        f"{name}.xml alone is affine in length: off the fitted model by {made.affine.rms_N:.3g} N rms, "
-        f"{made.affine.most_N:.3g} N at most; install() of {name}.py makes it exact"
-    )
-    return Written(made.xml, {".py": made.python}, (note,), MARK)
-
-
-TARGET = Target(".xml", _write)
+TARGET = Target(".xml", mujoco_actuator)
