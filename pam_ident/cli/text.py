@@ -33,7 +33,7 @@ unfinished: Callable[[], None] | None = None
 
 def say(*lines: str) -> None:
     """Print lines, unless silent; on a terminal broken between words where they are wider than that."""
-    _echo(() if silent.get() else lines, sys.stdout)
+    _echo(() if silent.get() else lines, columns())
 
 
 def say_table(table: str) -> None:
@@ -44,15 +44,14 @@ def say_table(table: str) -> None:
 
 def warn(message: str) -> None:
     """Say on stderr what is doubtful or wrong; on a terminal broken as `say` does."""
-    _echo(message.splitlines(), sys.stderr)
+    _echo(message.splitlines(), _width(sys.stderr), err=True)
 
 
-def _echo(lines: Sequence[str], stream: TextIO) -> None:
+def _echo(lines: Sequence[str], width: int | None, err: bool = False) -> None:
     if unfinished is not None:
         unfinished()
-    width = _width(stream)
     for line in lines:
-        typer.echo(line if width is None or len(line) <= width else _broken(line, width), err=stream is sys.stderr)
+        typer.echo(line if width is None or len(line) <= width else _broken(line, width), err=err)
 
 
 def columns() -> int | None:

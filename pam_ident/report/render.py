@@ -27,8 +27,7 @@ def render(story: Story, live: bool = True) -> str:
 
     Where Bokeh is installed and `live`, figures can be zoomed into and pointed at; else there is no script.
     """
-    command = Markup.escape(plain(str(story.provenance.get("command", ""))))  # to be copied as it is
-    return page(story.title, chapters(story, live and available()), dict(story.provenance) | {"command": command})
+    return page(story.title, chapters(story, live and available()), story.provenance)
 
 
 def page(title: str, records: Chapters, provenance: Mapping[str, object]) -> str:
@@ -41,7 +40,7 @@ def page(title: str, records: Chapters, provenance: Mapping[str, object]) -> str
             records=records,
             live=inlined(records),
             provenance=tables.provenance(provenance),
-            command=provenance.get("command"),
+            command=Markup.escape(plain(str(provenance.get("command", "")))),  # to be copied as it is
         )
     )
 

@@ -4,10 +4,12 @@ import re
 import sys
 
 import pytest
+from markupsafe import escape
 
 from pam_ident.core import UsageError
 from pam_ident.diagnosis import compare
 from pam_ident.report import Section, Story, render, render_markdown, to_pdf
+from pam_ident.report.render import page
 from pam_ident.tasks import report as task
 from pam_ident.tasks.setup import Setup
 
@@ -133,3 +135,8 @@ def test_a_browser_that_fails_is_told_of(tmp_path, monkeypatch, script, words):
         to_pdf("<p>x", tmp_path, patience_s=0.5)
     assert "open it and print it" in str(told.value)
     assert list(tmp_path.iterdir()) == [browser]
+
+
+def test_a_command_on_any_page_can_be_copied():
+    command = "pam-ident against a.csv b.csv --where 'pressure_MPa > 0.1 N'"
+    assert f"<pre><code>{escape(command)}</code></pre>" in page("two", [], {"command": command})
