@@ -306,10 +306,11 @@ class Penalty:
 
     def total(self, terms: Iterable[Term]) -> float:
         """Penalty of a set of terms. The tolerance counts twice for a name that follows what another does, too: one
-        effect in a form that nobody foresaw is likelier than two that follow the same."""
+        effect in a form that nobody foresaw is likelier than two that follow the same. Here a rate is a rate, whether
+        of the length or of the pressure."""
         terms = list(terms)
-        followed = [t.effect.follows for t in terms if t.effect.follows]
-        again = len(followed) - len(set(followed))
+        followed = [[d for d in t.effect.follows if d != "pressure_rate"] for t in terms if t.effect.follows]
+        again = len(followed) - len(set(map(tuple, followed)))
         each = sum(self.alone(t) + self.tolerance + SPECIAL * bool(t.effect.special_case_of) for t in terms)
         return each + again * self.tolerance
 

@@ -26,6 +26,9 @@ VARIED = 0.15
 WAY = 0.25
 """Way of a length or a load that is held, and held elsewhere, beside the way of the pressure, both in their ranges."""
 
+SELDOM = 0.02
+"""Share of the rows in which a muscle that is clamped at some lengths is moved to another."""
+
 
 def check_kind(kind: object, where: str) -> str:
     """The kind as it was said, empty for None. Raises DataError for another word."""
@@ -53,12 +56,23 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
         return "isotonic"
     if not timed:
         return "isobaric"
+    if driven and _clamped(e):
+        return "isometric"
     for held, kind in ((e, "isometric"), (force, "isotonic")):
         if driven and _way(held) < WAY * _way(p):
             return kind
     switched = driven and np.count_nonzero(np.diff(level)) >= len(_turns(e))
     off = (p - level) / np.maximum(np.abs(level), 0.05)
     return "dynamic" if switched or np.sqrt(np.mean(off**2)) > HELD_PRESSURE else "isobaric"
+
+
+def _clamped(contraction: Array) -> bool:
+    """Whether a muscle stays within HELD_LENGTH of one of some lengths (n,), and is moved from one to another at once,
+    seldom."""
+    values = np.sort(contraction)
+    groups = np.split(values, np.flatnonzero(np.diff(values) > HELD_LENGTH) + 1)
+    moves = np.count_nonzero(np.abs(np.diff(contraction)) > HELD_LENGTH)
+    return moves <= SELDOM * len(values) and all(np.ptp(one) < HELD_LENGTH for one in groups)
 
 
 def held_lengths(contraction: Array) -> Array:
