@@ -71,7 +71,7 @@ def _clamped(contraction: Array) -> bool:
     seldom."""
     values = np.sort(contraction)
     groups = np.split(values, np.flatnonzero(np.diff(values) > HELD_LENGTH) + 1)
-    moves = np.count_nonzero(np.abs(np.diff(contraction)) > HELD_LENGTH)
+    moves = int(np.count_nonzero(np.abs(np.diff(contraction)) > HELD_LENGTH))
     return moves <= SELDOM * len(values) and all(np.ptp(one) < HELD_LENGTH for one in groups)
 
 
