@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core import UsageError, blank_nan
+from ..schema.fit import in_order
 from ..schema.versions import schema
 from .record import Store
 from .request import BatchRequest, Item, WorkList
@@ -61,8 +62,7 @@ def _schema(question: BatchRequest) -> "pa.Schema":
     texts, numbers = pa.string(), pa.float64()
     fields: list[Any] = [("record", texts), ("branch", texts), ("law", texts), ("effects", pa.list_(texts))]
     fields += [("verdict", texts), ("rmse_N", numbers), ("noise_floor_N", numbers)]
-    # The law's by name, as its formula is read, then the effects' as they come.
-    for param in sorted(model.params, key=lambda p: (1, "") if "." in p.name else (0, p.name)):
+    for param in in_order(model.params):
         about = {"unit": param.unit, "meaning": param.doc}
         fields += [pa.field(name, numbers, metadata=about) for name in (param.name, f"{param.name}_stderr")]
     fields += [("error", texts), ("selected", pa.list_(texts)), ("warnings", pa.list_(texts))]

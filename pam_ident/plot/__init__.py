@@ -4,49 +4,40 @@ Figures are built without pyplot and leave no global state behind; what they sho
 """
 
 from . import (
-    calibration as calibration,
+    calibration,
+    candidates,
+    coefficients,
+    confusion,
+    failure_map,
+    follows,
+    four_bar,
+    isobars,
+    ladder,
+    laws_compared,
+    measured_against_model,
+    over_pressure,
+    profiles,
+    residual_pattern,
+    signature,
 )
-from . import (
-    candidates as candidates,
-)
-from . import (
-    coefficients as coefficients,
-)
-from . import (
-    confusion as confusion,
-)
-from . import (
-    failure_map as failure_map,
-)
-from . import (
-    follows as follows,
-)
-from . import (
-    four_bar as four_bar,
-)
-from . import (
-    isobars as isobars,
-)
-from . import (
-    ladder as ladder,
-)
-from . import (
-    laws_compared as laws_compared,
-)
-from . import (
-    measured_against_model as measured_against_model,
-)
-from . import (
-    over_pressure as over_pressure,
-)
-from . import (
-    profiles as profiles,
-)
-from . import (
-    residual_pattern as residual_pattern,
-)
-from . import (
-    signature as signature,
-)
-from .style import to_png as to_png
-from .style import to_svg as to_svg
+from .style import to_png, to_svg
+
+__all__ = [
+    "calibration",
+    "candidates",
+    "coefficients",
+    "confusion",
+    "failure_map",
+    "follows",
+    "four_bar",
+    "isobars",
+    "ladder",
+    "laws_compared",
+    "measured_against_model",
+    "over_pressure",
+    "profiles",
+    "residual_pattern",
+    "signature",
+    "to_png",
+    "to_svg",
+]

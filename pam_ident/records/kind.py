@@ -67,19 +67,23 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
 
 
 def _clamped(contraction: Array) -> bool:
-    """Whether a muscle stays within HELD_LENGTH of one of some lengths (n,), and is moved from one to another at once,
-    seldom."""
-    values = np.sort(contraction)
-    groups = np.split(values, np.flatnonzero(np.diff(values) > HELD_LENGTH) + 1)
-    moves = int(np.count_nonzero(np.abs(np.diff(contraction)) > HELD_LENGTH))
-    return moves <= SELDOM * len(values) and all(np.ptp(one) < HELD_LENGTH for one in groups)
+    """Whether a muscle is moved from one length to another, (n,), seldom and at once, and stays within HELD_LENGTH."""
+    if np.count_nonzero(np.abs(np.diff(contraction)) > HELD_LENGTH) > SELDOM * len(contraction):
+        return False
+    return all(np.ptp(one) < HELD_LENGTH for one in _at_each_length(contraction)[0])
 
 
 def held_lengths(contraction: Array) -> Array:
     """The contraction ratio at which a muscle is locked at each sample, (n,)."""
+    lengths, group = _at_each_length(contraction)
+    return np.array([np.median(one) for one in lengths])[group]
+
+
+def _at_each_length(contraction: Array) -> tuple[list[Array], Array]:
+    """Contractions (n,) at each length that is more than HELD_LENGTH from the next, and its number by sample, (n,)."""
     values, place = np.unique(contraction, return_inverse=True)
     group = np.r_[0, np.cumsum(np.diff(values) > HELD_LENGTH)][place]
-    return np.array([np.median(contraction[group == g]) for g in range(group.max() + 1)])[group]
+    return [contraction[group == g] for g in range(group.max() + 1)], group
 
 
 def _turns(values: Array) -> list[int]:

@@ -1,25 +1,26 @@
 """Fits as the dictionaries that other programs read; NaN is blanked when they are written."""
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .versions import picked, schema, warnings_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..core import Inputs
+    from ..core import Inputs, Param
     from ..fitting import Fit
     from ..fitting.fit import Estimate
     from ..fitting.prediction import ReadingSpread, Simpler
     from ..tasks.fit import Checks, FitAnswer
 
 Json = dict[str, Any]
+P = TypeVar("P", "Estimate", "Param")
 
 
-def in_order(estimates: "Sequence[Estimate]") -> "list[Estimate]":
+def in_order(parameters: "Sequence[P]") -> list[P]:
     """The law's parameters by name, as its formula is read, then the effects' as they come."""
-    return sorted(estimates, key=lambda e: (1, "") if "." in e.name else (0, e.name))
+    return sorted(parameters, key=lambda e: (1, "") if "." in e.name else (0, e.name))
 
 
 def parameters(estimates: "tuple[Estimate, ...]") -> Json:
