@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from ..tasks.fit import Checks, FitAnswer
 
 Json = dict[str, Any]
-P = TypeVar("P", "Estimate", "Param")
+T = TypeVar("T", "Estimate", "Param")
 
 
-def in_order(parameters: "Sequence[P]") -> list[P]:
+def in_order(parameters: "Sequence[T]") -> list[T]:
     """The law's parameters by name, as its formula is read, then the effects' as they come."""
     return sorted(parameters, key=lambda e: (1, "") if "." in e.name else (0, e.name))
 
