@@ -46,8 +46,8 @@ def spike_rows(values: Mapping[str, Array]) -> dict[str, Array]:
     two and comes back; empty without any.
 
     It is off the median about it, and off the straight lines through the two before and the two behind: a step, a turn
-    of the motion and a burst are not. The first row and the last have nothing to come back to, nor has one beside a step
-    of the pressure, which another run or isobar begins with.
+    of the motion and a burst are not. The first row and the last have nothing to come back to, nor has one beside a
+    step of the pressure, which another run or isobar begins with.
     """
     force = values["force"]
     most = _most_faults(len(force))
