@@ -1,7 +1,7 @@
 """Which effect is missing, how sure that is, and what is left."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -28,7 +28,7 @@ from .probability import BESIDE_UNKNOWN, LAPSE, MAY_BE_NOISE, probabilities
 from .remainder import pattern_of, unlike_noise
 from .select import EXACT
 from .selection import FittedSet, Selection
-from .sentence import as_slow_noise, could_be_tried, reservations, sentence
+from .sentence import STATIC, as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
@@ -157,8 +157,9 @@ def diagnosing(
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
-    by_form = by_form_alone(selection, fitted, named)
-    chance = {name: chance[name] * (BY_FORM if name in by_form else 1.0) for name in chance}
+    by_form = by_form_alone(selection, fitted, named, classes)
+    doubtful = set(by_form).union(*(group for group in classes if group[0] in by_form))
+    chance = {name: chance[name] * (BY_FORM if name in doubtful else 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
@@ -207,19 +208,26 @@ def diagnosing(
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
-def by_form_alone(selection: Selection, fitted: FittedSet, named: list[Term]) -> dict[str, str]:
+def by_form_alone(
+    selection: Selection, fitted: FittedSet, named: list[Term], classes: Sequence[Sequence[str]] = ()
+) -> dict[str, str]:
     """Of names, largest first, those for which only a form speaks: with the largest of the others, where the form of
-    that may leave what it explains; with nothing, where no driver of it is likely; with itself, where it is static in
-    its free form, for only forms tell static effects apart, and that is none."""
+    that may leave what it explains; with nothing, where no driver of it is likely. Only forms tell static effects
+    apart: with itself, where it is static in its free form, which is none; with another that is static, too, or is
+    not told from one that is (`classes`): two can imitate a third."""
     found, timed = {}, selection.record.inputs.time is not None
+    known = {effect.name for effect in selection.candidates if effect.follows == STATIC}
+    static = known.union(*(group for group in classes if not known.isdisjoint(group)))
     for term in named:
         effect, others = term.effect, [t for t in named if t is not term]
         if others and selection.part(fitted, term) < LITTLE:
             found[effect.name] = others[0].effect.name
         elif timed and effect.follows and selection.following.likely.isdisjoint(effect.follows):
             found[effect.name] = ""
-        elif timed and term.form.free and effect.follows == ("map",):
+        elif timed and effect.follows == STATIC and term.form.free:
             found[effect.name] = effect.name
+        elif timed and effect.follows == STATIC and (alike := [t for t in others if t.effect.name in static]):
+            found[effect.name] = alike[0].effect.name
     return found
 
 

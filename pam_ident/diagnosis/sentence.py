@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 from ..core.digits import newtons, percent, probability
-from ..effects import Effect, in_words, named
+from ..effects import Effect, get_effect, in_words, named
 from ..fitting import Fit
 from .nouns import Diagnosis, Follows, Pattern
 
@@ -11,6 +11,8 @@ WORTH_TRYING = 0.1
 """Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
 SURE = 0.9
 """Probability of a name from which a headline states it without a word of doubt."""
+STATIC = ("map",)
+"""What static effects follow: all the same, so that only their forms tell them apart."""
 TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
 
@@ -81,6 +83,8 @@ def reservations(
             why = "No written form of it fits, and its free form could follow nearly any static error."
         elif not other:
             why = f"The error rather follows {follows}; only its form speaks for it."
+        elif get_effect(name, extra)[0].follows == get_effect(other, extra)[0].follows == STATIC:
+            why = f"With {in_words(other, extra)} it could follow nearly any static error."
         said.append(f" Less sure: {in_words(name, extra)}. {why}")
     return "".join(said)
 

@@ -117,6 +117,18 @@ def test_a_form_that_the_catalogue_lacks_does_not_change_the_name(tmp_path, name
     assert answer.selected == (name,) and answer.labels[0] not in left
 
 
+def test_two_static_names_are_never_sure(tmp_path):
+    """A fixture that yields as a contact does is threads that stretch and ends that taper, where it is left out."""
+    secret = Secret("series_compliance", "contact", 4.643)
+    write_case(tmp_path, make_record(Plan(6140200079, CHOU, (secret,), protocol="four_pressures", sigma_N=1.0, tier=2)))
+    record, pair = read_record(tmp_path / "record.csv"), ("braid_extensibility", "end_taper")
+    answer = diagnose(Model.build(CHOU), record, only=pair)
+    assert set(answer.selected) == set(pair) and all(one.probability < 0.5 for one in answer.ranking)
+    assert "With tapered ends it could follow nearly any static error." in answer.sentence
+    alone = diagnose(Model.build(CHOU), record, only=("series_compliance", "end_taper"))
+    assert alone.selected == ("series_compliance",)
+
+
 def test_without_and_only_take_a_form(hidden_effect):
     law = Model.build(EXPONENTIAL)
     label = "pressure_friction:contact_area"
