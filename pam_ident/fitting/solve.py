@@ -31,9 +31,10 @@ def solve(
 ) -> Solution:
     """Least squares of whiten(model − force), force (n,) in N, over the model's parameters, within their bounds.
 
-    Curved parameters start from `start` where it names them, else from every combination of their grids,
-    the two best of which are followed down. `quick` follows one and stops at 1e-8, or before that, not converged, where
-    there is no hope of a sum of squares below `enough`. Parameters in `held` stay at their values. `solver` takes the place of variable projection. Raises UsageError where `held` names no parameter of the model.
+    Curved parameters start from `start` where it names them, else from every combination of their grids, the two best
+    of which are followed down. `quick` follows one and stops at 1e-8, or before that, not converged, where there is no
+    hope of a sum of squares below `enough`. Parameters in `held` stay at their values. `solver` takes the place of
+    variable projection. Raises UsageError where `held` names no parameter of the model.
     """
     held = dict(held or {})
     if solver is None:
