@@ -24,9 +24,7 @@ THREE = tuple(
 E_R = Param("E_r", "MPa", "relaxing part of the bladder's modulus", 0.0, 1e3, scale=0.1)
 SHARE = Param("share", "1", "share of a change of force that relaxes", 0.0, 2.0, scale=0.02)
 LATE = Param("late", "1", "share of a change of force that comes late", 0.0, 1.0, scale=0.02)
-NEW = Param(
-    "new", "1", "share that is new at the first sample, of the contraction or force there", 0.0, 1.0, start=0.5, grid=(0.0, 1.0)
-)
+NEW = Param("new", "1", "share of the first contraction, or force, that is new", 0.0, 1.0, start=0.5, grid=(0.0, 1.0))
 RATIOS = (0.1, 1.0, 10.0)
 """Relaxation times of three elements, over the middle one's."""
 DECADES = np.logspace(-1.0, 3.0, 9)
