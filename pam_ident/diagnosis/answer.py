@@ -37,7 +37,7 @@ def answer_of(
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
     likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
-    if len(likely) < len(fitted.terms) and Adequacy.lacking(selection, fitted, False):
+    if len(likely) < len(fitted.terms) and (not likely or Adequacy.lacking(selection, fitted, False)):
         fitted = selection.refit(likely, fitted.values)
     if any(not t.effect.candidate for t in fitted.terms) and any(t.form.free for t in fitted.terms):
         either = ([t for t in fitted.terms if not t.form.free], [t for t in fitted.terms if t.effect.candidate])
@@ -51,7 +51,7 @@ def likelier_instead(answer: Selected, others: list[Effect]) -> list[str]:
     """Of others that were not tried, by name, those that explain more in the place of a name, or of all.
 
     Strokes from end to end lead over the same places each way: curves over the place, in each direction, then imitate
-    what builds up along the way. Surfaces do not tell which of these the force follows; the forms of effects do.
+    what builds up along the way. Surfaces do not tell which of these the force follows; written forms do.
     """
     selection, fitted = answer.selection, answer.fitted
     aside = copy(selection)

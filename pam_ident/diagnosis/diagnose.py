@@ -129,7 +129,8 @@ def diagnosing(
         drivers = answer.lacking.left.drivers
         further = [e.name for e in others if drivers.issuperset(e.follows[:1])]
     elif answer.fitted.candidates:
-        further = likelier_instead(answer, others)
+        partly = [e for e in others if e.written and not following.likely.isdisjoint(e.follows)]
+        further = likelier_instead(answer, [replace(effect, forms=effect.written) for effect in partly])
     if further:
         wider = answer_of(alone, candidates, known, following, tried + further, odds)
         answer = answer if wider.lacking else wider
