@@ -40,8 +40,9 @@ def forms_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:
     """All written forms, `name:form`, that can follow what is hidden without noise, to the share SAME of it."""
     record = read_record(case / "record.csv")
     model = Model.build(hidden.plan.law)
-    course = hidden.course
-    added = np.interp(record.inputs.time, course.time[course.rows], hidden.added)  # of the rows that were read
+    course, time = hidden.course, record.inputs.time
+    assert time is not None  # the rig logs it
+    added = np.interp(time, course.time[course.rows], hidden.added)  # of the rows that were read
     clean = model.force(record.inputs, fit(model, record, detail=False).values) + added
     clean_record = replace(record, force=clean)
     alone = fit(model, clean_record, detail=False).rmse
