@@ -128,9 +128,9 @@ def diagnosing(
     if tried and answer.lacking:  # what it leaves is asked what it follows, as the law's error was
         drivers = answer.lacking.left.drivers
         further = [e.name for e in others if drivers.issuperset(e.follows[:1])]
-    elif answer.fitted.candidates:
-        partly = [e for e in others if e.written and not following.likely.isdisjoint(e.follows)]
-        further = likelier_instead(answer, [replace(effect, forms=effect.written) for effect in partly])
+    if tried and (answer.lacking or answer.fitted.candidates):
+        partly = [e for e in others if e.name not in further and not following.likely.isdisjoint(e.follows)]
+        further += likelier_instead(answer, [replace(e, forms=e.written) for e in partly if e.written])
     if further:
         wider = answer_of(alone, candidates, known, following, tried + further, odds)
         answer = answer if wider.lacking else wider
