@@ -1,6 +1,7 @@
 """The answer to a record by the effects that are tried, and which of its names stand where it is incomplete."""
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 
 from ..effects import Effect
@@ -10,7 +11,8 @@ from .confounding import groups
 from .follows import Following
 from .probability import probabilities
 from .remainder import remainder_of
-from .select import in_spite_of, investigate
+from .search import CLOSE
+from .select import RIVAL, best_forms, in_spite_of, investigate
 from .selection import FittedSet, Selection
 
 
@@ -35,7 +37,7 @@ def answer_of(
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
     likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
-    if len(likely) < len(fitted.terms) and Adequacy.lacking(selection, fitted, False):
+    if len(likely) < len(fitted.terms) and (not likely or Adequacy.lacking(selection, fitted, False)):
         fitted = selection.refit(likely, fitted.values)
     if any(not t.effect.candidate for t in fitted.terms) and any(t.form.free for t in fitted.terms):
         either = ([t for t in fitted.terms if not t.form.free], [t for t in fitted.terms if t.effect.candidate])
@@ -43,6 +45,26 @@ def answer_of(
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None
     return Selected(selection, fitted, Adequacy.lacking(selection, fitted, remains))
+
+
+def likelier_instead(answer: Selected, others: list[Effect]) -> list[str]:
+    """Of others that were not tried, by name, those that explain more in the place of a name, or of all.
+
+    Strokes from end to end lead over the same places each way: curves over the place, in each direction, then imitate
+    what builds up along the way. Surfaces do not tell which of these the force follows; written forms do.
+    """
+    selection, fitted = answer.selection, answer.fitted
+    aside = copy(selection)
+    aside.cache, aside.known = dict(selection.cache), dict(selection.known)  # they count for no odds of what was tried
+    most, found = fitted.criterion, set()
+    for fewer in {(), *(tuple(fitted.without(term)) for term in fitted.terms)} if others else ():
+        rest = aside.refit(fewer, fitted.values)
+        data = selection.beyond(rest, others)
+        for choice in best_forms(data, selection.penalty, range(len(data.regressors))):
+            near = choice.criterion < most + RIVAL
+            if near and aside.refit_choice(data, choice, rest, most).criterion < most - CLOSE:
+                found.update(data.regressors[k].effect for k in choice.regressors)
+    return sorted(found)
 
 
 def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> tuple[Selection, Adequacy]:

@@ -1,7 +1,7 @@
 """Which effect is missing, how sure that is, and what is left."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -17,7 +17,7 @@ from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
 from .adequacy import Adequacy, FreeModel
-from .answer import answer_of, standing
+from .answer import answer_of, likelier_instead, standing
 from .confirmed import allowed_by_nature, impossible_alone
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
@@ -34,6 +34,8 @@ Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
 """Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
 which explains no more beside others, or follows nothing likely: 9 of 19 were false, and 5 of 8 (docs/validation.md)."""
+STATIC = ("map",)
+"""What static effects follow: all the same."""
 ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
@@ -122,10 +124,15 @@ def diagnosing(
     known = [*seen, *(term.effect for term in model.terms)]
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
     answer = answer_of(alone, candidates, known, following, tried, odds)
+    others, further = [e for e in seen if e.name not in tried], []
     if tried and answer.lacking:  # what it leaves is asked what it follows, as the law's error was
         drivers = answer.lacking.left.drivers
-        further = [e.name for e in seen if e.name not in tried and drivers.issuperset(e.follows[:1])]
-        wider = answer_of(alone, candidates, known, following, tried + further, odds) if further else answer
+        further = [e.name for e in others if drivers.issuperset(e.follows[:1])]
+    if tried and (answer.lacking or answer.fitted.candidates):
+        partly = [e for e in others if e.name not in further and not following.likely.isdisjoint(e.follows)]
+        further += likelier_instead(answer, [replace(e, forms=e.written) for e in partly if e.written])
+    if further:
+        wider = answer_of(alone, candidates, known, following, tried + further, odds)
         answer = answer if wider.lacking else wider
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
@@ -157,8 +164,9 @@ def diagnosing(
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
-    by_form = by_form_alone(selection, fitted, named)
-    chance = {name: chance[name] * (BY_FORM if name in by_form else 1.0) for name in chance}
+    by_form = by_form_alone(selection, fitted, named, classes, follows[0].text)
+    doubtful = set(by_form).union(*(group for group in classes if group[0] in by_form))
+    chance = {name: chance[name] * (BY_FORM if name in doubtful else 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
@@ -176,7 +184,7 @@ def diagnosing(
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
     if record.carried:
         said += " A load was held and the length answered: errors are those of the force at the measured length."
-    said += reservations({name: rivals[name] for name in selected}, by_form, follows[0].text, extra)
+    said += reservations({name: rivals[name] for name in selected}, by_form, extra)
     found = Diagnosis(
         base,
         best,
@@ -207,19 +215,29 @@ def diagnosing(
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
-def by_form_alone(selection: Selection, fitted: FittedSet, named: list[Term]) -> dict[str, str]:
-    """Of names, largest first, those for which only a form speaks: with the largest of the others, where the form of
-    that may leave what it explains; with nothing, where no driver of it is likely; with itself, where it is static in
-    its free form, for only forms tell static effects apart, and that is none."""
+def by_form_alone(
+    selection: Selection, fitted: FittedSet, named: list[Term], classes: Sequence[Sequence[str]], follows: str
+) -> dict[str, str]:
+    """Of names, largest first, those for which only a form speaks, and why, in a sentence.
+
+    With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
+    and the error rather `follows` another; and where it is static in its free form, or beside another that is static or
+    is not told from one that is (`classes`), since only forms tell static effects apart.
+    """
     found, timed = {}, selection.record.inputs.time is not None
+    known = {effect.name for effect in selection.candidates if effect.follows == STATIC}
+    static = known.union(*(group for group in classes if not known.isdisjoint(group)))
     for term in named:
-        effect, others = term.effect, [t for t in named if t is not term]
+        name = term.effect.name
+        others = [t.effect for t in named if t is not term]
         if others and selection.part(fitted, term) < LITTLE:
-            found[effect.name] = others[0].effect.name
-        elif timed and effect.follows and selection.following.likely.isdisjoint(effect.follows):
-            found[effect.name] = ""
-        elif timed and term.form.free and effect.follows == ("map",):
-            found[effect.name] = effect.name
+            found[name] = f"It explains little; {others[0].title} of another form could leave as much."
+        elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
+            found[name] = f"The error rather follows {follows}; only its form speaks for it."
+        elif timed and name in known and term.form.free:
+            found[name] = "No written form of it fits, and its free form could follow nearly any static error."
+        elif timed and name in known and (alike := [e for e in others if e.name in static]):
+            found[name] = f"With {alike[0].title} it could follow nearly any static error."
     return found
 
 

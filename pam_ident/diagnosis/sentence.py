@@ -65,24 +65,15 @@ def headline(names: Sequence[str], diagnoses: Iterable[Diagnosis], extra: tuple[
     return f"{lead}: {joint.join(filter(None, (', '.join(told[:-1]), told[-1])))}."
 
 
-def reservations(
-    rivals: Mapping[str, float], by_form: Mapping[str, str], follows: str, extra: tuple[Effect, ...]
-) -> str:
+def reservations(rivals: Mapping[str, float], by_form: Mapping[str, str], extra: tuple[Effect, ...]) -> str:
     """What makes named effects less sure, each sentence with a blank before it: the chance that one is something
-    unknown, and what `by_form_alone` found, the error rather following what it `follows`."""
+    unknown, and what `by_form_alone` found."""
     said = [
         f" With a chance of {probability(chance)} it is not {in_words(name, extra)} but something unknown."
         for name, chance in rivals.items()
         if chance >= TOLD
     ]
-    for name, other in by_form.items():
-        why = f"It explains little; {in_words(other, extra)} of another form could leave as much."
-        if other == name:
-            why = "No written form of it fits, and its free form could follow nearly any static error."
-        elif not other:
-            why = f"The error rather follows {follows}; only its form speaks for it."
-        said.append(f" Less sure: {in_words(name, extra)}. {why}")
-    return "".join(said)
+    return "".join([*said, *(f" Less sure: {in_words(name, extra)}. {why}" for name, why in by_form.items())])
 
 
 def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:

@@ -24,9 +24,7 @@ THREE = tuple(
 E_R = Param("E_r", "MPa", "relaxing part of the bladder's modulus", 0.0, 1e3, scale=0.1)
 SHARE = Param("share", "1", "share of a change of force that relaxes", 0.0, 2.0, scale=0.02)
 LATE = Param("late", "1", "share of a change of force that comes late", 0.0, 1.0, scale=0.02)
-NEW = Param(
-    "new", "1", "share of the first force that is new at the first sample", 0.0, 1.0, start=0.5, grid=(0.0, 1.0)
-)
+NEW = Param("new", "1", "share of the first contraction, or force, that is new", 0.0, 1.0, start=0.5, grid=(0.0, 1.0))
 RATIOS = (0.1, 1.0, 10.0)
 """Relaxation times of three elements, over the middle one's."""
 DECADES = np.logspace(-1.0, 3.0, 9)
@@ -53,6 +51,16 @@ def _prony(inputs: Inputs, values: Values, force: Array) -> Array:
     return _three(inputs, inputs.way, values["tau"])
 
 
+def _begun(inputs: Inputs, values: Values, force: Array) -> Array:
+    """And of the contraction that the first sample finds: nobody knows how long it was there."""
+    return _prony(inputs, values, force) - values["new"] * _late(inputs, inputs.way, values["tau"])
+
+
+def _late(inputs: Inputs, drive: Array, tau: float) -> Array:
+    since, first = elapsed(inputs), drive - since_first(inputs, drive)
+    return inputs.xp.stack([first * inputs.xp.exp(-since / (tau * ratio)) for ratio in RATIOS]).T
+
+
 def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(inputs.xp.stack([_drive(inputs, inputs.way, tau) for tau in DECADES]).sum(axis=0) / len(DECADES))
 
@@ -63,9 +71,7 @@ def _force(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _force_prony(inputs: Inputs, values: Values, force: Array) -> Array:
     """And of the force that the first sample finds: nobody knows how long it was there."""
-    since, first = elapsed(inputs), force - since_first(inputs, force)
-    late = [first * inputs.xp.exp(-since / (values["tau"] * ratio)) for ratio in RATIOS]
-    return values["new"] * inputs.xp.stack(late).T - _three(inputs, force, values["tau"])
+    return values["new"] * _late(inputs, force, values["tau"]) - _three(inputs, force, values["tau"])
 
 
 def _following(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -99,6 +105,16 @@ EFFECT = Effect(
             nonlinear=(MIDDLE,),
             unit=("N", 100.0),
             remembers=True,
+        ),
+        free_form(
+            "−q_i, q_i(0) = new · ε(0), τ_i = τ/10, τ, 10 τ",
+            _begun,
+            3,
+            contraction=1,
+            nonlinear=(MIDDLE, NEW),
+            unit=("N", 100.0),
+            remembers=True,
+            name="free_begun",
         ),
         free_form(
             "+q_i, q̇_i = Ḟ − q_i/τ_i, q_i(0) = new · F(0), τ_i = τ/10, τ, 10 τ",

@@ -24,7 +24,6 @@ def solve(
     force: Array,
     whiten: Whiten,
     start: Mapping[str, float] | None = None,
-    max_starts: int = 24,
     quick: bool = False,
     held: Mapping[str, float] | None = None,
     solver: Solver | None = None,
@@ -32,15 +31,15 @@ def solve(
 ) -> Solution:
     """Least squares of whiten(model − force), force (n,) in N, over the model's parameters, within their bounds.
 
-    Curved parameters start from `start` where it names them, else from every combination of their grids (at
-    most `max_starts`, the two best of which are followed down). `quick` follows one and stops at 1e-8, or before that,
-    not converged, where there is no hope of a sum of squares below `enough`. Parameters in `held` stay at their values.
-    `solver` takes the place of variable projection. Raises UsageError where `held` names no parameter of the model.
+    Curved parameters start from `start` where it names them, else from every combination of their grids, the two best
+    of which are followed down. `quick` follows one and stops at 1e-8, or before that, not converged, where there is no
+    hope of a sum of squares below `enough`. Parameters in `held` stay at their values. `solver` takes the place of
+    variable projection. Raises UsageError where `held` names no parameter of the model.
     """
     held = dict(held or {})
     if solver is None:
         hope = enough if model.separable else ACTING * enough
-        solver = replace(QUICK, max_starts=max_starts, enough=hope) if quick else VariableProjection(max_starts)
+        solver = replace(QUICK, enough=hope) if quick else VariableProjection()
 
     def search(problem: Problem, by: Solver) -> Solution:
         found = by.solve(problem.holding(**held))

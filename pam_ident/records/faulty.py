@@ -46,7 +46,8 @@ def spike_rows(values: Mapping[str, Array]) -> dict[str, Array]:
     two and comes back; empty without any.
 
     It is off the median about it, and off the straight lines through the two before and the two behind: a step, a turn
-    of the motion and a burst are not. The first row and the last have nothing to come back to.
+    of the motion and a burst are not. The first row and the last have nothing to come back to, nor has one beside a
+    step of the pressure, which another run or isobar begins with.
     """
     force = values["force"]
     most = _most_faults(len(force))
@@ -57,9 +58,18 @@ def spike_rows(values: Mapping[str, Array]) -> dict[str, Array]:
     bend = np.abs(force - [2.0 * near[:, 1] - near[:, 0], 2.0 * near[:, 3] - near[:, 4]]).min(axis=0)
     off = np.minimum(bend, np.abs(force - middle))
     far = np.flatnonzero(off > SHARE * np.partition(np.abs(force), -most - 1)[-most - 1])
-    usual = np.partition(_windows(bend, REACH)[far], -FIFTH, axis=1)[:, -FIFTH]
-    lone = far[off[far] > TIMES * usual]
+    lone = far[off[far] > TIMES * _usual(bend, far)]
+    if "pressure" in values:
+        pressure = np.pad(values["pressure"], 1, mode="edge")
+        across = np.abs(pressure[2:] - pressure[:-2])
+        steps = np.maximum(TIMES * _usual(across, lone), SHARE * np.abs(pressure).max())
+        lone = lone[across[lone] <= steps]
     return {"force": np.isin(np.arange(len(force)), lone)} if 0 < len(lone) <= most else {}
+
+
+def _usual(x: Array, rows: Array) -> Array:
+    """The fifth largest of x (n,) about each of some rows."""
+    return np.partition(_windows(x, REACH)[rows], -FIFTH, axis=1)[:, -FIFTH]
 
 
 def _most_faults(n: int) -> int:

@@ -124,9 +124,7 @@ class LongRecord:
 
 
 @contextmanager
-def open_long(
-    path: str | Path, specimen: str | Path | Specimen | None = None, columns: str | Path | None = None
-) -> Iterator[LongRecord]:
+def open_long(path: str | Path, specimen: str | Path | Specimen | None = None) -> Iterator[LongRecord]:
     """A record as `read_record` takes it, text of any size; its columns stay on disk (under TMPDIR) until it is closed.
 
     Raises what `read_record` does, UsageError where the disk is full.
@@ -137,11 +135,11 @@ def open_long(
         spill = _Spill(files, geometry, Columns(Path(folder)))
         where: dict[str, str] = {}
         notes = Notes()
-        for table, sources, length_mm in tables_of(files, columns, geometry, notes):
+        for table, sources, length_mm in tables_of(files, None, geometry, notes):
             for begins, values in read_pieces(table, sources, length_mm, notes):
                 spill.put(begins, on_length(values, length_mm, geometry.initial_length_mm))
             where = where or headers(sources)
-        yield replace(spill.record(where), notes=notes.told(), said_kind=said_kind(files, specimen, columns))
+        yield replace(spill.record(where), notes=notes.told(), said_kind=said_kind(files, specimen, None))
 
 
 @dataclass

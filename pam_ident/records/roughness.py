@@ -6,6 +6,8 @@ from ..core import Array
 
 NORMAL_MEDIAN = 0.6745
 """Median magnitude of a standard normal number."""
+ROWS = 21
+"""Samples around one that tell of the noise at it."""
 
 
 def position_noise(x: Array, time: Array | None = None) -> float:
@@ -17,8 +19,8 @@ def position_noise(x: Array, time: Array | None = None) -> float:
     return position_noise(x) if time is not None and len(x) > 4 else 0.0
 
 
-def noise_around(x: Array, time: Array, run: Array | None = None, rows: int = 21) -> Array:
-    """Standard deviation of the noise on a smooth track at each sample, from `rows` around it, shape (n,).
+def noise_around(x: Array, time: Array, run: Array | None = None) -> Array:
+    """Standard deviation of the noise on a smooth track at each sample, from ROWS around it, shape (n,).
 
     Of a track that turns between runs, numbered in `run` (n,), only those are taken that have their four neighbours in
     one: at a turn of few samples a track is rough without noise.
@@ -29,10 +31,10 @@ def noise_around(x: Array, time: Array, run: Array | None = None, rows: int = 21
         part = np.cumsum(np.diff(run, prepend=run[0]) != 0)
         seen &= part[4:] == part[:-4]
     known = np.flatnonzero(seen)
-    if len(known) < rows:
+    if len(known) < ROWS:
         return np.full(len(x), position_noise(x, time))
-    around = np.pad(rough[known], rows // 2, mode="reflect")
-    median = np.median(np.lib.stride_tricks.sliding_window_view(around, rows), axis=1)
+    around = np.pad(rough[known], ROWS // 2, mode="reflect")
+    median = np.median(np.lib.stride_tricks.sliding_window_view(around, ROWS), axis=1)
     nearest = np.searchsorted(0.5 * (known[1:] + known[:-1]) + 2.0, np.arange(len(x)))
     return median[nearest] / NORMAL_MEDIAN
 

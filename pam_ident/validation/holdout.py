@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ..core import UsageError
 from ..effects import catalogue
 from ..fitting import fit
@@ -38,7 +40,10 @@ def forms_left_out(case: Path, hidden: RigRecord) -> tuple[str, ...]:
     """All written forms, `name:form`, that can follow what is hidden without noise, to the share SAME of it."""
     record = read_record(case / "record.csv")
     model = Model.build(hidden.plan.law)
-    clean = model.force(record.inputs, fit(model, record, detail=False).values) + hidden.added
+    course, time = hidden.course, record.inputs.time
+    assert time is not None  # the rig logs it
+    added = np.interp(time, course.time[course.rows], hidden.added)  # of the rows that were read
+    clean = model.force(record.inputs, fit(model, record, detail=False).values) + added
     clean_record = replace(record, force=clean)
     alone = fit(model, clean_record, detail=False).rmse
     effects = [catalogue()[one.name] for one in hidden.hidden]

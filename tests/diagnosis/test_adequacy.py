@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from pam_ident.diagnosis import diagnose
+from pam_ident.diagnosis.answer import Selected, likelier_instead
 from pam_ident.diagnosis.diagnose import by_form_alone
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.follows import Following
@@ -54,10 +55,13 @@ def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_expla
     pressed, soft, worn = (Term(catalogue()[name], catalogue()[name].forms[0]) for name in names)
     selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [t.effect for t in (pressed, soft, worn)])
     alone, both = selection.refit([pressed]), selection.refit([pressed, soft])
-    assert by_form_alone(selection, alone, [pressed]) == {}, "the error follows the direction"
-    assert by_form_alone(selection, selection.refit([worn]), [worn]) == {"mullins_softening": ""}
+    assert by_form_alone(selection, alone, [pressed], (), "") == {}, "the error follows the direction"
+    (why,) = by_form_alone(selection, selection.refit([worn]), [worn], (), "the direction of motion").values()
+    assert why == "The error rather follows the direction of motion; only its form speaks for it."
     assert selection.part(both, pressed) > 0.9 and selection.part(both, soft) < 0.01
-    assert by_form_alone(selection, both, [pressed, soft]) == {"series_compliance": "pressure_friction"}
+    little = by_form_alone(selection, both, [pressed, soft], (), "")
+    said = "It explains little; friction that grows with pressure of another form could leave as much."
+    assert little == {"series_compliance": said}
 
 
 def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):
@@ -115,6 +119,18 @@ def test_a_form_that_the_catalogue_lacks_does_not_change_the_name(tmp_path, name
     assert left and not any(label.endswith("free") for label in left)
     answer = diagnose(Model.build(CHOU), read_record(tmp_path / "record.csv"), without=left)
     assert answer.selected == (name,) and answer.labels[0] not in left
+
+
+def test_two_static_names_are_never_sure(tmp_path):
+    """A fixture that yields as a contact does is threads that stretch and ends that taper, where it is left out."""
+    secret = Secret("series_compliance", "contact", 4.643)
+    write_case(tmp_path, make_record(Plan(6140200079, CHOU, (secret,), protocol="four_pressures", sigma_N=1.0, tier=2)))
+    record, pair = read_record(tmp_path / "record.csv"), ("braid_extensibility", "end_taper")
+    answer = diagnose(Model.build(CHOU), record, only=pair)
+    assert set(answer.selected) == set(pair) and all(one.probability < 0.5 for one in answer.ranking)
+    assert "With tapered ends it could follow nearly any static error." in answer.sentence
+    alone = diagnose(Model.build(CHOU), record, only=("series_compliance", "end_taper"))
+    assert alone.selected == ("series_compliance",)
 
 
 def test_without_and_only_take_a_form(hidden_effect):
@@ -198,3 +214,15 @@ def test_what_is_taken_for_slow_noise_is_said_to_be_that(tmp_path, seed, noise, 
     assert found.verdict == "adequate"
     told = f"% of the squared error follows {what}. Slow noise would, too" in found.sentence
     assert told if what else "follows" not in found.sentence
+
+
+def test_what_was_not_tried_is_asked_where_it_explains_more_than_what_was(hidden_effect):
+    names = ("viscous_damping", "mullins_softening", "pressure_friction")
+    damped, worn, pressed = (catalogue()[name] for name in names)
+    selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [damped, worn, pressed], tried=names[:2])
+    fitted = selection.refit([Term(damped, damped.forms[0])])
+    before = dict(selection.cache)
+    assert likelier_instead(Selected(selection, fitted, None), [worn, pressed]) == ["pressure_friction"]
+    assert selection.cache == before, "it counts for no odds"
+    best = selection.refit([Term(pressed, form) for form in pressed.forms if form.name == "contact_area"])
+    assert likelier_instead(Selected(selection, best, None), [worn, damped]) == []

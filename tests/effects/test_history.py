@@ -195,6 +195,20 @@ def test_creep_is_the_relaxation_of_its_drive():
     np.testing.assert_allclose(got, relax_by_steps(inputs, ideal, 10.0), rtol=1e-6, atol=1e-6)
 
 
+def test_creep_that_began_before_the_record_starts_from_what_the_first_sample_finds():
+    """As if the muscle had been pulled there from rest in no time, or a share of that."""
+    inputs = replace(path(n=200), segment=np.zeros(200, int))
+    e, t = np.r_[0.0, inputs.contraction], np.r_[inputs.time[0] - 1e-9, inputs.time]
+    pulled = Inputs(np.full(201, 0.3), e, MUSCLE, np.ones(201), time=t, segment=np.zeros(201, int))
+    _, begun = get_effect("creep:free_begun")
+    for new in (1.0, 0.4):
+        got = begun.columns(inputs, {"tau": 10.0, "new": new}, np.zeros(200))
+        for k, tau in enumerate((1.0, 10.0, 100.0)):
+            whole = relax_by_steps(pulled, e, tau)[1:]
+            rested = relax_by_steps(inputs, inputs.contraction, tau)
+            np.testing.assert_allclose(got[:, 4 * k], -(new * whole + (1.0 - new) * rested), atol=1e-8)
+
+
 def test_creep_that_follows_brings_a_share_of_a_step_late():
     inputs = replace(path(n=200), segment=np.zeros(200, int))
     step = np.where(np.arange(200) >= 50, 100.0, 0.0)

@@ -33,6 +33,7 @@ REMEMBER = {
             "force_driven",
             "following",
             "free",
+            "free_begun",
             "free_tension",
         )
     ),

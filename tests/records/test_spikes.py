@@ -102,6 +102,20 @@ def test_what_muscles_and_rigs_do_is_no_spike(shape, noise):
     assert np.flatnonzero(found).tolist() == [300]
 
 
+def test_a_reading_between_two_isobars_is_no_spike():
+    """The last isobar's force, less with the pressure, before friction turns with the motion; then a loose plug."""
+    rng = np.random.default_rng(3)
+    force = np.where(TIME < 200, 100.0, 60.0 + np.minimum(2.0 * (TIME - 200), 60.0)) + 25.0 * (TIME > 200)
+    pressure = np.where(TIME < 200, 0.4, 0.3) + rng.normal(0.0, 2e-4, len(TIME))
+    force += rng.normal(0.0, 1.0, len(TIME))
+    assert spike_rows({"time": TIME, "force": force}), "without its pressure it looks like one"
+    assert not spike_rows({"time": TIME, "force": force, "pressure": pressure})
+    force[300] += 900.0
+    pressure[300] += 0.2  # what spoils both is none of a valve's
+    (found,) = spike_rows({"time": TIME, "force": force, "pressure": pressure}).values()
+    assert np.flatnonzero(found).tolist() == [300]
+
+
 @pytest.mark.parametrize("apart", [(2,), (3,), (4,), (6, 11), (1, 11), (12, 24)])
 def test_spikes_close_together_do_not_hide_one_another(apart):
     force = 300.0 + np.random.default_rng(3).normal(0.0, 2.0, len(TIME))

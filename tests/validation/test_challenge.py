@@ -7,8 +7,12 @@ import pytest
 from pam_ident.core import DataError, UsageError
 from pam_ident.core.progress import heard
 from pam_ident.parallel.executor import Executor, WorkerLost
+from pam_ident.records import read_record
+from pam_ident.rig.challenge import write_case
+from pam_ident.rig.record import Plan, Secret, make_record
 from pam_ident.validation import challenge
 from pam_ident.validation.challenge import write_challenge
+from pam_ident.validation.holdout import forms_left_out
 from pam_ident.validation.score import confusion, score, tally
 
 
@@ -227,3 +231,10 @@ def test_a_diagnosis_that_breaks_down_is_a_wrong_answer(tmp_path):
     assert given["c000"]["verdict"] == "none" and "record.csv" in given["c000"]["error"]
     (one,) = challenge.open_envelope(tmp_path, given, 1.0).scores
     assert not one.right
+
+
+def test_the_form_that_is_hidden_is_left_out_though_rows_are_lost(tmp_path):
+    hidden = make_record(Plan(7, secrets=(Secret("coulomb_friction"),), fault="spikes"))
+    write_case(tmp_path, hidden)
+    assert len(read_record(tmp_path / "record.csv")) < len(hidden.added)
+    assert "coulomb_friction:smooth" in forms_left_out(tmp_path, hidden)
