@@ -57,7 +57,8 @@ def likelier_instead(answer: Selected, others: list[Effect]) -> list[str]:
     aside = copy(selection)
     aside.cache, aside.known = dict(selection.cache), dict(selection.known)  # they count for no odds of what was tried
     most, found = fitted.criterion, set()
-    for fewer in {(), *(tuple(fitted.without(term)) for term in fitted.terms)} if others else ():
+    smaller = dict.fromkeys([(), *(tuple(fitted.without(term)) for term in fitted.terms)])  # each once, in order
+    for fewer in smaller if others else ():
         rest = aside.refit(fewer, fitted.values)
         data = selection.beyond(rest, others)
         for choice in best_forms(data, selection.penalty, range(len(data.regressors))):

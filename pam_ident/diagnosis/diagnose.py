@@ -33,7 +33,8 @@ from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
 """Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
-which explains no more beside others, or follows nothing likely: 9 of 19 were false, and 5 of 8 (docs/validation.md)."""
+which explains no more beside others, follows nothing likely, or is static beside another static one: 9 of 19, 5 of 8
+and 10 of 10 were false (docs/validation.md)."""
 STATIC = ("map",)
 """What static effects follow: all the same."""
 ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."

@@ -182,7 +182,7 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
         freedom[0] += len(t) - waves.shape[1]
         rests.append(still)
         scatter.append(roughness(way)[np.convolve(still, np.ones(5), "valid") == 0.0])
-    if not missed:
+    if not any(still.any() for still in rests):
         return []
     off, still = np.concatenate(missed), np.concatenate(rests)
     # Of the moving rows, too: there a jittering clock's noise grows with the speed.
