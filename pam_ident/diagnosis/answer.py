@@ -54,13 +54,16 @@ def likelier_instead(answer: Selected, others: list[Effect]) -> list[str]:
     what builds up along the way. Surfaces do not tell which of these the force follows; written forms do.
     """
     selection, fitted = answer.selection, answer.fitted
+    written = [replace(effect, forms=effect.written) for effect in others if effect.written]
+    if not written:
+        return []
     aside = copy(selection)
     aside.cache, aside.known = dict(selection.cache), dict(selection.known)  # they count for no odds of what was tried
     most, found = fitted.criterion, set()
     smaller = dict.fromkeys([(), *(tuple(fitted.without(term)) for term in fitted.terms)])  # each once, in order
-    for fewer in smaller if others else ():
+    for fewer in smaller:
         rest = aside.refit(fewer, fitted.values)
-        data = selection.beyond(rest, others)
+        data = selection.beyond(rest, written)
         for choice in best_forms(data, selection.penalty, range(len(data.regressors))):
             near = choice.criterion < most + RIVAL
             if near and aside.refit_choice(data, choice, rest, most).criterion < most - CLOSE:

@@ -35,8 +35,6 @@ LITTLE, BY_FORM = 0.035, 0.5
 """Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
 which explains no more beside others, follows nothing likely, or is static beside another static one: 9 of 19, 5 of 8
 and 10 of 10 were false (docs/validation.md)."""
-STATIC = ("map",)
-"""What static effects follow: all the same."""
 ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
@@ -131,7 +129,7 @@ def diagnosing(
         further = [e.name for e in others if drivers.issuperset(e.follows[:1])]
     if tried and (answer.lacking or answer.fitted.candidates):
         partly = [e for e in others if e.name not in further and not following.likely.isdisjoint(e.follows)]
-        further += likelier_instead(answer, [replace(e, forms=e.written) for e in partly if e.written])
+        further += likelier_instead(answer, partly)
     if further:
         wider = answer_of(alone, candidates, known, following, tried + further, odds)
         answer = answer if wider.lacking else wider
@@ -226,7 +224,7 @@ def by_form_alone(
     is not told from one that is (`classes`), since only forms tell static effects apart.
     """
     found, timed = {}, selection.record.inputs.time is not None
-    known = {effect.name for effect in selection.candidates if effect.follows == STATIC}
+    known = {effect.name for effect in selection.candidates if effect.follows == ("map",)}
     static = known.union(*(group for group in classes if not known.isdisjoint(group)))
     for term in named:
         name = term.effect.name
