@@ -6,11 +6,11 @@ from collections.abc import Collection, Sequence
 from .search import TEMPER
 from .selection import Selection
 
-LAPSE, PAIR, THREE, BESIDE_UNKNOWN, MAY_BE_NOISE, LOCKED = 0.02, 0.06, 0.3, 0.2, 0.5, 0.12
+LAPSE, PAIR, THREE, DOUBTFUL, LOCKED = 0.006, 0.015, 0.3, 0.2, 0.12
 """Chance that the search was misled as a whole, by what it ended with: one name, two, three, names beside something
-unknown, names that leave what passes for slow noise but may be more, any in a locked muscle, of which nobody measures
-how far the braid slides, or under weights, where length and pressure are one line each. Shares of near-certain
-statements that were false on sets of other hands: 8 of 296, 8 of 208, 16 of 52, 14 of 59, 12 of 20, 10 of 100."""
+unknown or that leave what passes for slow noise but may be more, any in a locked muscle, of which nobody measures how
+far the braid slides, or under weights, where length and pressure are one line each. Shares of such statements that were
+false, of the rig's sets and other hands': 4 of 1,157, 3 of 370, 19 of 60, 11 of 54, 10 of 100."""
 
 
 def probabilities(
@@ -27,7 +27,7 @@ def probabilities(
     LAPSE nothing was learned, and all candidates are as likely; or with that of its kind of answer, `lapse` at least.
     TEMPER and LAPSE were fitted to simulated records: docs/diagnosis.md.
     """
-    fitted = selection.weighed()
+    fitted = list(selection.cache.values())
     while answer is not None:
         more = min(fitted, key=lambda v: v.criterion).candidates.difference(answer, *groups)
         if not more:

@@ -25,11 +25,10 @@ from .tails import deviance_saved
 SURE = 500.0
 """Criterion by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it
 had lost by 160 at most."""
-UNEXPLAINED, EXPLAINED = 10.0, 3.0
-"""Whitened squares beyond their number, in standard deviations: something is left; nothing is."""
+EXPLAINED = 3.0
+"""Whitened squares beyond their number, in standard deviations, up to which nothing is left."""
 RIVAL, RIVALS = 100.0, 3
-"""Criterion within which a rival of other names is refined, and tried against the noise that it leaves; and how many
-are refined."""
+"""Criterion within which a rival of other names is refined; and how many are."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 FORMS = 4
@@ -55,56 +54,31 @@ def investigate(
     """The answer to a record, with the noise and the effects made to agree.
 
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
-    colour is, the record is judged again against the noise that the law alone would imply, and against that which a
-    new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
-    by their full likelihood, each with its own noise. The noise that a close rival of other names leaves is tried as
-    well, where none was like it. Nothing of this where no noise could take the place of any name: a little
-    colour is what a form leaves that is not exactly right. Nor where the answer is no noise, and the free model is
-    likelier than each of its parts with the noise that it leaves: noise is then what the free model leaves.
+    colour is, the record is judged again against the noise that the law alone would imply; the answers and all their
+    parts, fitted against the likelier of these noises, are then compared by their full likelihood, each with the noise
+    that it leaves. Nothing of this where no noise could take the place of any name: a little colour is what a form
+    leaves that is not exactly right. Nor where the answer is no noise, and the free model is likelier than each of its
+    parts with the noise that it leaves: noise is then what the free model leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection, most)
     may_be_noise = _may_be_noise(selection, fitted)
     doubtful = may_be_noise or selection.noise_left_by(fitted).coloured
     if not selection.noise.coloured and (not doubtful or _sure(selection, fitted)):
-        return selection, _without_small(selection, fitted)
+        return selection, fitted
     if selection.record.inputs.time is not None and not may_be_noise:
         least, _, likeliest = _compared([(selection, fitted)])[0]
         if FreeModel.of(selection).criterion + EQUAL < least:
-            return selection, _without_small(selection, selection.refit(likeliest.terms, likeliest.values))
+            return selection, selection.refit(likeliest.terms, likeliest.values)
     selections = [(selection, fitted)]
-
-    def tried_against(noise: Noise) -> bool:
-        """Or not worth it: noise is not larger than all that the law leaves."""
-        return noise.whole > base.rmse or any(noise.like(selection.noise) for selection, _ in selections)
-
-    def select_again(noise: Noise) -> None:
-        if not tried_against(noise):
-            again = Selection(base, candidates, noise=noise, before=selection)
-            selections.append((again, _answer(again, most)))
-
-    select_again(selection.noise_left_by(fitted, white=True))
-    select_again(selection.noise_left_by(selection.empty))
-    last, answer = selections[-1]
-    if all(answer.labels != found.labels for _, found in selections[:-1]):
-        select_again(last.noise_left_by(answer))
-    compared = _compared(selections)
-    (least, _, found), *others = compared
-    close = [own for criterion, own, rival in others if criterion < least + RIVAL and rival.names != found.names]
-    untried = [own for own in close if not tried_against(own)]
-    if untried:
-        select_again(untried[0])
-        compared = _compared(selections)
-    noise, found = _told_from_noise(selection, compared)
+    noise = selection.noise_left_by(selection.empty)
+    if noise.whole <= base.rmse and not noise.like(selection.noise):
+        again = Selection(base, candidates, noise=noise, before=selection)
+        selections.append((again, _answer(again, most)))
+    noise, found = _told_from_noise(selection, _compared(selections))
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
-    kept = _without_small(final, final.refit(seen, found.values))
-    if len(kept.terms) < len(found.terms):
-        left = final.noise_left_by(kept)
-        if left.whole <= base.rmse:
-            final = Selection(base, candidates, noise=left, before=selection)
-            kept = final.refit(kept.terms, kept.values)
-    return final, kept
+    return final, final.refit(seen, found.values)
 
 
 def in_spite_of(
@@ -191,31 +165,10 @@ def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:
     return [some for size in range(len(terms) + 1) for some in combinations(terms, size)]
 
 
-def _without_small(selection: Selection, fitted: FittedSet) -> FittedSet:
-    """Take out, lightest first, what is significant but too small to matter."""
-    while fitted.terms:
-        weights = [selection.weight(fitted, term) for term in fitted.terms]
-        lightest = int(np.argmin(weights))
-        if weights[lightest] >= selection.noise.too_small:
-            break
-        fitted = selection.refit(fitted.without(fitted.terms[lightest]), fitted.values)
-    return fitted
-
-
 def _answer(selection: Selection, most: int) -> FittedSet:
-    """The best set of effects, or of effects and a pattern. Where a pattern alone is all, no set is refined."""
-    leaders = fitted_leaders(selection, most)
-    if _beyond_noise(selection, leaders[0].squares) > UNEXPLAINED:
-        found = find_pattern(selection, leaders[0])
-        if found is not None and _is_all(selection, found) and found.criterion < leaders[0].criterion - SURE:
-            return found
-    fitted = refined(selection, leaders, most)
+    """The best set of effects, or of effects and a pattern."""
+    fitted = refined(selection, fitted_leaders(selection, most), most)
     return find_pattern(selection, fitted) or fitted
-
-
-def _is_all(selection: Selection, fitted: FittedSet) -> bool:
-    """Whether one term explains all there is."""
-    return len(fitted.terms) == 1 and _beyond_noise(selection, fitted.squares) < EXPLAINED
 
 
 def _beyond_noise(selection: Selection, squares: float) -> float:
@@ -347,18 +300,9 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
     for criterion, penalty, scanned in scans[:4]:
         if criterion < best.criterion + NEAR + BENT * selection.excess:
             found = _with_pattern(selection, scanned, penalty)
-            if found.criterion < best.criterion and _may_follow(selection, scanned, found):
+            if found.criterion < best.criterion:
                 best = found
     return best if best.criterion < fitted.criterion and _outlives_tails(selection, best, fitted) else None
-
-
-def _may_follow(selection: Selection, scanned: Scanned, found: FittedSet) -> bool:
-    """Whether a pattern follows what the error may follow, or explains what no surface over that does: isobars come one
-    after the other, so that a step in time can stand for a map over pressure."""
-    follows = catalogue_of_patterns()[scanned.regressor.term.effect.name].follows
-    if not follows or not selection.following.possible.isdisjoint(follows):
-        return True
-    return FreeModel.of(selection).odds(selection, found) < 0.0
 
 
 def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -> bool:
