@@ -54,11 +54,11 @@ def investigate(
     """The answer to a record, with the noise and the effects made to agree.
 
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
-    colour is, the record is judged again against the noise that the law alone would imply; the answers and all their
-    parts, fitted against the likelier of these noises, are then compared by their full likelihood, each with the noise
-    that it leaves. Nothing of this where no noise could take the place of any name: a little colour is what a form
-    leaves that is not exactly right. Nor where the answer is no noise, and the free model is likelier than each of its
-    parts with the noise that it leaves: noise is then what the free model leaves.
+    colour is, the record is judged again against the noise that the law alone would imply, and against that which the
+    answer then leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
+    by their full likelihood, each with its own noise. Nothing of this where no noise could take the place of any name:
+    a little colour is what a form leaves that is not exactly right. Nor where the answer is no noise, and the free
+    model is likelier than each of its parts with the noise that it leaves: noise is then what the free model leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection, most)
@@ -71,10 +71,16 @@ def investigate(
         if FreeModel.of(selection).criterion + EQUAL < least:
             return selection, selection.refit(likeliest.terms, likeliest.values)
     selections = [(selection, fitted)]
-    noise = selection.noise_left_by(selection.empty)
-    if noise.whole <= base.rmse and not noise.like(selection.noise):
-        again = Selection(base, candidates, noise=noise, before=selection)
-        selections.append((again, _answer(again, most)))
+
+    def select_again(noise: Noise) -> None:
+        """Or not, where noise is larger than all that the law leaves, or was taken before."""
+        if noise.whole <= base.rmse and not any(noise.like(before.noise) for before, _ in selections):
+            again = Selection(base, candidates, noise=noise, before=selection)
+            selections.append((again, _answer(again, most)))
+
+    select_again(selection.noise_left_by(selection.empty))
+    last, answer = selections[-1]
+    select_again(last.noise_left_by(answer))
     noise, found = _told_from_noise(selection, _compared(selections))
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
