@@ -25,7 +25,7 @@ from .follows import ROWS, Following, steadied
 from .heldout import heldout_nearby, heldout_rmse
 from .nouns import Candidate, Diagnosis
 from .probability import DOUBTFUL, LAPSE, probabilities
-from .remainder import pattern_of
+from .remainder import pattern_of, unlike_noise
 from .select import EXACT
 from .selection import FittedSet, Selection
 from .sentence import as_slow_noise, could_be_tried, reservations, sentence
@@ -137,7 +137,8 @@ def diagnosing(
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     patterns = [t for t in fitted.terms if not t.effect.candidate]
     if lacking and not patterns:
-        pattern = lacking.pattern()
+        odd = unlike_noise(answer.selection, answer.fitted) if answer.lacking and answer.lacking.complete else None
+        pattern = odd or lacking.pattern()
     else:
         pattern = pattern_of(selection, fitted if patterns else selection.refit(named, fitted.values))
     wrong = impossible_alone(base, best, fitted, ruled_out)

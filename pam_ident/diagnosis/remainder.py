@@ -71,14 +71,14 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     n = len(selection.record)
     left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
     if left < REMAINDER * n or left < OF_ALL * all_of_it:
-        return _unlike_noise(selection, fitted)
+        return unlike_noise(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
     text = f"about {newtons(size)} rms without a shape of its own{_part(share)}"
     return Pattern("other", "contraction", None, "", share, text)
 
 
-def _unlike_noise(selection: Selection, fitted: FittedSet) -> Pattern | None:
+def unlike_noise(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What a set leaves, where noise does not look like it; beside names not at the turns, where forms err most."""
     looks = (_foretold, _jumps, _bursts, _slow, *(() if fitted.terms else (_at_turns,)))
     return next((found for look in looks if (found := look(selection, fitted))), None)
