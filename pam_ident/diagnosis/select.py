@@ -22,6 +22,8 @@ from .selection import FittedSet, Selection, labels
 from .spectrum import beats
 from .tails import deviance_saved
 
+MOST = 3
+"""Names in an answer, at most."""
 SURE = 500.0
 """Criterion by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it
 had lost by 160 at most."""
@@ -48,7 +50,6 @@ def investigate(
     candidates: Sequence[Effect],
     following: Following | None = None,
     tried: Collection[str] | None = None,
-    most: int = 3,
     odds: Mapping[str, float] | None = None,
 ) -> tuple[Selection, FittedSet]:
     """The answer to a record, with the noise and the effects made to agree.
@@ -61,7 +62,7 @@ def investigate(
     model is likelier than each of its parts with the noise that it leaves: noise is then what the free model leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
-    fitted = _answer(selection, most)
+    fitted = _answer(selection)
     may_be_noise = _may_be_noise(selection, fitted)
     doubtful = may_be_noise or selection.noise_left_by(fitted).coloured
     if not selection.noise.coloured and (not doubtful or _sure(selection, fitted)):
@@ -76,7 +77,7 @@ def investigate(
         """Or not, where noise is larger than all that the law leaves, or was taken before."""
         if noise.whole <= base.rmse and not any(noise.like(before.noise) for before, _ in selections):
             again = Selection(base, candidates, noise=noise, before=selection)
-            selections.append((again, _answer(again, most)))
+            selections.append((again, _answer(again)))
 
     select_again(selection.noise_left_by(selection.empty))
     last, answer = selections[-1]
@@ -93,7 +94,6 @@ def in_spite_of(
     fitted: FittedSet,
     left: np.ndarray,
     share: float,
-    most: int = 3,
 ) -> tuple[Selection, FittedSet]:
     """The answer that is not overturned by what a set leaves, `left` (n,) in N, of whose squares repeats share that
     `share`.
@@ -109,7 +109,7 @@ def in_spite_of(
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
     noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
     again = Selection(selection.base, candidates, noise=noise, before=selection)
-    found = _answer(again, most)
+    found = _answer(again)
     named = [v for v in again.cache.values() if v.terms and v.names == v.candidates]
     close = [v for v in named if v.criterion < found.criterion + CLOSE]
     return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
@@ -171,9 +171,9 @@ def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:
     return [some for size in range(len(terms) + 1) for some in combinations(terms, size)]
 
 
-def _answer(selection: Selection, most: int) -> FittedSet:
+def _answer(selection: Selection) -> FittedSet:
     """The best set of effects, or of effects and a pattern."""
-    fitted = refined(selection, fitted_leaders(selection, most), most)
+    fitted = _refined(selection, _fitted_leaders(selection))
     return find_pattern(selection, fitted) or fitted
 
 
@@ -183,10 +183,10 @@ def _beyond_noise(selection: Selection, squares: float) -> float:
     return (squares - n) / float(np.sqrt(2.0 * n))
 
 
-def fitted_leaders(selection: Selection, most: int) -> list[FittedSet]:
-    """The leading sets of up to `most` effects in a compressed search, and the law alone, fitted, best first."""
+def _fitted_leaders(selection: Selection) -> list[FittedSet]:
+    """The leading sets of up to MOST effects in a compressed search, and the law alone, fitted, best first."""
     pool: list[FittedSet] = []
-    for choice in _leaders(selection, beam_search(selection.data, selection.penalty, most)):
+    for choice in _leaders(selection, beam_search(selection.data, selection.penalty, MOST)):
         second = sorted(v.criterion for v in [selection.empty, *pool])[:2][-1]
         pool.append(selection.refit_choice(selection.data, choice, selection.empty, second))
     if len(selection.record) <= EXACT:
@@ -194,15 +194,15 @@ def fitted_leaders(selection: Selection, most: int) -> list[FittedSet]:
     return sorted([selection.empty, *pool], key=lambda v: v.criterion)
 
 
-def refined(selection: Selection, leaders: Sequence[FittedSet], most: int) -> FittedSet:
+def _refined(selection: Selection, leaders: Sequence[FittedSet]) -> FittedSet:
     """The best set that the first leaders can be made into: the next, and those that come close."""
     first, *others = *leaders, selection.empty
-    best = _refine(selection, first, most)
+    best = _refine(selection, first)
     rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + RIVAL]
     for rival in rivals[:RIVALS]:
         # What a rival has beyond the first is tried on the first, too.
         if not first.terms or not first.exclusion_groups <= rival.exclusion_groups:
-            best = min(best, _refine(selection, rival, most), key=lambda v: v.criterion)
+            best = min(best, _refine(selection, rival), key=lambda v: v.criterion)
     return best
 
 
@@ -233,12 +233,12 @@ def _leaders(selection: Selection, choices: Sequence[Choice]) -> list[Choice]:
     return list(kept.values())
 
 
-def _refine(selection: Selection, fitted: FittedSet, most: int) -> FittedSet:
+def _refine(selection: Selection, fitted: FittedSet) -> FittedSet:
     """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
     for _ in range(4):
         fewer = [selection.refit(fitted.without(term), fitted.values, best=fitted.criterion) for term in fitted.terms]
         rivals = [*fewer, *_in_other_forms(selection, fitted, fewer)]
-        if len(fitted.terms) < most:
+        if len(fitted.terms) < MOST:
             rivals += _additions(selection, fitted)
         best = min(rivals, key=lambda v: v.criterion, default=fitted)
         if best.criterion >= fitted.criterion - 1e-6:
