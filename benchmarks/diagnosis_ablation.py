@@ -4,8 +4,8 @@
     python benchmarks/diagnosis_ablation.py SET ... [--rule NAME ...] [--most 60] [--workers 2]
 
 The first answers tell which rules made a difference on their way; with a rule left out only the records are answered
-again where it did. Prints a line a rule: records that it reached, those answered again, and of these how many were right and exact,
-and how many statements of 0.9 or more false, with the rule and without; what the two differ in follows it.
+again where it did. Prints a line a rule: records that it reached, those answered again, and of these how many were
+right and exact, and how many statements of 0.9 or more false, with the rule and without. What differs follows it.
 """
 
 import argparse
