@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pam_ident.diagnosis.probability import DOUBTFUL, LAPSE, LOCKED, PAIR, TEMPER, THREE, probabilities
+from pam_ident.diagnosis.probability import DOUBTFUL, LAPSE, LOCKED, MISSED, PAIR, TEMPER, THREE, probabilities
 from pam_ident.validation.calibration import reliability
 
 
@@ -27,22 +27,22 @@ def test_weights_of_the_sets_that_hold_a_candidate_are_summed():
     step = 2.0 * TEMPER * math.log(2.0)  # halves a weight
     found = probabilities(selection({(): 100.0 + 2 * step, ("a",): 100.0, ("a", "b"): 100.0 + step}), ())
     expected = {"a": 1.5 / 1.75, "b": 0.5 / 1.75, "c": 0.0, "d": 0.0}
-    assert found == pytest.approx({k: (1 - LAPSE) * v + LAPSE / 4 for k, v in expected.items()})
+    assert found == pytest.approx({k: (1 - LAPSE) * v + MISSED * (1 - v) for k, v in expected.items()})
 
 
 def test_members_of_a_group_share_their_probability():
     sets = {("a",): 10.0, ("b",): 10.0, ("c",): 10.0, ("a", "d"): 10.0}
     found = probabilities(selection(sets), [("a", "b")])
-    assert found["a"] == found["b"] == pytest.approx((1 - LAPSE) * 0.75 + LAPSE / 4)
-    assert found["c"] == found["d"] == pytest.approx((1 - LAPSE) * 0.25 + LAPSE / 4)
+    assert found["a"] == found["b"] == pytest.approx((1 - LAPSE) * 0.75 + MISSED * 0.25)
+    assert found["c"] == found["d"] == pytest.approx((1 - LAPSE) * 0.25 + MISSED * 0.75)
 
 
 def test_a_name_that_the_answer_has_not_is_not_stated_beside_it():
     sets = selection({("a", "b"): 0.0, ("a", "c"): 10.0, ("a",): 100.0, ("d",): 200.0})
     assert min(probabilities(sets, ())[name] for name in "ab") > 0.6
     found = probabilities(sets, (), {"a"})
-    assert found["a"] > 1.0 - LAPSE and max(found[name] for name in "bcd") < 0.01
-    assert probabilities(sets, [("b", "c")], {"a", "b"})["c"] > 1.0 - PAIR
+    assert found["a"] == pytest.approx(1.0 - LAPSE) and max(found[name] for name in "bcd") < 0.01
+    assert probabilities(sets, [("b", "c")], {"a", "b"})["c"] == pytest.approx(1.0 - PAIR)
 
 
 def test_nothing_is_ever_certain_nor_ruled_out():
@@ -55,14 +55,14 @@ def test_the_more_names_and_what_is_unknown_beside_them_the_less_sure_they_are()
     kinds = (("a", LAPSE, LAPSE), ("ab", LAPSE, PAIR), ("abc", LAPSE, THREE), ("ab", DOUBTFUL, 0.2))
     for answer, lapse, misled in kinds:
         found = probabilities(sets, [("a", "b", "c")], set(answer), lapse)
-        assert found["a"] == pytest.approx(1.0 - misled + misled / 4)
+        assert found["a"] == pytest.approx(1.0 - misled)
     assert LAPSE < PAIR < DOUBTFUL < THREE
 
 
 def test_no_name_is_near_certain_in_a_locked_muscle():
     """Of whose braid nobody measures how far it slides."""
     found = probabilities(selection({(): 5000.0, ("a",): 0.0}, slide=np.zeros(3)), ())
-    assert found["a"] == pytest.approx(1.0 - LOCKED + LOCKED / 4) and found["a"] < 0.92
+    assert found["a"] == pytest.approx(1.0 - LOCKED) and found["a"] < 0.92
 
 
 def test_reliability_counts_means_and_brier_by_hand():
