@@ -6,11 +6,11 @@ from collections.abc import Collection, Sequence
 from .search import TEMPER
 from .selection import Selection
 
-LAPSE, PAIR, THREE, DOUBTFUL, LOCKED = 0.006, 0.015, 0.3, 0.2, 0.12
+LAPSE, PAIR, THREE, DOUBTFUL, LOCKED = 0.006, 0.015, 0.3, 0.15, 0.12
 """Chance that the search was misled as a whole, by what it ended with: one name, two, three, names beside something
 unknown or that leave what passes for slow noise but may be more, any in a locked muscle, of which nobody measures how
 far the braid slides, or under weights, where length and pressure are one line each. Shares of such statements that were
-false, of the rig's sets and other hands': 4 of 1,157, 3 of 370, 20 of 58, 11 of 55, 10 of 100."""
+false, of the rig's sets and other hands': 4 of 1,157, 3 of 370, 20 of 58, 17 of 161, 10 of 100."""
 MISSED = 0.001
 """Chance that an effect is there of which nothing shows beside the answer: 30 of 30,807."""
 

@@ -52,11 +52,11 @@ def test_nothing_is_ever_certain_nor_ruled_out():
 
 def test_the_more_names_and_what_is_unknown_beside_them_the_less_sure_they_are():
     sets = selection({("a", "b", "c"): 0.0})
-    kinds = (("a", LAPSE, LAPSE), ("ab", LAPSE, PAIR), ("abc", LAPSE, THREE), ("ab", DOUBTFUL, 0.2))
+    kinds = (("a", LAPSE, LAPSE), ("ab", LAPSE, PAIR), ("abc", LAPSE, THREE), ("ab", DOUBTFUL, DOUBTFUL))
     for answer, lapse, misled in kinds:
         found = probabilities(sets, [("a", "b", "c")], set(answer), lapse)
         assert found["a"] == pytest.approx(1.0 - misled)
-    assert LAPSE < PAIR < DOUBTFUL < THREE
+    assert LAPSE < PAIR < LOCKED < DOUBTFUL < THREE
 
 
 def test_no_name_is_near_certain_in_a_locked_muscle():
