@@ -33,7 +33,7 @@ def answer_of(
 ) -> Selected:
     """The answer of the effects `tried`, complete or not."""
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
-    fitted = _needed(selection, fitted)
+    fitted = _without_needless(selection, fitted)
     likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
     if len(likely) < len(fitted.terms) and (not likely or Adequacy.lacking(selection, fitted, False)):
         fitted = selection.refit(likely, fitted.values)
@@ -82,7 +82,7 @@ def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> t
     return answer.selection, lacking.standing()
 
 
-def _needed(selection: Selection, fitted: FittedSet) -> FittedSet:
+def _without_needless(selection: Selection, fitted: FittedSet) -> FittedSet:
     """The set without what is needless beside the drivers of the others, lightest first; the heaviest name stays."""
     named = [t for t in fitted.terms if t.effect.candidate]
     for term in sorted(named, key=lambda t: selection.weight(fitted, t))[:-1]:

@@ -155,9 +155,11 @@ def diagnosing(
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
     by_form = by_form_alone(selection, fitted, named, classes, follows[0].text)
+    doubtful: dict[str, float] = {}
     for name, (sure, _) in by_form.items():
-        doubtful = {name}.union(*(group for group in classes if group[0] == name))
-        chance |= {one: sure * chance[one] for one in doubtful if one in chance}
+        for one in {name}.union(*(group for group in classes if group[0] == name)):
+            doubtful[one] = min(sure, doubtful.get(one, 1.0))
+    chance = {name: chance[name] * doubtful.get(name, 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
