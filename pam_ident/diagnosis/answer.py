@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 from ..effects import Effect
 from ..fitting import Fit
 from .adequacy import MAY_LEAVE, Adequacy, needless
+from .confounding import groups
 from .follows import Following
+from .probability import probabilities
 from .remainder import remainder_of
 from .search import CLOSE
 from .select import RIVAL, best_forms, in_spite_of, investigate
@@ -33,7 +35,7 @@ def answer_of(
 ) -> Selected:
     """The answer of the effects `tried`, complete or not."""
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
-    fitted = _without_needless(selection, fitted)
+    fitted = _likely(selection, fitted)
     likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
     if len(likely) < len(fitted.terms) and (not likely or Adequacy.lacking(selection, fitted, False)):
         fitted = selection.refit(likely, fitted.values)
@@ -82,12 +84,16 @@ def standing(answer: Selected, candidates: list[Effect], lacking: Adequacy) -> t
     return answer.selection, lacking.standing()
 
 
-def _without_needless(selection: Selection, fitted: FittedSet) -> FittedSet:
-    """The set without what is needless beside the drivers of the others, lightest first; the heaviest name stays."""
+def _likely(selection: Selection, fitted: FittedSet) -> FittedSet:
+    """The set without what is likelier out than in, all fits weighed, or needless beside the drivers of the others; the
+    likeliest name stays."""
     named = [t for t in fitted.terms if t.effect.candidate]
-    for term in sorted(named, key=lambda t: selection.weight(fitted, t))[:-1]:
+    if len(named) < 2:
+        return fitted
+    chance = probabilities(selection, groups(selection, fitted))
+    for term in sorted(named, key=lambda t: chance[t.effect.name])[:-1]:
         others = [t for t in fitted.terms if t.effect is not term.effect]
         rest = selection.in_best_forms(selection.refit(others, fitted.values))
-        if needless(selection, term.effect, rest):
+        if chance[term.effect.name] < 0.5 or needless(selection, term.effect, rest):
             fitted = rest
     return fitted

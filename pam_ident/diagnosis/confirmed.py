@@ -1,7 +1,7 @@
 """Which names of an answer stand by held-out data and by nature, and the fit with these."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 from ..core.param import Param, Range
@@ -11,17 +11,48 @@ from ..model import Model, Term
 from .heldout import heldout_rmse, in_best_forms
 from .nouns import Pattern
 from .search import CLOSE
-from .select import EXACT
+from .select import EXACT, RIVALS
 from .selection import FittedSet, Selection
 
 
 def allowed_by_nature(
-    base: Fit, heldout: float, selection: Selection, fitted: FittedSet
+    base: Fit, heldout: float, selection: Selection, fitted: FittedSet, instead: Callable[[FittedSet], bool]
+) -> tuple[FittedSet, tuple[Fit, float, list[Term], dict[str, Fit]]]:
+    """A set, and what `_possible` finds of it. In place of one with a value that nature does not allow it is the best
+    without, of those that may stand `instead` and that the record does not tell from it, all its names confirmed."""
+    least = selection.noise.too_small * selection.noise.whole**2
+
+    def found(one: FittedSet) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
+        named = [t for t in one.terms if t.effect.candidate]
+        named.sort(key=lambda t: -selection.weight(one, t))
+        return _possible(base, heldout, named, one, least)
+
+    first = found(fitted)
+    if first[-1]:
+        close = [
+            v for v in selection.cache.values() if v.terms and v.criterion < fitted.criterion + CLOSE and instead(v)
+        ]
+        for one in [*sorted(close, key=lambda v: v.criterion)[:RIVALS], *_in_free_forms(selection, fitted, first[-1])]:
+            other = found(one)
+            _, _, named, ruled_out = other
+            if not ruled_out and len(named) == sum(t.effect.candidate for t in one.terms):
+                return one, other
+    return fitted, first
+
+
+def _in_free_forms(selection: Selection, fitted: FittedSet, wrong: Collection[str]) -> list[FittedSet]:
+    """A set with each of some names in a free form that explains as much."""
+    found = []
+    for term in (t for t in fitted.terms if t.effect.name in wrong):
+        freer = [Term(term.effect, form) for form in term.effect.forms if form.free and form is not term.form]
+        found += [selection.refit([*fitted.without(term), one], fitted.values) for one in freer]
+    return [v for v in found if v.squares < fitted.squares + CLOSE]
+
+
+def _possible(
+    base: Fit, heldout: float, named: list[Term], fitted: FittedSet, least: float
 ) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
     """What `_confirmed` finds once every name has gone whose value nature does not allow, and the fits with those."""
-    named = [t for t in fitted.terms if t.effect.candidate]
-    named.sort(key=lambda t: -selection.weight(fitted, t))
-    least = selection.noise.too_small * selection.noise.whole**2
     ruled_out: dict[str, Fit] = {}
     while True:
         best, after, named = _confirmed(base, heldout, named, fitted, least)

@@ -133,7 +133,10 @@ def diagnosing(
         fitted = lacking.fitted
     heldout = heldout_rmse(model, record, base)
 
-    best, after, named, ruled_out = allowed_by_nature(base, heldout, selection, fitted)
+    def instead(one: FittedSet) -> bool:
+        return not lacking and not any(following.outweighs(t.effect, known) for t in one.terms)
+
+    fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, instead)
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     patterns = [t for t in fitted.terms if not t.effect.candidate]
     if lacking and not patterns:
