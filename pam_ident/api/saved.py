@@ -10,7 +10,7 @@ from ..core import DataError, Specimen, UsageError
 from ..core.digits import millimetres, newtons
 from ..core.files import check_target, write_json
 from ..fitting.prediction import Predictor
-from ..leg.fit_file import content_of
+from ..leg.fit_file import what_is_written
 from ..records import Record
 from ..tasks.export import export_fit
 from ..tasks.predict import SavedFit, Validation, asked, read_fit, validate_fit
@@ -148,15 +148,8 @@ def load(path: str | Path) -> Any:
         >>> print(round(pam.load("fit.json").predict(0.25, 0.1)["force_N"].item()), "N")
         135 N
     """
-    try:
-        content = content_of(Path(path), Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; expected what to_json or --json wrote") from None
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
-    except ValueError:
-        raise DataError(f"{path}: is no JSON; expected what to_json or --json wrote") from None
-    found = str(content.get("schema")) if isinstance(content, dict) else ""
+    expected = "expected what to_json or --json wrote"
+    content, found = what_is_written(Path(path), expected)
     if not found.startswith("pam-ident/"):
-        raise DataError(f"{path}: is no answer of pam-ident; expected what to_json or --json wrote")
+        raise DataError(f"{path}: is no answer of pam-ident; {expected}")
     return SavedResult(read_fit(path), content) if found.startswith("pam-ident/fit/") else content

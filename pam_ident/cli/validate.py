@@ -14,11 +14,6 @@ FitFile = Annotated[
         show_default=False,
     ),
 ]
-NAMES = {
-    "mean_over_pressure": "mean force over pressure",
-    "contraction_over_pressure": "line of the contraction over pressure",
-    "polynomial": "polynomial",
-}
 
 
 def validate(
@@ -34,7 +29,7 @@ def validate(
     Tells its errors, and how many readings lie in its intervals.
     """
     from ..schema.prediction import validation_json
-    from ..tasks.predict import read_fit, validate_fit
+    from ..tasks.predict import SIMPLER, read_fit, validate_fit
     from ..tasks.setup import load
 
     saved = read_fit(fit, tuple(effect_file or ()))
@@ -45,7 +40,7 @@ def validate(
     text.say(found.sentence, "")
     rows = [
         (name, text.number(one.rmse, 3), text.number(one.max_error, 3), text.number(one.r2, 5))
-        for name, one in [(f"the fit of {fit}", found.trial), *((NAMES[k], v) for k, v in found.simpler.items())]
+        for name, one in [(f"the fit of {fit}", found.trial), *((SIMPLER[k], v) for k, v in found.simpler.items())]
     ]
     unit = "mm" if found.in_mm else "N"
     text.say(*text.table(("model", f"rmse [{unit}]", f"largest error [{unit}]", "R²"), rows))

@@ -50,10 +50,8 @@ def interval(low: float, high: float, error: float) -> str:
 
 
 def probability(share: float) -> str:
-    """A probability in per cent; nothing is certain."""
-    if share > 0.99:
-        return "> 99 %"
-    return "< 1 %" if share < 0.01 else percent(share)
+    """A probability in per cent; nothing is certain, nor ruled out."""
+    return percent(min(max(share, 1e-6), 1.0 - 1e-6))
 
 
 def percent(share: float | None) -> str:

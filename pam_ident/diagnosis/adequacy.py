@@ -148,15 +148,12 @@ class Adequacy:
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
 
-        No other name may follow what they do. Where those that are left do not explain nearly all, what they follow
-        must be there, whatever else is, and what is left must not follow it.
+        What they follow must be likely, and no other name may follow it; and they must explain nearly all.
         """
-        following = self.selection.following
-        kept = self._following(following.likely)
+        kept = self._following(self.selection.following.likely)
         names = sum(t.effect.candidate for t in kept.fitted.terms)
-        if kept.unexplained[1] < MAY_LEAVE[min(max(names, 1), len(MAY_LEAVE)) - 1]:
-            return kept
-        return self._following(frozenset(following.needed) - self.left.drivers)
+        enough = kept.unexplained[1] < MAY_LEAVE[min(max(names, 1), len(MAY_LEAVE)) - 1]
+        return kept if enough else self._following(frozenset())
 
     def _following(self, drivers: frozenset[str]) -> "Adequacy":
         """The same with the names that are the only ones to follow theirs, first one of some drivers."""

@@ -39,9 +39,6 @@ def answer_of(
     likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
     if len(likely) < len(fitted.terms) and (not likely or Adequacy.lacking(selection, fitted, False)):
         fitted = selection.refit(likely, fitted.values)
-    if any(not t.effect.candidate for t in fitted.terms) and any(t.form.free for t in fitted.terms):
-        either = ([t for t in fitted.terms if not t.form.free], [t for t in fitted.terms if t.effect.candidate])
-        fitted = min((selection.refit(some, fitted.values) for some in either), key=lambda v: v.criterion)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None
     return Selected(selection, fitted, Adequacy.lacking(selection, fitted, remains))

@@ -83,7 +83,7 @@ def _near(selection: Selection, effect: Effect) -> dict[str, float]:
 def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:
     """Effects that cost nearly as little in the place of `effect` in a set that was fitted, in whatever form."""
     rest = fitted.names - {effect.name}
-    rivals = [v for v in selection.weighed() if rest < v.names and len(v.names) == len(fitted.names)]
+    rivals = [v for v in selection.cache.values() if rest < v.names and len(v.names) == len(fitted.names)]
     near, least = _near(selection, effect), fitted.criterion
     pairs = [(v.criterion, name) for v in rivals for name in v.names - rest]
     names = dict.fromkeys(name for criterion, name in sorted(pairs) if criterion < least + near.get(name, 0.0))

@@ -24,7 +24,7 @@ from .experiment import after_pattern, next_experiment
 from .follows import ROWS, Following, steadied
 from .heldout import heldout_nearby, heldout_rmse
 from .nouns import Candidate, Diagnosis
-from .probability import BESIDE_UNKNOWN, LAPSE, MAY_BE_NOISE, probabilities
+from .probability import DOUBTFUL, LAPSE, probabilities
 from .remainder import pattern_of, unlike_noise
 from .select import EXACT
 from .selection import FittedSet, Selection
@@ -33,8 +33,7 @@ from .sentence import as_slow_noise, could_be_tried, reservations, sentence
 Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
 """Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
-which explains no more beside others, follows nothing likely, or is static beside another static one: 9 of 19, 5 of 8
-and 10 of 10 were false (docs/validation.md)."""
+which follows nothing likely, or is static beside another static one: 7 of 12 and 12 of 18 were false."""
 ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
@@ -123,16 +122,11 @@ def diagnosing(
     known = [*seen, *(term.effect for term in model.terms)]
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
     answer = answer_of(alone, candidates, known, following, tried, odds)
-    others, further = [e for e in seen if e.name not in tried], []
-    if tried and answer.lacking:  # what it leaves is asked what it follows, as the law's error was
-        drivers = answer.lacking.left.drivers
-        further = [e.name for e in others if drivers.issuperset(e.follows[:1])]
     if tried and (answer.lacking or answer.fitted.candidates):
-        partly = [e for e in others if e.name not in further and not following.likely.isdisjoint(e.follows)]
-        further += likelier_instead(answer, partly)
-    if further:
-        wider = answer_of(alone, candidates, known, following, tried + further, odds)
-        answer = answer if wider.lacking else wider
+        partly = [e for e in seen if e.name not in tried and not following.likely.isdisjoint(e.follows)]
+        if further := likelier_instead(answer, partly):
+            wider = answer_of(alone, candidates, known, following, tried + further, odds)
+            answer = answer if wider.lacking else wider
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
     if lacking:
         selection, lacking = standing(answer, candidates, lacking)
@@ -157,15 +151,18 @@ def diagnosing(
     classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
     timed = bool(selected) and record.inputs.time is not None
     slow = timed and not pattern and Adequacy(selection, fitted, FreeModel.of(selection)).wanders
-    lapse = BESIDE_UNKNOWN if pattern else MAY_BE_NOISE if slow else LAPSE
+    lapse = DOUBTFUL if pattern or slow else LAPSE
     chance = probabilities(selection, classes, selected, lapse)
     if lacking:
         kept = set(selected).union(*classes)
         chance = {name: chance[name] for name in chance if name in kept}
     chance = {name: chance[name] * (1.0 - rivals.get(name, 0.0)) for name in chance if name not in ruled_out}
     by_form = by_form_alone(selection, fitted, named, classes, follows[0].text)
-    doubtful = set(by_form).union(*(group for group in classes if group[0] in by_form))
-    chance = {name: chance[name] * (BY_FORM if name in doubtful else 1.0) for name in chance}
+    doubtful: dict[str, float] = {}
+    for name, (sure, _) in by_form.items():
+        for one in {name}.union(*(group for group in classes if group[0] == name)):
+            doubtful[one] = min(sure, doubtful.get(one, 1.0))
+    chance = {name: chance[name] * doubtful.get(name, 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
@@ -216,27 +213,30 @@ def diagnosing(
 
 def by_form_alone(
     selection: Selection, fitted: FittedSet, named: list[Term], classes: Sequence[Sequence[str]], follows: str
-) -> dict[str, str]:
-    """Of names, largest first, those for which only a form speaks, and why, in a sentence.
+) -> dict[str, tuple[float, str]]:
+    """Of names, largest first, those for which only a form speaks: the chance that it does so rightly, and why it is
+    asked, in a sentence.
 
     With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
-    and the error rather `follows` another; and where it is static in its free form, or beside another that is static or
-    is not told from one that is (`classes`), since only forms tell static effects apart.
+    and the error rather `follows` another; and where it is static beside another that is, or is not told from one that
+    is (`classes`), or in its free form, since only forms tell static effects apart.
     """
-    found, timed = {}, selection.record.inputs.time is not None
+    found: dict[str, tuple[float, str]] = {}
+    timed = selection.record.inputs.time is not None
     known = {effect.name for effect in selection.candidates if effect.follows == ("map",)}
     static = known.union(*(group for group in classes if not known.isdisjoint(group)))
     for term in named:
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
         if others and selection.part(fitted, term) < LITTLE:
-            found[name] = f"It explains little; {others[0].title} of another form could leave as much."
+            found[name] = 1.0 - DOUBTFUL, f"It explains little; {others[0].title} of another form could leave as much."
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
-            found[name] = f"The error rather follows {follows}; only its form speaks for it."
-        elif timed and name in known and term.form.free:
-            found[name] = "No written form of it fits, and its free form could follow nearly any static error."
+            found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
         elif timed and name in known and (alike := [e for e in others if e.name in static]):
-            found[name] = f"With {alike[0].title} it could follow nearly any static error."
+            found[name] = BY_FORM, f"With {alike[0].title} it could follow nearly any static error."
+        elif timed and name in known and term.form.free:
+            why = "No written form of it fits, and its free form could follow nearly any static error."
+            found[name] = 1.0 - DOUBTFUL, why
     return found
 
 

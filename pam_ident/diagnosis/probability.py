@@ -6,11 +6,13 @@ from collections.abc import Collection, Sequence
 from .search import TEMPER
 from .selection import Selection
 
-LAPSE, PAIR, THREE, BESIDE_UNKNOWN, MAY_BE_NOISE, LOCKED = 0.02, 0.06, 0.3, 0.2, 0.5, 0.12
+LAPSE, PAIR, THREE, DOUBTFUL, LOCKED = 0.006, 0.015, 0.3, 0.15, 0.12
 """Chance that the search was misled as a whole, by what it ended with: one name, two, three, names beside something
-unknown, names that leave what passes for slow noise but may be more, any in a locked muscle, of which nobody measures
-how far the braid slides, or under weights, where length and pressure are one line each. Shares of near-certain
-statements that were false on sets of other hands: 8 of 296, 8 of 208, 16 of 52, 14 of 59, 12 of 20, 10 of 100."""
+unknown or that leave what passes for slow noise but may be more, any in a locked muscle, of which nobody measures how
+far the braid slides, or under weights, where length and pressure are one line each. Shares of such statements that were
+false, of the rig's sets and other hands': 4 of 1,157, 3 of 370, 20 of 58, 17 of 161, 10 of 100."""
+MISSED = 0.001
+"""Chance that an effect is there of which nothing shows beside the answer: 30 of 30,807."""
 
 
 def probabilities(
@@ -23,11 +25,11 @@ def probabilities(
 
     Sets that were fitted are weighed by exp(−criterion / 2·TEMPER), and the weights of those that hold the candidate,
     or a member of its `groups`, are summed. Where the likeliest of them holds a name that the `answer` has not, because
-    it is too small to matter or held-out data are predicted better without, no set with that name counts. With chance
-    LAPSE nothing was learned, and all candidates are as likely; or with that of its kind of answer, `lapse` at least.
-    TEMPER and LAPSE were fitted to simulated records: docs/diagnosis.md.
+    it is too small to matter or held-out data are predicted better without, no set with that name counts. With
+    chance LAPSE, or that of its kind of answer, `lapse` at least, the answer is wrong all the same; with chance MISSED
+    an effect is there whatever was fitted. These and TEMPER come from simulated records: docs/diagnosis.md.
     """
-    fitted = selection.weighed()
+    fitted = list(selection.cache.values())
     while answer is not None:
         more = min(fitted, key=lambda v: v.criterion).candidates.difference(answer, *groups)
         if not more:
@@ -40,10 +42,9 @@ def probabilities(
     locked = selection.record.inputs.slide is not None or selection.record.carried
     kinds = {PAIR: names == 2, THREE: names > 2, LOCKED: locked}
     lapse = max([lapse, *(misled for misled, holds in kinds.items() if holds)])
-    known = {regressor.effect for regressor in selection.seen.regressors}
     rivals = (e for e in selection.rivals if any(e.name in group for group in groups))
     for candidate in (*selection.candidates, *rivals):
         alike = {candidate.name}.union(*(group for group in groups if candidate.name in group))
         share = sum(weight for names, weight in sets if names & alike) / total
-        chance[candidate.name] = (1.0 - lapse) * share + lapse / len(known)
+        chance[candidate.name] = (1.0 - lapse) * share + MISSED * (1.0 - share)
     return chance

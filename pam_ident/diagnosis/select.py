@@ -22,14 +22,15 @@ from .selection import FittedSet, Selection, labels
 from .spectrum import beats
 from .tails import deviance_saved
 
+MOST = 3
+"""Names in an answer, at most."""
 SURE = 500.0
 """Criterion by which noise must lose against a name, as fitted without it, to be left aside: where it won at last, it
 had lost by 160 at most."""
-UNEXPLAINED, EXPLAINED = 10.0, 3.0
-"""Whitened squares beyond their number, in standard deviations: something is left; nothing is."""
+EXPLAINED = 3.0
+"""Whitened squares beyond their number, in standard deviations, up to which nothing is left."""
 RIVAL, RIVALS = 100.0, 3
-"""Criterion within which a rival of other names is refined, and tried against the noise that it leaves; and how many
-are refined."""
+"""Criterion within which a rival of other names is refined; and how many are."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 FORMS = 4
@@ -49,62 +50,42 @@ def investigate(
     candidates: Sequence[Effect],
     following: Following | None = None,
     tried: Collection[str] | None = None,
-    most: int = 3,
     odds: Mapping[str, float] | None = None,
 ) -> tuple[Selection, FittedSet]:
     """The answer to a record, with the noise and the effects made to agree.
 
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
-    colour is, the record is judged again against the noise that the law alone would imply, and against that which a
-    new answer leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
-    by their full likelihood, each with its own noise. The noise that a close rival of other names leaves is tried as
-    well, where none was like it. Nothing of this where no noise could take the place of any name: a little
-    colour is what a form leaves that is not exactly right. Nor where the answer is no noise, and the free model is
-    likelier than each of its parts with the noise that it leaves: noise is then what the free model leaves.
+    colour is, the record is judged again against the noise that the law alone would imply, and against that which the
+    answer then leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
+    by their full likelihood, each with its own noise. Nothing of this where no noise could take the place of any name:
+    a little colour is what a form leaves that is not exactly right. Nor where the answer is no noise, and the free
+    model is likelier than each of its parts with the noise that it leaves: noise is then what the free model leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
-    fitted = _answer(selection, most)
+    fitted = _answer(selection)
     may_be_noise = _may_be_noise(selection, fitted)
     doubtful = may_be_noise or selection.noise_left_by(fitted).coloured
     if not selection.noise.coloured and (not doubtful or _sure(selection, fitted)):
-        return selection, _without_small(selection, fitted)
+        return selection, fitted
     if selection.record.inputs.time is not None and not may_be_noise:
         least, _, likeliest = _compared([(selection, fitted)])[0]
         if FreeModel.of(selection).criterion + EQUAL < least:
-            return selection, _without_small(selection, selection.refit(likeliest.terms, likeliest.values))
+            return selection, selection.refit(likeliest.terms, likeliest.values)
     selections = [(selection, fitted)]
 
-    def tried_against(noise: Noise) -> bool:
-        """Or not worth it: noise is not larger than all that the law leaves."""
-        return noise.whole > base.rmse or any(noise.like(selection.noise) for selection, _ in selections)
-
     def select_again(noise: Noise) -> None:
-        if not tried_against(noise):
+        """Or not, where noise is larger than all that the law leaves, or was taken before."""
+        if noise.whole <= base.rmse and not any(noise.like(before.noise) for before, _ in selections):
             again = Selection(base, candidates, noise=noise, before=selection)
-            selections.append((again, _answer(again, most)))
+            selections.append((again, _answer(again)))
 
-    select_again(selection.noise_left_by(fitted, white=True))
     select_again(selection.noise_left_by(selection.empty))
     last, answer = selections[-1]
-    if all(answer.labels != found.labels for _, found in selections[:-1]):
-        select_again(last.noise_left_by(answer))
-    compared = _compared(selections)
-    (least, _, found), *others = compared
-    close = [own for criterion, own, rival in others if criterion < least + RIVAL and rival.names != found.names]
-    untried = [own for own in close if not tried_against(own)]
-    if untried:
-        select_again(untried[0])
-        compared = _compared(selections)
-    noise, found = _told_from_noise(selection, compared)
+    select_again(last.noise_left_by(answer))
+    noise, found = _told_from_noise(selection, _compared(selections))
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
-    kept = _without_small(final, final.refit(seen, found.values))
-    if len(kept.terms) < len(found.terms):
-        left = final.noise_left_by(kept)
-        if left.whole <= base.rmse:
-            final = Selection(base, candidates, noise=left, before=selection)
-            kept = final.refit(kept.terms, kept.values)
-    return final, kept
+    return final, final.refit(seen, found.values)
 
 
 def in_spite_of(
@@ -113,7 +94,6 @@ def in_spite_of(
     fitted: FittedSet,
     left: np.ndarray,
     share: float,
-    most: int = 3,
 ) -> tuple[Selection, FittedSet]:
     """The answer that is not overturned by what a set leaves, `left` (n,) in N, of whose squares repeats share that
     `share`.
@@ -129,7 +109,7 @@ def in_spite_of(
     over = math.sqrt(1.0 + share / max(1.0 - share, 1e-3) * len(left) / freedom)
     noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
     again = Selection(selection.base, candidates, noise=noise, before=selection)
-    found = _answer(again, most)
+    found = _answer(again)
     named = [v for v in again.cache.values() if v.terms and v.names == v.candidates]
     close = [v for v in named if v.criterion < found.criterion + CLOSE]
     return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
@@ -191,31 +171,10 @@ def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:
     return [some for size in range(len(terms) + 1) for some in combinations(terms, size)]
 
 
-def _without_small(selection: Selection, fitted: FittedSet) -> FittedSet:
-    """Take out, lightest first, what is significant but too small to matter."""
-    while fitted.terms:
-        weights = [selection.weight(fitted, term) for term in fitted.terms]
-        lightest = int(np.argmin(weights))
-        if weights[lightest] >= selection.noise.too_small:
-            break
-        fitted = selection.refit(fitted.without(fitted.terms[lightest]), fitted.values)
-    return fitted
-
-
-def _answer(selection: Selection, most: int) -> FittedSet:
-    """The best set of effects, or of effects and a pattern. Where a pattern alone is all, no set is refined."""
-    leaders = fitted_leaders(selection, most)
-    if _beyond_noise(selection, leaders[0].squares) > UNEXPLAINED:
-        found = find_pattern(selection, leaders[0])
-        if found is not None and _is_all(selection, found) and found.criterion < leaders[0].criterion - SURE:
-            return found
-    fitted = refined(selection, leaders, most)
+def _answer(selection: Selection) -> FittedSet:
+    """The best set of effects, or of effects and a pattern."""
+    fitted = _refined(selection, _fitted_leaders(selection))
     return find_pattern(selection, fitted) or fitted
-
-
-def _is_all(selection: Selection, fitted: FittedSet) -> bool:
-    """Whether one term explains all there is."""
-    return len(fitted.terms) == 1 and _beyond_noise(selection, fitted.squares) < EXPLAINED
 
 
 def _beyond_noise(selection: Selection, squares: float) -> float:
@@ -224,10 +183,10 @@ def _beyond_noise(selection: Selection, squares: float) -> float:
     return (squares - n) / float(np.sqrt(2.0 * n))
 
 
-def fitted_leaders(selection: Selection, most: int) -> list[FittedSet]:
-    """The leading sets of up to `most` effects in a compressed search, and the law alone, fitted, best first."""
+def _fitted_leaders(selection: Selection) -> list[FittedSet]:
+    """The leading sets of up to MOST effects in a compressed search, and the law alone, fitted, best first."""
     pool: list[FittedSet] = []
-    for choice in _leaders(selection, beam_search(selection.data, selection.penalty, most)):
+    for choice in _leaders(selection, beam_search(selection.data, selection.penalty, MOST)):
         second = sorted(v.criterion for v in [selection.empty, *pool])[:2][-1]
         pool.append(selection.refit_choice(selection.data, choice, selection.empty, second))
     if len(selection.record) <= EXACT:
@@ -235,15 +194,15 @@ def fitted_leaders(selection: Selection, most: int) -> list[FittedSet]:
     return sorted([selection.empty, *pool], key=lambda v: v.criterion)
 
 
-def refined(selection: Selection, leaders: Sequence[FittedSet], most: int) -> FittedSet:
+def _refined(selection: Selection, leaders: Sequence[FittedSet]) -> FittedSet:
     """The best set that the first leaders can be made into: the next, and those that come close."""
     first, *others = *leaders, selection.empty
-    best = _refine(selection, first, most)
+    best = _refine(selection, first)
     rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + RIVAL]
     for rival in rivals[:RIVALS]:
         # What a rival has beyond the first is tried on the first, too.
         if not first.terms or not first.exclusion_groups <= rival.exclusion_groups:
-            best = min(best, _refine(selection, rival, most), key=lambda v: v.criterion)
+            best = min(best, _refine(selection, rival), key=lambda v: v.criterion)
     return best
 
 
@@ -274,12 +233,12 @@ def _leaders(selection: Selection, choices: Sequence[Choice]) -> list[Choice]:
     return list(kept.values())
 
 
-def _refine(selection: Selection, fitted: FittedSet, most: int) -> FittedSet:
+def _refine(selection: Selection, fitted: FittedSet) -> FittedSet:
     """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
     for _ in range(4):
         fewer = [selection.refit(fitted.without(term), fitted.values, best=fitted.criterion) for term in fitted.terms]
         rivals = [*fewer, *_in_other_forms(selection, fitted, fewer)]
-        if len(fitted.terms) < most:
+        if len(fitted.terms) < MOST:
             rivals += _additions(selection, fitted)
         best = min(rivals, key=lambda v: v.criterion, default=fitted)
         if best.criterion >= fitted.criterion - 1e-6:
@@ -347,18 +306,9 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
     for criterion, penalty, scanned in scans[:4]:
         if criterion < best.criterion + NEAR + BENT * selection.excess:
             found = _with_pattern(selection, scanned, penalty)
-            if found.criterion < best.criterion and _may_follow(selection, scanned, found):
+            if found.criterion < best.criterion:
                 best = found
     return best if best.criterion < fitted.criterion and _outlives_tails(selection, best, fitted) else None
-
-
-def _may_follow(selection: Selection, scanned: Scanned, found: FittedSet) -> bool:
-    """Whether a pattern follows what the error may follow, or explains what no surface over that does: isobars come one
-    after the other, so that a step in time can stand for a map over pressure."""
-    follows = catalogue_of_patterns()[scanned.regressor.term.effect.name].follows
-    if not follows or not selection.following.possible.isdisjoint(follows):
-        return True
-    return FreeModel.of(selection).odds(selection, found) < 0.0
 
 
 def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -> bool:

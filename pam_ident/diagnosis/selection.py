@@ -136,9 +136,8 @@ class Selection:
         )
         self.cache: dict[tuple[str, ...], FittedSet] = {(): self.empty}
         self.known: dict[tuple[str, ...], FittedSet] = {} if before is None else before.known
-        self.borrowed: dict[tuple[str, ...], FittedSet] = {}
         self.blocks: dict[str, FormBlock] = {}
-        self.noises: dict[tuple[FittedSet, bool], Noise] = {}
+        self.noises: dict[FittedSet, Noise] = {}
         self.plain: dict[tuple[object, ...], Array] = {}
         self.refits = 0
 
@@ -211,22 +210,6 @@ class Selection:
         """The best set of the same names that was fitted."""
         return min((v for v in self.cache.values() if v.names == fitted.names), key=lambda v: v.criterion)
 
-    def weighed(self) -> list[FittedSet]:
-        """All sets that were fitted, those of candidates against another noise with the values they had there.
-
-        Of these the ones that would be best of all here are left out: with the noise that they need they lost.
-        """
-        candidates = {e.name for e in self.candidates}
-        for key, other in self.known.items():
-            if key not in self.cache and key not in self.borrowed and other.names <= candidates:
-                squares = self.squares(self.base.model.adding(*other.terms), other.values)
-                self.borrowed[key] = replace(
-                    other, squares=squares, criterion=squares + self.penalty.total(other.terms)
-                )
-        least = min(v.criterion for v in self.cache.values())
-        others = [v for key, v in self.borrowed.items() if key not in self.cache and v.criterion >= least]
-        return [*self.cache.values(), *others]
-
     def weight(self, fitted: FittedSet, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
         clean = ~self.noise.outlier
@@ -277,13 +260,12 @@ class Selection:
         """A set's model with its slopes."""
         return View(self.record, self.base.model.adding(*fitted.terms), fitted.values, self.law.kept)
 
-    def noise_left_by(self, fitted: FittedSet, white: bool = False) -> Noise:
+    def noise_left_by(self, fitted: FittedSet) -> Noise:
         """Noise as it must be if a set is the whole truth."""
-        key = (fitted, white)
-        if key not in self.noises:
+        if fitted not in self.noises:
             view = self.view(fitted)
-            self.noises[key] = self.noise_in(view.residual, view, len(fitted.values), self.noise.outlier, white)
-        return self.noises[key]
+            self.noises[fitted] = self.noise_in(view.residual, view, len(fitted.values), self.noise.outlier)
+        return self.noises[fitted]
 
     def _noise(self, view: "View") -> Noise:
         """Noise is what the law, surfaces over all drivers and free curves over contraction still leave."""

@@ -65,7 +65,9 @@ def headline(names: Sequence[str], diagnoses: Iterable[Diagnosis], extra: tuple[
     return f"{lead}: {joint.join(filter(None, (', '.join(told[:-1]), told[-1])))}."
 
 
-def reservations(rivals: Mapping[str, float], by_form: Mapping[str, str], extra: tuple[Effect, ...]) -> str:
+def reservations(
+    rivals: Mapping[str, float], by_form: Mapping[str, tuple[float, str]], extra: tuple[Effect, ...]
+) -> str:
     """What makes named effects less sure, each sentence with a blank before it: the chance that one is something
     unknown, and what `by_form_alone` found."""
     said = [
@@ -73,7 +75,7 @@ def reservations(rivals: Mapping[str, float], by_form: Mapping[str, str], extra:
         for name, chance in rivals.items()
         if chance >= TOLD
     ]
-    return "".join([*said, *(f" Less sure: {in_words(name, extra)}. {why}" for name, why in by_form.items())])
+    return "".join([*said, *(f" Less sure: {in_words(name, extra)}. {why}" for name, (_, why) in by_form.items())])
 
 
 def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit) -> str:

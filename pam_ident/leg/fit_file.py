@@ -130,15 +130,7 @@ def read_answer(path: str | Path) -> Answer:
     path = Path(path)
     commands = [f"`pam-ident {kind} RECORD --law LAW{' --effect NAME' * (kind == 'add')} --json F`" for kind in FITTED]
     hint = f"expected a file of {' or '.join(commands)}"
-    try:
-        content = content_of(path, path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; {hint}") from None
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror}); {hint}") from None
-    except ValueError:
-        raise DataError(f"{path}: is no JSON; {hint}") from None
-    found = str(content.get("schema")) if isinstance(content, dict) else ""
+    content, found = what_is_written(path, hint)
     if found.startswith("pam-ident/diagnosis/"):
         raise DataError(
             f"{path}: has the schema {found}, which holds no parameters; to fit what it names: {_fit_of(content)}"
@@ -148,8 +140,24 @@ def read_answer(path: str | Path) -> Answer:
         if version and int(version[1]) > VERSIONS[kind]:
             raise DataError(f"{path}: has the schema {found}, of a newer pam-ident; update pam-ident, or fit again")
     if found not in [schema(kind) for kind in FITTED]:
-        raise DataError(f"{path}: has the schema {found or None}; {hint}")
+        raise DataError(f"{path}: has {f'the schema {found}' if found else 'no schema'}; {hint}")
     return Answer(path, content)
+
+
+def what_is_written(path: Path, expected: str) -> tuple[Any, str]:
+    """What a file of JSON holds, and the schema that it names, empty where it names none.
+
+    Raises DataError, with what was `expected`, for a file that cannot be read or is none.
+    """
+    try:
+        content = content_of(path, path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; {expected}") from None
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); {expected}") from None
+    except ValueError:
+        raise DataError(f"{path}: is no JSON; {expected}") from None
+    return content, str(content.get("schema", "")) if isinstance(content, dict) else ""
 
 
 def content_of(path: Path, text: str) -> Any:

@@ -46,7 +46,7 @@ def test_no_sentence_on_any_effect_has_one(record):
     base = fit(Model.build("exponential_law"), record)
     for name, other in zip(catalogue(), [*list(catalogue())[1:], "creep"], strict=True):
         said = sentence(base, base, [f"{name}:free"], [(name, other)], None, 2.0, True, ())
-        said += reservations({name: 0.2}, {name: "It explains little."}, ())
+        said += reservations({name: 0.2}, {name: (0.8, "It explains little.")}, ())
         assert not codes(said) and said.count(f"({name}:free)") == said.count(f"({other})") == 1
 
 

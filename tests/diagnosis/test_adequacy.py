@@ -56,12 +56,12 @@ def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_expla
     selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [t.effect for t in (pressed, soft, worn)])
     alone, both = selection.refit([pressed]), selection.refit([pressed, soft])
     assert by_form_alone(selection, alone, [pressed], (), "") == {}, "the error follows the direction"
-    (why,) = by_form_alone(selection, selection.refit([worn]), [worn], (), "the direction of motion").values()
-    assert why == "The error rather follows the direction of motion; only its form speaks for it."
+    ((chance, why),) = by_form_alone(selection, selection.refit([worn]), [worn], (), "the direction of motion").values()
+    assert (chance, why) == (0.5, "The error rather follows the direction of motion; only its form speaks for it.")
     assert selection.part(both, pressed) > 0.9 and selection.part(both, soft) < 0.01
     little = by_form_alone(selection, both, [pressed, soft], (), "")
     said = "It explains little; friction that grows with pressure of another form could leave as much."
-    assert little == {"series_compliance": said}
+    assert little == {"series_compliance": (0.85, said)}
 
 
 def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):

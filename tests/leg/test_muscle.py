@@ -331,7 +331,7 @@ def test_a_file_that_is_not_whole_is_refused(files, tmp_path, change, error, tol
     [
         (None, "no such file"),
         ("no braces", "is no JSON"),
-        ("[1, 2]", "schema None"),
+        ("[1, 2]", "no schema"),
         ('{"schema": "pam-ident/comparison/1"}', "pam-ident/comparison/1"),
     ],
 )

@@ -21,8 +21,6 @@ FAR = 8.0
 """Standard deviations at which a bell's tail stays what it is, 1e-14."""
 SINCE = 0.02
 """Share of the record that must lie before a moment, and after it."""
-GOES_ON = ("clock", "cycle", "temperature")
-"""Drivers that go on with the time."""
 SINCE_REVERSAL = "the way since a reversal"
 """A coordinate that a table has not, nor a test at few lengths."""
 SIZE = Param("amplitude", "N", "amplitude", scale=10.0)
@@ -73,8 +71,7 @@ class Extent:
 @dataclass(frozen=True)
 class PatternShape:
     """A pattern: its `name`, the `kind` and `coordinate` it has in an answer, its forms over a record's span, and
-    `words`, which describes it by its values and the coordinate; `elsewhere` has the coordinate of forms along another,
-    `follows` the drivers of which one is possible, where surfaces see the pattern.
+    `words`, which describes it by its values and the coordinate; `elsewhere` has the coordinate of forms along another.
     """
 
     name: str
@@ -84,7 +81,6 @@ class PatternShape:
     forms: Callable[[Extent], Sequence[Form]]
     words: Callable[[Mapping[str, float], str], str]
     elsewhere: Mapping[str, str] = field(default_factory=dict)
-    follows: tuple[str, ...] = ()
 
 
 def steps(low: float, span: float, count: int) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from ...core import Inputs, Param
 from ...core.digits import number
 from ...effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
 from ...effects.base import Array, Values
-from .base import GAIN, GOES_ON, SIZE, ZERO, Extent, PatternShape, after, like
+from .base import GAIN, SIZE, ZERO, Extent, PatternShape, after, like
 
 LATER = Param("later", "N", "size of the second", scale=10.0)
 SHIFT = Param("shift", "mm", "shift of the length", -20.0, 20.0, scale=0.1)
@@ -46,5 +46,4 @@ PATTERN = PatternShape(
     "time",
     _forms,
     lambda at, along: f"a step at {number(at['moment'])} s",
-    follows=GOES_ON,
 )

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from ...core import Inputs, Param
 from ...effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
 from ...effects.base import Array, Values
-from .base import GAIN, GOES_ON, SIZE, ZERO, Extent, PatternShape, hats, knots, like
+from .base import GAIN, SIZE, ZERO, Extent, PatternShape, hats, knots, like
 
 KNOTS = 8
 STRETCH = Param("stretch", "mm", "shift of the length by the end", -20.0, 20.0, scale=0.1)
@@ -54,5 +54,4 @@ PATTERN = PatternShape(
     "time",
     _forms,
     lambda at, along: "a trend in time that no known drift follows",
-    follows=GOES_ON,
 )
