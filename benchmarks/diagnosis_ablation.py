@@ -14,7 +14,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -104,14 +104,10 @@ def differ(one: Any, other: Any) -> bool:
 def with_all(case: Case) -> tuple[Score, set[str]]:
     """How a case is answered, and the rules that made a difference on the way."""
     reached: set[str] = set()
-    watch = [replaced(name, partial(watched, name, reached)) for name in RULES]
-    for one in watch:
-        one.__enter__()
-    try:
+    with ExitStack() as watch:
+        for name in RULES:
+            watch.enter_context(replaced(name, partial(watched, name, reached)))
         return scored(case), reached
-    finally:
-        for one in reversed(watch):
-            one.__exit__(None, None, None)
 
 
 def without(name: str, case: Case) -> Score:

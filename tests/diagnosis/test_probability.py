@@ -18,7 +18,6 @@ def selection(criteria, names=("a", "b", "c", "d"), slide=None, carried=False):
         },
         candidates=[SimpleNamespace(name=name) for name in names],
         rivals=[],
-        seen=SimpleNamespace(regressors=[SimpleNamespace(effect=name) for name in names]),
         record=SimpleNamespace(inputs=SimpleNamespace(slide=slide), carried=carried),
     )
 
