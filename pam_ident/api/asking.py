@@ -110,8 +110,8 @@ def codes(assume: str | Iterable[str]) -> tuple[str, ...]:
     return found
 
 
-def settled(record: Record, setup: ObjectSetup) -> tuple[ObjectSetup, LawChoice | None]:
-    """With a law in place of `auto`, and how it was chosen. Raises FitError where no law can be fitted."""
-    found, choice = settle(record, setup)
+def settled(record: Record, setup: ObjectSetup, naming: bool = False) -> tuple[ObjectSetup, LawChoice | None]:
+    """With a law in place of `auto`, and how it was chosen. Raises as `settle` does."""
+    found, choice = settle(record, setup, naming)
     assert isinstance(found, ObjectSetup)
     return found, choice

@@ -169,7 +169,7 @@ def diagnose(
         return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
     measured, setup, choice = _asked(
         record, law, effects, specimen, without=without, only=only, also=also, prior=prior, extra=extra, assume=assume,
-        heldout=heldout, free_geometry=free_geometry,
+        heldout=heldout, free_geometry=free_geometry, naming=True,
     )  # fmt: skip
     return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
 
@@ -208,7 +208,7 @@ def ladder(
 
     measured, setup, choice = _asked(
         record, law, effects, specimen, without=without, only=only, also=also, extra=extra, assume=assume,
-        heldout=heldout, free_geometry=free_geometry,
+        heldout=heldout, free_geometry=free_geometry, naming=True,
     )  # fmt: skip
     return LadderResult(climb_ladder(measured, setup), setup, choice)
 
@@ -256,7 +256,7 @@ def report(
 
 
 def _asked(
-    record: Any, law: Any, effects: Any, specimen: Any, **more: Any
+    record: Any, law: Any, effects: Any, specimen: Any, naming: bool = False, **more: Any
 ) -> tuple[ShownRecord, ObjectSetup, LawChoice | None]:
     """The record, what is asked of it, and how its law was chosen; of a result its own model, where none was named."""
     if isinstance(record, FitResult | RecordAnswer):
@@ -264,7 +264,7 @@ def _asked(
         measured, law = own.record, own.model if law == AUTO else law
     else:
         measured = read(record, specimen)
-    return measured, *settled(measured, setup_of(law, effects, **more))
+    return measured, *settled(measured, setup_of(law, effects, **more), naming)
 
 
 def _is_old(name: str, record: Any, old: Mapping[str, Any]) -> bool:

@@ -229,7 +229,7 @@ def by_form_alone(
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
         if others and selection.part(fitted, term) < LITTLE:
-            found[name] = 1.0 - DOUBTFUL, f"It explains little; {others[0].title} of another form could leave as much."
+            found[name] = 1.0 - DOUBTFUL, f"Without it {others[0].title}, in another form, could leave as little."
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
             found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
         elif timed and name in known and (alike := [e for e in others if e.name in static]):

@@ -16,11 +16,12 @@ from ..fitting import fit
 from ..fitting.fit import picker
 from ..fitting.length import Lengths, by_length, solve_length
 from ..fitting.solve import solve
+from ..fitting.solvers import QUICK
 from ..laws import get_law, listed
 from ..model import Model
 from ..records import Record, thinned
 from ..records.doubt import Doubt
-from .gate import TooLittle, admit, computing
+from .gate import TooLittle, admit, computing, require_nameable
 from .setup import AUTO, Setup
 
 if TYPE_CHECKING:
@@ -60,13 +61,16 @@ class LawChoice:
     trials: tuple[LawTrial, ...]
 
 
-def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
+def settle(record: Record, setup: Setup, naming: bool = False) -> tuple[Setup, LawChoice | None]:
     """The setup with a law in place of `auto`, and how it was chosen; as it is where a law was named.
 
-    Raises FitError where no law can be fitted to the record, DataError for a kind of test that no law is for.
+    Raises FitError where no law can be fitted to the record, DataError for a kind of test that no law is for; and,
+    where effects are to be named, NothingNamed as `require_nameable`, before laws are compared.
     """
     if setup.law != AUTO:
         return setup, None
+    if naming:
+        require_nameable(record, setup.assume)
     admit(record)
     with computing(record):
         choice = choose_law(record, setup)
@@ -222,7 +226,7 @@ def _heldout(one: "Fit", masks: list[Array]) -> Array:
         if np.count_nonzero(rest) <= len(model.params):
             raise FitError(f"too few samples to hold a {record.block_kind} out for {len(model.params)} parameters")
         if in_mm:
-            values = solve_length(model, record, rest, one.values, {})[0].values
+            values = solve_length(model, record, rest, one.values, {}, QUICK)[0].values
             error = Lengths.of(model, record, values).residual
         else:
             pick = picker(rest, None)
