@@ -28,7 +28,7 @@ from .probability import DOUBTFUL, LAPSE, probabilities
 from .remainder import pattern_of, unlike_noise
 from .select import EXACT
 from .selection import FittedSet, Selection
-from .sentence import as_slow_noise, could_be_tried, reservations, sentence
+from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
@@ -50,6 +50,7 @@ def diagnose(
     odds: Mapping[str, float] | None = None,
     also: tuple[str, ...] = (),
     detail: bool = True,
+    noise_N: float = math.inf,
 ) -> Diagnosis:
     """Which effects of the catalogue a model lacks on a record, or that it lacks none, or one that is not known.
 
@@ -67,6 +68,7 @@ def diagnose(
         also: names of effects, or forms, that are tried beside the candidates; `only` may name these, too.
         detail: whether errors of every candidate, the next experiment and what else to try are wanted, which choose
             nothing.
+        noise_N: the record's noise in N as it was told before, with fewer effects in the model: none larger is told.
 
     Raises:
         FitError: when the record cannot identify the law at all.
@@ -84,7 +86,7 @@ def diagnose(
         >>> print(f"{found.verdict}: {found.selected}, {found.base.rmse:.1f} → {found.best.rmse:.1f} N")
         missing_effect: ('pressure_friction',), 5.8 → 2.1 N
     """
-    steps = diagnosing(model, record, extra, without, only, odds, also)
+    steps = diagnosing(model, record, extra, without, only, odds, also, noise_N)
     found = next(steps)
     return next(steps) if detail else found
 
@@ -97,6 +99,7 @@ def diagnosing(
     only: tuple[str, ...] = (),
     odds: Mapping[str, float] | None = None,
     also: tuple[str, ...] = (),
+    noise_N: float = math.inf,
 ) -> Iterator[Diagnosis]:
     """What `diagnose` finds without its details, and then the same with them.
 
@@ -173,7 +176,9 @@ def diagnosing(
     if between:  # the names that are not all there are do not touch it
         floor = min(*between, best.rmse)
     extra = (*extra, *model.own)
-    said = sentence(base, best, labels, classes, pattern, floor, error > 2.0 * noise.whole, extra)
+    floor = min(floor, noise_N)
+    far = 0 if error > MORE * noise.whole else int(noise.outlier.sum())
+    said = sentence(base, best, labels, classes, pattern, floor, far, extra)
     if outcome == "adequate" and noise.coloured:
         said += as_slow_noise(follows)
     if slow:
