@@ -167,8 +167,11 @@ class Adequacy:
         """What is left, in the words of the contract."""
         first = next((f for f in self.left.shares() if f.what != "noise"), None)
         beyond, share = self.unexplained
-        size = math.sqrt(max(beyond, self.comes_back)) * self.free.noise.whole
-        text = f"about {newtons(size)} rms that no name explains{f'; it follows {first.text}' if first else ''}"
+        size = max(beyond, self.comes_back)
+        text = f"about {newtons(math.sqrt(size) * self.free.noise.whole)} rms that no name explains"
+        if size < self.selection.noise.too_small:
+            text = "hardly more than noise in size, but no noise"
+        text += f"; it follows {first.text}" if first else ""
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)
 
 

@@ -40,9 +40,9 @@ NEAR, BENT = 30.0, 0.005
 to be explained, because the law bends."""
 PATTERN_TOLERANCE = 0.04
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
-adds a force as if drawn by hand; FAULT_TOLERANCE, as much as two names, where it is a fault of a sensor, with the law's own slopes, or
-a ripple, which no smooth form leaves, or takes the place of names with no fewer parameters; and none where these have
-more, and it leaves noise alone."""
+adds a force as if drawn by hand; FAULT_TOLERANCE, as much as two names, where it is a fault of a sensor, with the law's
+own slopes, or a ripple, which no smooth form leaves, or takes the place of names with no fewer parameters; and none
+where these have more, and it leaves noise alone."""
 
 
 def investigate(

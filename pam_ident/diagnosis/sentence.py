@@ -33,7 +33,7 @@ def sentence(
     far: int,
     extra: tuple[Effect, ...],
 ) -> str:
-    """What is missing, and what is left; what is beyond noise may lie in `far` samples far off. `extra` are effects beside the
+    """What is missing, and what is left, beyond noise perhaps in `far` samples far off. `extra` are effects beside the
     catalogue's."""
     parts = [start(base, floor)]
     if labels:
@@ -43,7 +43,7 @@ def sentence(
         )
         if pattern is None and best.rmse > MORE * floor:
             parts.append(
-                f"More than noise is left, in {far} samples that are far off: look at them in the report."
+                f"What is left beyond noise lies in {far} samples, where the motion turns or single ones are far off."
                 if far
                 else "More than noise is left: the form is not exactly right, or something small is missing, too. Add "
                 "and diagnose again, or take the ladder, which does so."
