@@ -50,8 +50,8 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
         return
     if len(force) > 1 and not np.ptp(force):
         text = (
-            f"the force is {newtons(force[0])} in every row: the load of a hanging weight, or a load cell that is dead or "
-            "not connected."
+            f"the force is {newtons(force[0])} in every row: the load of a hanging weight, or a load cell that is not "
+            "connected."
         )
         yield Doubt("force_constant", text, "force")
     force = force[~huge]
