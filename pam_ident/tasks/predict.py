@@ -293,11 +293,9 @@ def predict_at(saved: SavedFit, at: str | Path) -> Predicted:
     """The force of a saved fit at each row of a file, as `asked` has it. Raises DataError, UsageError."""
     states = read_states(at, saved.specimen)
     frame = asked(saved.branches, states)
-    warnings = [
-        *states.warnings,
-        *(one.text for one in saved.doubts),
-        *([_beyond(saved, frame)] if frame["outside"].to_numpy().any() else []),
-    ]
+    warnings = [*states.warnings, *(one.text for one in saved.doubts)]
+    if frame["outside"].to_numpy().any():
+        warnings.append(_beyond(saved, frame))
     if "unexplained" in frame and frame["unexplained"].to_numpy().any():
         lack = "the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks"
         warnings.append(lack)
