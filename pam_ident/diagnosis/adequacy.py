@@ -20,8 +20,8 @@ from .remainder import OF_ALL
 from .repeats import comes_back
 from .selection import FittedSet, Selection
 
-PATTERN_MARGIN, FAULT_TOLERANCE = 20.0, 0.01
-"""What a pattern costs more than a name, and the share of all that is to be explained that it must earn at least."""
+PATTERN_MARGIN = 20.0
+"""What a pattern costs more than a name."""
 INEXACT, EXACT = 0.005, 0.001
 """Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
 that forms may leave which follow the same, because together they can come near to much."""
@@ -37,10 +37,9 @@ more names, the more they imitate. Of 15 single names that left less than a tent
 def full_criterion(selection: Selection, fitted: FittedSet) -> tuple[float, Noise]:
     """Deviance of a set with the noise it leaves, plus its penalty; and that noise."""
     noise = selection.noise_left_by(fitted)
-    penalty = sum(selection.penalty.alone(term) for term in fitted.terms)
-    if any(not term.effect.candidate for term in fitted.terms):
-        white = noise.whiten(selection.law.residual)
-        penalty += PATTERN_MARGIN + FAULT_TOLERANCE * max(float(white @ white) - len(white), 0.0)
+    penalty = 0.0
+    for term in fitted.terms:
+        penalty += selection.penalty.alone(term) + (0.0 if term.effect.candidate else PATTERN_MARGIN)
     return noise.deviance + penalty, noise
 
 

@@ -11,7 +11,7 @@ from ..effects import AddsForce, Effect
 from ..fitting import Fit
 from ..fitting.floor import SHAPES, repeats
 from ..model import Term
-from .adequacy import FAULT_TOLERANCE, PATTERN_MARGIN, FreeModel, full_criterion
+from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion
 from .follows import EQUAL, Following
 from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
@@ -38,11 +38,11 @@ FORMS = 4
 NEAR, BENT = 30.0, 0.005
 """Criterion within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is
 to be explained, because the law bends."""
-PATTERN_TOLERANCE = 0.04
+PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
-adds a force as if drawn by hand; FAULT_TOLERANCE, as much as two names, where it is a fault of a sensor, with the law's
-own slopes, or a ripple, which no smooth form leaves, or takes the place of names with no fewer parameters; and none
-where these have more, and it leaves noise alone."""
+adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
+a ripple, which no smooth form leaves, or takes the place of names with no fewer parameters; and none where these have
+more, and it leaves noise alone."""
 
 
 def investigate(
