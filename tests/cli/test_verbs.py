@@ -145,6 +145,8 @@ def test_verbs_that_take_a_record_share_their_options(ask, answer, rubbing):
     few = ("--only", "creep", "--only", "coulomb_friction", "--without", "coulomb_friction", "--heldout", "refit")
     _, found = answer("ladder", rubbing, "--law", "exponential_law", *few)
     assert not any("coulomb_friction" in name for rung in found["rungs"] for name in rung["effects"])
+    none = ask("diagnose", rubbing, "--law", "exponential_law", "--only", "creep:prony_3", "--without", "creep")
+    assert none.exit_code == 2 and "creep:prony_3: the only effect that is tried, and left out" in none.stderr
 
 
 def test_the_workbench_begins_with_the_law_that_suits_the_record(rubbing):
