@@ -109,10 +109,10 @@ def diagnosing(
         get_effect(name, extra)
         if not 0.0 < chance < math.inf:
             raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
+    allowed = _allowed(extra, without, only, also)
     record = driven(model, record)
     base = fit(model, record)
     model = base.model
-    allowed = _allowed(extra, without, only, also)
     candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
     if record.inputs.time is None:
         candidates = [replace(effect, forms=effect.written) for effect in candidates if effect.written]
@@ -249,7 +249,7 @@ def _allowed(
     extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[str, ...], also: tuple[str, ...]
 ) -> list[Effect]:
     """The catalogue less effects and forms (`name:form`), those asked for made candidates. Raises UsageError for an
-    unknown one."""
+    unknown one, and where nothing is left of `only`."""
     for name in (*without, *only, *also):
         get_effect(name, extra)
     only = (*only, *also) if only else ()
@@ -261,6 +261,11 @@ def _allowed(
             forms = tuple(form for form in forms if labels[form] in only)
         if forms:
             fewer.append(replace(effect, forms=forms))
+    if not fewer:
+        both = ", ".join(only or without)
+        raise UsageError(
+            f"{both}: the only effect that is tried, and left out as well; nothing is left to try. Keep one"
+        )
     return fewer
 
 
