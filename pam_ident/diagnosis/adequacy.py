@@ -136,6 +136,9 @@ class Adequacy:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
         if self.is_no_noise or self.comes_back > self.selection.noise.too_small:
             return False
+        free = [term.effect.follows[:1] for term in self.fitted.terms if term.form.free]
+        if len(set(free)) < len(free):  # no form speaks for either, and together they follow anything of that driver
+            return False
         odds = self.free.odds(self.selection, self.fitted)
         if odds < EQUAL:
             return True
