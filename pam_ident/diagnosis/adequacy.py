@@ -54,11 +54,7 @@ class FreeModel:
     @lru_cache(maxsize=4)
     def of(cls, selection: Selection) -> "FreeModel":
         """For the record, law and likeliest drivers of a selection."""
-        following, surfaces = selection.following, selection.following.surfaces
-        _, freedom = surfaces.of(following.best)
-        left = following.in_newtons(following.left - surfaces.explained(following.best))
-        taken = len(selection.base.values) + freedom
-        noise = selection.noise_in(left, selection.law, taken, selection.noise.outlier)
+        noise, freedom = selection.noise_of_best(selection.law, selection.noise.outlier)
         return cls(noise.deviance + selection.penalty.per_parameter * freedom, noise)
 
     def odds(self, selection: Selection, fitted: FittedSet) -> float:
