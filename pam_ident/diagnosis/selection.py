@@ -270,8 +270,8 @@ class Selection:
     def _noise(self, view: "View") -> Noise:
         """Noise is what the law, surfaces over all drivers and free curves over contraction still leave.
 
-        What an unsure track makes of the force they follow, too. So it is looked for in what surfaces over the likeliest
-        drivers leave, and is noise where no more is left beside it.
+        What an unsure track makes of the force they follow, too. So it is looked for in what surfaces over the
+        likeliest drivers leave, and is noise where no more is left beside it.
         """
         following = self.following
         free = [] if self.record.inputs.time is None else [following.in_newtons(following.surfaces.matrix)]
