@@ -120,10 +120,11 @@ class Selection:
         absorbed = [e for e in self.candidates if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
         self.candidates = [e for e in self.candidates if e.name not in self.excluded]
         self.seen = data.only([k for k, a in enumerate(regressors) if a.effect not in self.excluded])
-        possible = [e for e in self.candidates if self.following.possible.issuperset(e.follows[:1])]
-        self.candidates = [e for e in self.candidates if tried is None or e.name in tried]
-        self.rivals = [*absorbed, *(e for e in possible if e not in self.candidates)]
-        names = {e.name for e in self.candidates}
+        others = [e for e in self.candidates if tried is not None and e.name not in tried]
+        self.candidates = [e for e in self.candidates if e not in others]
+        names, possible = {e.name for e in self.candidates}, self.following.possible
+        alike = [e for e in others if e.special_case_of in names or possible.issuperset(e.follows[:1])]
+        self.rivals = [*absorbed, *alike]
         self.data = data.only([k for k, a in enumerate(regressors) if a.effect in names])
         self.empty = self._law_alone()
         self.excess = self._excess()
