@@ -13,7 +13,7 @@ from .nouns import Bin, Comparison, Follows, Region
 Array = np.ndarray
 CELLS = 10
 NAMES = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
-WHILE = {"contraction": "while it contracts", "extension": "while it extends", "static": "at rest"}
+WHILE = {"contraction": "contracting", "extension": "extending", "static": "at rest"}
 
 
 def compare(fit: Fit, follows: tuple[Follows, ...] | None = None) -> Comparison:
