@@ -71,7 +71,11 @@ def setup_of(
     if isinstance(law, Law):
         own, law = law, law.name
     elif not isinstance(law, str):
-        raise UsageError(f"law {law!r}: expected a name, such as 'exponential_law', a Law or a Model")
+        shown = " ".join(repr(law).split())[:60]
+        raise UsageError(
+            f"law {shown}: expected a name, such as 'exponential_law', a Law or a Model, behind the record: "
+            "pam.fit(record, law)"
+        )
     elif law != AUTO:
         get_law(law)
     more = (extra,) if isinstance(extra, Effect) else tuple(extra)
@@ -110,8 +114,8 @@ def codes(assume: str | Iterable[str]) -> tuple[str, ...]:
     return found
 
 
-def settled(record: Record, setup: ObjectSetup) -> tuple[ObjectSetup, LawChoice | None]:
-    """With a law in place of `auto`, and how it was chosen. Raises FitError where no law can be fitted."""
-    found, choice = settle(record, setup)
+def settled(record: Record, setup: ObjectSetup, naming: bool = False) -> tuple[ObjectSetup, LawChoice | None]:
+    """With a law in place of `auto`, and how it was chosen. Raises as `settle` does."""
+    found, choice = settle(record, setup, naming)
     assert isinstance(found, ObjectSetup)
     return found, choice

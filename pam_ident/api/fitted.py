@@ -22,6 +22,7 @@ from ..tasks.predict import SavedFit, Validation, validate_fit
 from .asking import ObjectSetup, codes
 from .record import ShownRecord, axes_of, read
 from .saved import Predicting, parameter_table
+from .working import worked
 
 if TYPE_CHECKING:
     import lmfit
@@ -175,6 +176,7 @@ class FitResult(Predicting):
             write_json(path, found)
         return found
 
+    @worked
     def export(self, to: str, out: str | Path) -> tuple[Path, ...]:
         """Write the model for another program, `to` c, fmu, fmu3, matlab, python, mujoco or json; the files written.
 
@@ -206,19 +208,19 @@ class FitResult(Predicting):
             mine.stderr = e.stderr if math.isfinite(e.stderr) else None
         return found
 
+    @worked
     def report(self, path: str | Path = "report.html", *, assume: str | Iterable[str] = ()) -> Path:
         """Write the whole answer about this record and model as HTML, Markdown or PDF, by the ending of `path`.
 
         `assume` are codes of grave warnings that are meant so. Raises DataError for a record that looks wrong.
         """
         from ..tasks.report import report_record
-        from .working import working
 
         setup = replace(self.setup, assume=(*self.setup.assume, *codes(assume)))
-        with working():
-            report_record(self.record, setup, str(path))
+        report_record(self.record, setup, str(path))
         return Path(path)
 
+    @worked
     def validate(self, record: Any, specimen: Any = None) -> Validation:
         """How the fit does on another record: errors, coverage of its intervals, simpler models beside it."""
         saved = SavedFit("", self.law, self.effects, self.specimen, self.predictors, self.details.simpler)

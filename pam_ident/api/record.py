@@ -12,6 +12,7 @@ from ..records import Record, read_record, record_from_frame
 from ..records.kind import check_kind
 from ..records.record import rebuilt
 from ..records.specimen_file import read_kind
+from .working import worked
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,6 +86,7 @@ class ShownRecord(Record):
         return axes_of(isobars.draw, self)
 
 
+@worked
 def read(
     source: "str | os.PathLike[str] | pd.DataFrame | Mapping[str, Any] | Record",
     specimen: "str | os.PathLike[str] | Mapping[str, Any] | Specimen | None" = None,
@@ -164,11 +166,14 @@ def as_specimen(given: Any) -> Specimen:
         raise UsageError(f"specimen {given!r}: expected a file, a dictionary or a Specimen")
     for key in given:
         if key not in (*GEOMETRY, "sensors"):
-            raise UsageError(unknown("key of a specimen", key, GEOMETRY, "docs/records.md"))
+            raise UsageError(unknown("key of a specimen", key, GEOMETRY))
     lacking = [key for key in GEOMETRY[1:4] if key not in given]
     if lacking:
         raise UsageError(f"the specimen lacks {', '.join(lacking)}")
-    return Specimen(**given)
+    try:
+        return Specimen(**given)
+    except TypeError:
+        raise UsageError(f"specimen {dict(given)}: expected numbers, in mm and degrees") from None
 
 
 def _on(record: Record, specimen: Specimen) -> Record:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..core import UsageError
 from ..core.digits import three
+from ..core.nearest import unknown
 from ..parallel.executor import Executor
 from ..schema.track import track_json
 from ..schema.trials import batch_json
@@ -149,18 +150,17 @@ def track(plant: Any = None, controller: Any = None, **options: Any) -> TrackRes
         >>> import pam_ident as pam
         >>> pam.track(gait="winther")
         Traceback (most recent call last):
-        pam_ident.core.errors.UsageError: --gait winther: expected winter, children or a CSV file with a column knee_deg
+        pam_ident.core.errors.UsageError: gait='winther': expected winter, children or a CSV file with a column knee_deg
     """
     from dataclasses import fields
     from tempfile import TemporaryDirectory
 
-    from ..core.nearest import unknown
     from ..tasks.track import TrackOptions, track_leg
 
     known = [f.name for f in fields(TrackOptions) if f.name not in ("plant", "controller")]
     for name in options:
         if name not in known:
-            raise UsageError(unknown("option", name, known, "help(pam.track)"))
+            raise UsageError(f"pam.track: {unknown('argument', name, ['plant', 'controller', *known])}")
     with TemporaryDirectory() as folder:
         files = []
         for name, given in (("plant", plant), ("controller", controller)):
@@ -168,5 +168,9 @@ def track(plant: Any = None, controller: Any = None, **options: Any) -> TrackRes
                 path = str(Path(folder, f"{name}.json"))
                 given.to_json(path)
                 given = path
+            elif given is not None and not (isinstance(given, str | Path) and Path(given).is_file()):
+                raise UsageError(
+                    f"{name}={given!r}: expected what pam.fit or pam.ladder gave, or a file that its to_json wrote"
+                )
             files.append(None if given is None else str(given))
         return TrackResult(track_leg(TrackOptions(*files, **options)))

@@ -16,6 +16,7 @@ from ..tasks.export import export_fit
 from ..tasks.predict import SavedFit, Validation, asked, read_fit, validate_fit
 from ..tasks.states import States, inputs_of, read_states
 from .record import read
+from .working import worked
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -117,10 +118,12 @@ class SavedResult(Predicting):
         )
         return f"{names} fitted to {self.content['record']}: {errors} rms (from {self.details.path})"
 
+    @worked
     def validate(self, record: Any, specimen: Any = None) -> Validation:
         """How the fit does on another record. Raises DataError."""
         return validate_fit(self.details, read(record, specimen))
 
+    @worked
     def export(self, to: str, out: str | Path) -> tuple[Path, ...]:
         """As `FitResult.export`."""
         return export_fit(self.details.path, to, str(out)).paths

@@ -1,14 +1,12 @@
 """The verbs: each takes a record, or what one is read from, and a law and effects, by name or as objects."""
 
 from collections.abc import Mapping
-from inspect import signature
 from pathlib import Path
 from typing import Any, overload
 from warnings import warn
 
 from ..core import UsageError
 from ..core.lmfit_names import from_lmfit_names
-from ..core.nearest import unknown
 from ..fitting import Fit
 from ..fitting import fit as old_fit
 from ..model import Model
@@ -20,7 +18,7 @@ from .asking import ObjectSetup, settled, setup_of
 from .fitted import FitResult
 from .record import ShownRecord, read
 from .together import SharedFitResult
-from .working import worked
+from .working import no_argument, worked
 
 
 @overload
@@ -83,8 +81,7 @@ def fit(
         _say_old("fit", "pam.fit(record, law, effects)", "pam_ident.fitting")
         return old_fit(record, law, *([effects] if effects != () else []), held=held, **old)  # type: ignore[return-value]
     setup = setup_of(law, effects, free_geometry=free_geometry)
-    values = from_lmfit_names(held.valuesdict()) if hasattr(held, "valuesdict") else dict(held or {})
-    wishes = FitOptions(branch, method, values, weights, loss, intervals)
+    wishes = FitOptions(branch, method, _held(held), weights, loss, intervals)
     if shared is not None:
         names = (shared,) if isinstance(shared, str) else tuple(shared)
         return SharedFitResult(fit_records([read(one, specimen) for one in record], setup, names, wishes), setup)
@@ -169,7 +166,7 @@ def diagnose(
         return old_diagnose(record, law, tuple(effects or extra), tuple(without), tuple(only), **old)  # type: ignore[return-value]
     measured, setup, choice = _asked(
         record, law, effects, specimen, without=without, only=only, also=also, prior=prior, extra=extra, assume=assume,
-        heldout=heldout, free_geometry=free_geometry,
+        heldout=heldout, free_geometry=free_geometry, naming=True,
     )  # fmt: skip
     return DiagnosisResult(diagnose_record(measured, setup), setup, choice)
 
@@ -208,7 +205,7 @@ def ladder(
 
     measured, setup, choice = _asked(
         record, law, effects, specimen, without=without, only=only, also=also, extra=extra, assume=assume,
-        heldout=heldout, free_geometry=free_geometry,
+        heldout=heldout, free_geometry=free_geometry, naming=True,
     )  # fmt: skip
     return LadderResult(climb_ladder(measured, setup), setup, choice)
 
@@ -256,7 +253,7 @@ def report(
 
 
 def _asked(
-    record: Any, law: Any, effects: Any, specimen: Any, **more: Any
+    record: Any, law: Any, effects: Any, specimen: Any, naming: bool = False, **more: Any
 ) -> tuple[ShownRecord, ObjectSetup, LawChoice | None]:
     """The record, what is asked of it, and how its law was chosen; of a result its own model, where none was named."""
     if isinstance(record, FitResult | RecordAnswer):
@@ -264,7 +261,17 @@ def _asked(
         measured, law = own.record, own.model if law == AUTO else law
     else:
         measured = read(record, specimen)
-    return measured, *settled(measured, setup_of(law, effects, **more))
+    return measured, *settled(measured, setup_of(law, effects, **more), naming)
+
+
+def _held(given: Any) -> dict[str, float]:
+    """Values of parameters by name. Raises UsageError for anything else."""
+    try:
+        if hasattr(given, "valuesdict"):
+            return from_lmfit_names(given.valuesdict())
+        return {name: float(value) for name, value in (given or {}).items()}
+    except (AttributeError, TypeError, ValueError):
+        raise UsageError(f"held={given!r}: expected a number by parameter, such as held={{'mu': 40.0}}") from None
 
 
 def _is_old(name: str, record: Any, old: Mapping[str, Any]) -> bool:
@@ -272,8 +279,7 @@ def _is_old(name: str, record: Any, old: Mapping[str, Any]) -> bool:
     if isinstance(record, Model) or "model" in old:
         return True
     for word in old:
-        known = signature(globals()[name]).parameters
-        raise UsageError(f"pam.{name}: {unknown('argument', word, set(known) - {'old'}, f'help(pam.{name})')}")
+        raise no_argument(globals()[name], word)
     return False
 
 

@@ -6,17 +6,22 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import wraps
+from inspect import signature
 from typing import Any, ParamSpec, TypeVar
 
-from ..core import PamError
+from ..core import PamError, UsageError
+from ..core.nearest import unknown
 from ..core.progress import Stage, heard
 from ..core.threads import one_blas_thread
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
-OPTION = re.compile(r"--(assume|branch|heldout|intervals|law|loss|method|specimen|weights)\b(?: ('[^']*'|\w+))?")
-LISTS = re.compile(r"`pam-ident (laws|effects)`")
-"""What errors call an option with its value, and the lists of what is known."""
+OF_COMMANDS = re.compile(
+    r"`pam-ident (?P<list>laws|effects)`|(?P<command>`[^`]*`)|"
+    r"--(?P<option>assume|branch|gait|heldout|intervals|law|loss|method|specimen|to|weights)\b"
+    r"(?: (?P<value>'[^']*'|\w+))?"
+)
+"""What errors call the lists of what is known, a whole command, which stays as it is, and an option with its value."""
 PATIENCE, PAUSE = 1.0, 0.3
 """Seconds of work before a bar is shown, and between two changes of it."""
 
@@ -35,10 +40,11 @@ def working() -> Iterator[None]:
 
 
 def worked(verb: Callable[P, Result]) -> Callable[P, Result]:
-    """The verb with small matrices on one thread, and a bar where a notebook shows it."""
+    """The verb with small matrices on one thread, and a bar where a notebook shows it; called as it can be."""
 
     @wraps(verb)
     def inside(*args: P.args, **kwargs: P.kwargs) -> Result:
+        check_call(verb, *args, **kwargs)
         with working():
             try:
                 return verb(*args, **kwargs)
@@ -49,13 +55,36 @@ def worked(verb: Callable[P, Result]) -> Callable[P, Result]:
     return inside
 
 
+def check_call(function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> None:
+    """Raises UsageError for arguments that a function does not have, or that it lacks."""
+    try:
+        signature(function).bind(*args, **kwargs)
+    except TypeError as error:
+        for word in set(kwargs) - set(signature(function).parameters):
+            raise no_argument(function, word) from None
+        raise UsageError(f"{_name(function)}: {error}; see help({_name(function)})") from None
+
+
+def no_argument(function: Callable[..., Any], word: str) -> UsageError:
+    """The error of an argument that a function does not have."""
+    known = [one.name for one in signature(function).parameters.values() if one.kind is not one.VAR_KEYWORD]
+    return UsageError(f"{_name(function)}: {unknown('argument', word, known, f'help({_name(function)})')}")
+
+
+def _name(function: Callable[..., Any]) -> str:
+    name = function.__qualname__
+    return name if "." in name else f"pam.{name}"
+
+
 def in_python(said: str) -> str:
     """What an error says of the command's options, of this verb's arguments."""
 
     def argument(found: "re.Match[str]") -> str:
-        return f"{found[1]}=" + (repr(found[2].strip("'")) if found[2] else "")
+        if found["option"] is None:
+            return found["command"] or f"pam.{found['list']}"
+        return f"{found['option']}=" + (repr(found["value"].strip("'")) if found["value"] else "")
 
-    return OPTION.sub(argument, LISTS.sub(r"pam.\1", said))
+    return OF_COMMANDS.sub(argument, said)
 
 
 def in_jupyter() -> bool:

@@ -113,7 +113,8 @@ def describe(found: "Diagnosis") -> list[str]:
 
     held = text.newtons(found.heldout_rmse)
     held += f" → {text.newtons(found.heldout_rmse_after)}" if found.selected else ""
-    lines = [found.sentence, f"verdict: {text.verdict(found.verdict)}; on held-out data {held}"]
+    beside = " beside what is named" if found.verdict == "unknown_effect" and found.selected else ""
+    lines = [found.sentence, f"verdict: {text.verdict(found.verdict)}{beside}; on held-out data {held}"]
     lines += [*found.best.at_bounds, told(found.follows)]
     tried = candidates(found)
     shown = [s for k, s in enumerate(tried) if k < SHOWN or s.probability >= LEAST]
@@ -127,6 +128,8 @@ def describe(found: "Diagnosis") -> list[str]:
         for s in shown
     ]
     lines += text.table(("candidate", "probability", "alone leaves [N]", "held out [N]"), rows)
+    if found.groups:
+        lines.append("a probability is that of the effect, or of one that this record cannot tell from it")
     others = [in_words(s.effect, found.best.model.own) for s in tried if s not in shown]
     lines += [f"less likely still: {', '.join(others)}"] if others else []
     for status, words in STATUS.items():

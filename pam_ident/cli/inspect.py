@@ -41,7 +41,8 @@ def inspect(
     )
     advice = [line for line in found.advice if line not in told]
     if stops:
-        text.say("", "Stops naming (meant so? --assume CODE):", *(f"- {doubt.code}: {doubt.text}" for doubt in stops))
+        head = "Stops naming (meant so? diagnose, ladder and report take --assume CODE):"
+        text.say("", head, *(f"- {doubt.code}: {doubt.text}" for doubt in stops))
     if advice or not stops:
         text.say("", "Advice:" if advice else "Nothing amiss.", *(f"- {line}" for line in advice))
 

@@ -35,7 +35,7 @@ def ladder(
     choice = None
     try:
         measured = setup.read(record)
-        setup, choice = settle(measured, setup)
+        setup, choice = settle(measured, setup, naming=True)
         found = climb_ladder(measured, setup, Executor.of_cores())
     except PamError as stop:
         options.give_stopped(asked.json, record, setup.law, stop, choice)

@@ -77,7 +77,12 @@ Where = Annotated[
 ]
 Assume = Annotated[
     list[str] | None,
-    option("--assume", "CODE", "Name effects although a grave warning of that code, or all, stands; repeatable."),
+    option(
+        "--assume",
+        "CODE",
+        "The record is meant so although a grave warning of that code, or all, stands: it does not stop the naming of "
+        "effects then; repeatable.",
+    ),
 ]
 Heldout = Annotated[
     str | None,

@@ -20,12 +20,14 @@ if TYPE_CHECKING:
 
 PATIENCE, PAUSE = 2.0, 0.2
 """Seconds of work before progress is shown, and between two lines of it."""
+EVERY = 20.0
+"""The same where stderr is no terminal and each line stays."""
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only; answers go to the files asked for.")]
 
 
 def verb(command: Callable[..., None]) -> Callable[..., None]:
     """The command with `--quiet`, the options of its argument `asked` one by one, a `--json` that can be written and is
-    also where the command is refused, and its progress shown where stderr is a terminal.
+    also where the command is refused, and its progress shown on stderr, on a terminal by a line that is written anew.
 
     With `--quiet`, or with `--json -`, which puts the answer on stdout, nothing else is printed there.
     """
@@ -39,10 +41,10 @@ def verb(command: Callable[..., None]) -> Callable[..., None]:
         with ExitStack() as after:
             after.callback(text.silent.reset, text.silent.set(quiet or given.get("json") == "-"))
             after.callback(answered.reset, answered.set(False))
-            if not quiet and sys.stderr.isatty():
+            if not quiet:
                 from ..core.progress import heard
 
-                line = ProgressLine()
+                line = ProgressLine() if sys.stderr.isatty() else PlainLines()
                 after.callback(line.clear)
                 after.enter_context(heard(line.tell))
             words = dict(given)
@@ -81,8 +83,7 @@ class ProgressLine:
                 bar.remove_task(task)
             bar.add_task("", total=counted.of)
         self.counted = counted.what
-        words = " · ".join(one.what for one in stage.line)
-        bar.update(bar.task_ids[0], description=words, completed=counted.done)
+        bar.update(bar.task_ids[0], description=_words(stage), completed=counted.done)
         bar.start()
         bar.refresh()
         text.unfinished = self.clear
@@ -92,6 +93,28 @@ class ProgressLine:
         text.unfinished = None
         if self.bar is not None:
             self.bar.stop()
+
+
+class PlainLines:
+    """The same where stderr is a file or a pipe: now and then a line of what is being done."""
+
+    def __init__(self) -> None:
+        self.begun = self.told = time.monotonic()
+
+    def tell(self, stage: "Stage") -> None:
+        """Write a line, if it is time."""
+        if (now := time.monotonic()) < self.told + EVERY:
+            return
+        self.told = now
+        count = next((f" ({one.done} of {one.of})" for one in stage.line if one.of), "")
+        text.warn(f"after {now - self.begun:.0f} s: {_words(stage)}{count}")
+
+    def clear(self) -> None:
+        """Nothing: what was written stays."""
+
+
+def _words(stage: "Stage") -> str:
+    return " · ".join(one.what for one in stage.line)
 
 
 def _bar() -> "Progress":

@@ -16,11 +16,12 @@ def nearest(name: str, known: Iterable[str]) -> list[str]:
     return [by_lower[one] for one in dict.fromkeys([*found, *begin])][:3]
 
 
-def unknown(what: str, name: object, known: Iterable[str], where: str) -> str:
-    """The message of an unknown name: what it may have meant, else what there is; `where` lists all."""
+def unknown(what: str, name: object, known: Iterable[str], where: str = "") -> str:
+    """The message of an unknown name: what it may have meant, else what there is; `where` lists all, else this does."""
     names = sorted(known)
     near = nearest(str(name), names)
     head = f"unknown {what} {str(name)!r}"
+    there, listed = f"there is {', '.join(names)}", f"{where} lists all {len(names)}"
     if near:
-        return f"{head}; did you mean {' or '.join(near)}? {where} lists all {len(names)}"
-    return f"{head}; there is {', '.join(names)}" if len(names) <= SHORT else f"{head}; {where} lists all {len(names)}"
+        return f"{head}; did you mean {' or '.join(near)}? {listed if where else f'T{there[1:]}'}"
+    return f"{head}; {listed if where and len(names) > SHORT else there}"

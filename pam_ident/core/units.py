@@ -24,23 +24,39 @@ ATMOSPHERE_MPA = 0.101325
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)\s*[\])]\s*$")
 _AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge|rel|relative)\)?\.?$", re.IGNORECASE)
 """A unit of pressure with what it counts from: `bara`, `bar abs`, `bar(g)`, `kPa_gauge`."""
-_AGAINST_SUFFIX = re.compile(r"^(?P<name>.+)_(?P<unit>[A-Za-z]+_(?:abs|absolute|gauge|rel|relative))$", re.IGNORECASE)
+_AGAINST_SUFFIX = re.compile(
+    r"^(?P<name>.+)[_ ](?P<unit>[A-Za-z]+[_ ](?:abs|absolute|gauge|rel|relative))$", re.IGNORECASE
+)
+_ABSOLUTE = re.compile(r"[\W_]*(?<![^\W_])abs(?:olut(?:e[nr]?)?)?(?=druck|[\W\d_]|$)[\W_]*", re.IGNORECASE)
+"""The word before a unit of pressure that makes it absolute: `p_abs`, `Absolutdruck`, `absolute pressure`."""
 
 
-def split_header(header: str) -> tuple[str, str | None]:
-    """Name (lower case, words joined by _) and unit of a column header: `Pressure [bar]`, `force_N`, `Time, s`."""
-    text = header.strip()
+def split_header(header: str, loose: bool = False) -> tuple[str, str | None]:
+    """Name (lower case, words joined by _) and unit of a column header: `Pressure [bar]`, `force_N`, `Time, s`,
+    `Weg / mm`, `Load in N`; where `loose`, because a word says what it is, also `Kraft N` and `F/N`.
+
+    A pressure whose name says that it is absolute has its unit so: `p_abs [bar]` is p in `bar abs`.
+    """
+    name, unit = _parted(header.strip(), loose)
+    spaced = re.sub(r"([a-zäöü])([A-ZÄÖÜ])", r"\1 \2", name)
+    if unit and _ABSOLUTE.search(spaced) and _against(f"{unit} abs"):
+        return _snake(_ABSOLUTE.sub(" ", spaced)), f"{unit} abs"
+    return _snake(name), unit
+
+
+def _parted(text: str, loose: bool) -> tuple[str, str | None]:
     found = _BRACKETS.match(text)
     if found:
-        return _snake(found["name"]), found["unit"].replace("°", "") or None
+        return found["name"], found["unit"].replace("°", "") or None
     found = _AGAINST_SUFFIX.match(text)
     if found and is_unit(found["unit"]):
-        return _snake(found["name"]), found["unit"]
-    for mark in "_,":
+        return found["name"].removesuffix(" /").removesuffix(" in"), found["unit"]
+    for mark in (" / ", " in ", "_", ",", *("/", " ") * loose):
         name, _, last = (part.strip() for part in text.rpartition(mark))
-        if name and is_unit(last):
-            return _snake(name), last
-    return _snake(text), None
+        other = is_unit(name.split(" ")[-1]) if mark == "/" else mark == " " and last in ("1", "-")  # `mm/s`, `Run 1`
+        if name and is_unit(last) and not other:
+            return name, last
+    return text, None
 
 
 def is_unit(text: str) -> bool:

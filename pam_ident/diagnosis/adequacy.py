@@ -54,11 +54,7 @@ class FreeModel:
     @lru_cache(maxsize=4)
     def of(cls, selection: Selection) -> "FreeModel":
         """For the record, law and likeliest drivers of a selection."""
-        following, surfaces = selection.following, selection.following.surfaces
-        _, freedom = surfaces.of(following.best)
-        left = following.in_newtons(following.left - surfaces.explained(following.best))
-        taken = len(selection.base.values) + freedom
-        noise = selection.noise_in(left, selection.law, taken, selection.noise.outlier)
+        noise, freedom = selection.noise_of_best(selection.law, selection.noise.outlier)
         return cls(noise.deviance + selection.penalty.per_parameter * freedom, noise)
 
     def odds(self, selection: Selection, fitted: FittedSet) -> float:
@@ -136,6 +132,9 @@ class Adequacy:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
         if self.is_no_noise or self.comes_back > self.selection.noise.too_small:
             return False
+        free = [term.effect.follows[:1] for term in self.fitted.terms if term.form.free]
+        if len(set(free)) < len(free):  # no form speaks for either, and together they follow anything of that driver
+            return False
         odds = self.free.odds(self.selection, self.fitted)
         if odds < EQUAL:
             return True
@@ -166,8 +165,11 @@ class Adequacy:
         """What is left, in the words of the contract."""
         first = next((f for f in self.left.shares() if f.what != "noise"), None)
         beyond, share = self.unexplained
-        size = math.sqrt(max(beyond, self.comes_back)) * self.free.noise.whole
-        text = f"about {newtons(size)} rms that no name explains{f'; it follows {first.text}' if first else ''}"
+        size = max(beyond, self.comes_back)
+        text = f"about {newtons(math.sqrt(size) * self.free.noise.whole)} rms that no name explains"
+        if size < self.selection.noise.too_small:
+            text = "hardly more than noise in size, but no noise"
+        text += f"; it follows {first.text}" if first else ""
         return Pattern("other", first.what if first else "time", None, "", min(max(share, 0.0), 1.0), text)
 
 

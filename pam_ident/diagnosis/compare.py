@@ -13,6 +13,7 @@ from .nouns import Bin, Comparison, Follows, Region
 Array = np.ndarray
 CELLS = 10
 NAMES = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
+WHILE = {"contraction": "contracting", "extension": "extending", "static": "at rest"}
 
 
 def compare(fit: Fit, follows: tuple[Follows, ...] | None = None) -> Comparison:
@@ -86,7 +87,11 @@ def _odd_even(fit: Fit, cell: Array, levels: int, total: float) -> tuple[float |
     _, level = np.unique(record.level, return_inverse=True)
     speed = record.inputs.stroke_speed
     pace = np.zeros(len(record), int) if speed is None else np.round(np.log2(np.maximum(speed, 1e-3))).astype(int)
-    key = (level * 1000 + cell) * 100 + (pace - pace.min())
+    place = level * 1000 + cell
+    # At one speed where both branches have it, else at any: a drive may be slower one way than the other.
+    _, at_pace = np.unique(place * 100 + (pace - pace.min()), return_inverse=True)
+    ways = [np.bincount(at_pace, fit.rows & (sign * direction > 0)) > 0 for sign in (1, -1)]
+    key = np.where((ways[0] & ways[1])[at_pace], at_pace, -1 - place)
     for k in np.unique(key[fit.rows]):
         here = fit.rows & (key == k)
         up, down = residual[here & (direction > 0)], residual[here & (direction < 0)]
@@ -161,7 +166,7 @@ def _sentence(
     text = (
         f"The {fit.model.words} misses the measurement by {newtons(fit.rmse)} rms (at most {newtons(fit.max_error)}). "
         f"{percent(worst_pressure.share)} of the squared error lies at {worst_pressure.label}; the worst cell is "
-        f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}, {top.branch} "
+        f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}, {WHILE[top.branch]} "
         f"({newtons(top.rms)} rms, {percent(top.share)} of the squared error, "
         f"the model {'below' if top.mean > 0 else 'above'} the data)."
     )

@@ -115,11 +115,10 @@ def impossible_alone(base: Fit, best: Fit, fitted: FittedSet, ruled_out: Mapping
 def _confirmed(
     base: Fit, heldout: float, named: list[Term], fitted: FittedSet, least: float
 ) -> tuple[Fit, float, list[Term]]:
-    """Fit, held-out error and names once every name has gone without which held-out data are predicted better, or of
-    which less than `least` (N²) of the mean square error comes: steady inputs round the corners of a drive.
-
-    In a short table held-out data choose the forms, too. Elsewhere a free form that predicts worse than none gives way
-    to a written one that explains nearly all that it does: what is in question is the name.
+    """Fit, held-out error and names once every name has gone of which less than `least` (N²) of the mean square error
+    comes, as steady inputs round the corners of a drive; in a short table every name without which held-out data are
+    predicted better, and these choose the forms, too. In time what a cycle leaves to be foretold at an end of the
+    record says nothing of a name.
     """
     table = base.record.inputs.time is None and len(base.record) <= EXACT and not math.isnan(heldout)
 
@@ -131,7 +130,7 @@ def _confirmed(
         return heldout_rmse(found.model, base.record, found), found, terms
 
     after, best, named = attempt(named)
-    while named and not (math.isnan(after) or after < heldout):
+    while named and table and not after < heldout:
         attempts = [attempt([t for t in named if t is not gone]) for gone in named]
         after, best, named = min(attempts, key=lambda item: item[0])
     while named and not table:

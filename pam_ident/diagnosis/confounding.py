@@ -36,7 +36,8 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
 
 def _same_form(selection: Selection, term: Term) -> list[str]:
     """The special case that goes by the name of the selected form: the same formula, so no record tells them apart."""
-    cases = [e.name for e in selection.candidates if e.special_case_of == term.effect.name]
+    known = (*selection.candidates, *selection.rivals)
+    cases = [e.name for e in known if e.special_case_of == term.effect.name]
     return [name for name in cases if name.startswith(term.form.name.partition("_")[0])]
 
 

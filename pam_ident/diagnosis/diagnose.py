@@ -28,7 +28,7 @@ from .probability import DOUBTFUL, LAPSE, probabilities
 from .remainder import pattern_of, unlike_noise
 from .select import EXACT
 from .selection import FittedSet, Selection
-from .sentence import as_slow_noise, could_be_tried, reservations, sentence
+from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
@@ -50,6 +50,7 @@ def diagnose(
     odds: Mapping[str, float] | None = None,
     also: tuple[str, ...] = (),
     detail: bool = True,
+    noise_N: float = math.inf,
 ) -> Diagnosis:
     """Which effects of the catalogue a model lacks on a record, or that it lacks none, or one that is not known.
 
@@ -67,6 +68,7 @@ def diagnose(
         also: names of effects, or forms, that are tried beside the candidates; `only` may name these, too.
         detail: whether errors of every candidate, the next experiment and what else to try are wanted, which choose
             nothing.
+        noise_N: the record's noise in N as it was told before, with fewer effects in the model: none larger is told.
 
     Raises:
         FitError: when the record cannot identify the law at all.
@@ -84,7 +86,7 @@ def diagnose(
         >>> print(f"{found.verdict}: {found.selected}, {found.base.rmse:.1f} → {found.best.rmse:.1f} N")
         missing_effect: ('pressure_friction',), 5.8 → 2.1 N
     """
-    steps = diagnosing(model, record, extra, without, only, odds, also)
+    steps = diagnosing(model, record, extra, without, only, odds, also, noise_N)
     found = next(steps)
     return next(steps) if detail else found
 
@@ -97,6 +99,7 @@ def diagnosing(
     only: tuple[str, ...] = (),
     odds: Mapping[str, float] | None = None,
     also: tuple[str, ...] = (),
+    noise_N: float = math.inf,
 ) -> Iterator[Diagnosis]:
     """What `diagnose` finds without its details, and then the same with them.
 
@@ -106,10 +109,10 @@ def diagnosing(
         get_effect(name, extra)
         if not 0.0 < chance < math.inf:
             raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
+    allowed = _allowed(extra, without, only, also)
     record = driven(model, record)
     base = fit(model, record)
     model = base.model
-    allowed = _allowed(extra, without, only, also)
     candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
     if record.inputs.time is None:
         candidates = [replace(effect, forms=effect.written) for effect in candidates if effect.written]
@@ -173,7 +176,9 @@ def diagnosing(
     if between:  # the names that are not all there are do not touch it
         floor = min(*between, best.rmse)
     extra = (*extra, *model.own)
-    said = sentence(base, best, labels, classes, pattern, floor, error > 2.0 * noise.whole, extra)
+    floor = min(floor, noise_N)
+    far = 0 if error > MORE * noise.whole else int(noise.outlier.sum())
+    said = sentence(base, best, labels, classes, pattern, floor, far, extra)
     if outcome == "adequate" and noise.coloured:
         said += as_slow_noise(follows)
     if slow:
@@ -229,7 +234,7 @@ def by_form_alone(
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
         if others and selection.part(fitted, term) < LITTLE:
-            found[name] = 1.0 - DOUBTFUL, f"It explains little; {others[0].title} of another form could leave as much."
+            found[name] = 1.0 - DOUBTFUL, f"Without it {others[0].title}, in another form, could leave as little."
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
             found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
         elif timed and name in known and (alike := [e for e in others if e.name in static]):
@@ -244,7 +249,7 @@ def _allowed(
     extra: tuple[Effect, ...], without: tuple[str, ...], only: tuple[str, ...], also: tuple[str, ...]
 ) -> list[Effect]:
     """The catalogue less effects and forms (`name:form`), those asked for made candidates. Raises UsageError for an
-    unknown one."""
+    unknown one, and where nothing is left of `only`."""
     for name in (*without, *only, *also):
         get_effect(name, extra)
     only = (*only, *also) if only else ()
@@ -256,6 +261,11 @@ def _allowed(
             forms = tuple(form for form in forms if labels[form] in only)
         if forms:
             fewer.append(replace(effect, forms=forms))
+    if not fewer:
+        both = ", ".join(only or without)
+        raise UsageError(
+            f"{both}: the only effect that is tried, and left out as well; nothing is left to try. Keep one"
+        )
     return fewer
 
 

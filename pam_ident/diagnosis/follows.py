@@ -5,14 +5,13 @@
 r is what a model leaves (N), J its slopes over its own parameters, Φ_k the columns of a driver: what the force may
 follow (direction, speed, the way since the last reversal, …) times low polynomials of pressure and contraction. No
 physics and no catalogue enter. Drivers, and how much detail each has, are taken in as long as their gain exceeds its
-penalty; a share is the gain of a driver averaged over all orders of those taken in (Lindeman, Merenda & Gold 1980).
+penalty; a share is what a driver explains beyond those before it, the likeliest first.
 """
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -38,8 +37,6 @@ ROWS = 10_000
 NO_NOISE = 3.0
 """Standard deviations by which a model leaves more of a record with steady inputs than with measured ones, from which
 what was taken off was no noise."""
-ORDERS = 120
-"""Orders of drivers over which shares are averaged, at most."""
 EQUAL = 20.0
 """Twice the log odds up to which drivers could stand in each other's place."""
 SPEED_RATIO = 1.5
@@ -345,19 +342,17 @@ class Following:
         surfaces, total = self.surfaces, float(self.left @ self.left)
         if not total > 0.0:
             return (Follows("noise", 1.0, "noise"),)
-        shares = dict.fromkeys(sorted(self.best), 0.0)
-        orders = list(permutations(shares)) if len(shares) <= 5 else _drawn_orders(list(shares))
-        for order in orders:
-            taken: frozenset[int] = frozenset()
-            for k in order:
-                more = taken | {k}
-                (gain, freedom), (before, fewer) = surfaces.of(more), surfaces.of(taken)
-                step = gain - before - self.variance * (freedom - fewer)
-                shares[k] += max(step, 0.0) / total / len(orders)
-                taken = more
+        shares: dict[int, float] = {}
+        taken: frozenset[int] = frozenset()
+        while rest := self.best - taken:
+            worth = self._adding(taken)
+            k = max(sorted(rest), key=worth.__getitem__)
+            (gain, freedom), (before, fewer) = surfaces.of(taken | {k}), surfaces.of(taken)
+            shares[k] = max(gain - before - self.variance * (freedom - fewer), 0.0) / total
+            taken |= {k}
         whole = sum(shares.values())
-        rest = self.left - surfaces.explained(self.best)
-        back = (1.0 - whole) * comes_back(self.record, rest, self.read)
+        left = self.left - surfaces.explained(self.best)
+        back = (1.0 - whole) * comes_back(self.record, left, self.read)
         found = [
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]
@@ -368,16 +363,11 @@ class Following:
         return (*found, Follows("noise", max(1.0 - whole - back, 0.0), "noise"))
 
 
-def _drawn_orders(names: list[int]) -> Sequence[tuple[int, ...]]:
-    draw = np.random.default_rng(0)
-    return [tuple(draw.permutation(names).tolist()) for _ in range(ORDERS)]
-
-
 def told(found: Sequence[Follows], error: str = "squared error") -> str:
     """The largest shares of an error in one sentence."""
     whole = dict(zip(found, percents([one.share for one in found]), strict=True))
     shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]
-    parts = [f"{whole[one]} follows {one.text}" for one in shown]
+    parts = [f"{'a further ' if k else ''}{whole[one]} follows {one.text}" for k, one in enumerate(shown)]
     noise = next((text for one, text in whole.items() if one.what == "noise"), "0 %")
     if not parts:
         return f"None of the {error} follows anything beyond chance."

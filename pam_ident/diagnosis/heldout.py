@@ -20,8 +20,13 @@ ALIKE = 1.01
 
 
 def folds(record: Record) -> list[Array]:
-    """Masks (n,) of the rows to hold out in turn: each length or isobar of a table, every fifth cycle in time."""
-    return in_parts(record.block, FOLDS if record.inputs.time is not None else len(np.unique(record.block)))
+    """Masks (n,) of the rows to hold out in turn: each length or isobar of a table; in time every fifth cycle, but of
+    many not the first or the last, which a drift would have to be followed to from one side."""
+    blocks = np.unique(record.block)
+    if record.inputs.time is None:
+        return in_parts(record.block, len(blocks))
+    inner = blocks[1:-1] if len(blocks) > FOLDS + 1 else blocks
+    return [np.isin(record.block, inner[k::FOLDS]) for k in range(min(FOLDS, len(inner)))]
 
 
 def in_parts(block: Array, most: int = FOLDS) -> list[Array]:
@@ -37,7 +42,8 @@ def heldout_rmse(
     masks: Sequence[Array] | None = None,
     quick: bool | None = None,
 ) -> float:
-    """Root mean square error in N of each block predicted by the model fitted to the others; NaN with one block only.
+    """Root mean square error in N of each block predicted by the model fitted to the others; of rows that are never
+    held out what the `whole` fit leaves. NaN with one block only.
 
     `whole` is the fit to all rows, from which the refits start, `masks` (n,) the rows to hold out in turn in place of
     the `folds`. Refits are `quick` where that is said, and in a record in time. Raises FitError as `fit` does.
@@ -47,7 +53,7 @@ def heldout_rmse(
         return math.nan
     whole = whole or fit(model, record, detail=False)
     quick = record.inputs.time is not None if quick is None else quick
-    square = 0.0
+    square = float(np.sum(whole.residual[~np.any(masks, axis=0)] ** 2))
     for mask in steps(masks, "holding data out"):
         rows = ~mask
         if rows.sum() <= len(model.params):
@@ -95,7 +101,7 @@ def heldout_nearby(model: Model, record: Record, values: Mapping[str, float]) ->
     slopes = slopes / np.where(scale > 0, scale, 1.0)
     gram, product = slopes.T @ slopes, slopes.T @ left
     ridge = 1e-10 * np.eye(len(gram))
-    square = 0.0
+    square = float(np.sum(left[~np.any(masks, axis=0)] ** 2))
     for mask in masks:
         part, there = slopes[mask], left[mask]
         step = np.linalg.solve(gram - part.T @ part + ridge, product - part.T @ there)

@@ -65,9 +65,11 @@ def climb(
     record = driven(model, record)
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(first.model, record, first), "the law alone")]
+    noise = math.inf
     while True:
         with part(f"step {len(rungs)}"):
-            found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, also, detail)
+            found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, also, detail, noise)
+        noise = found.noise_floor
         terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
         new = _rungs(rungs[-1], terms, model, found) if terms and len(rungs) <= MOST_RUNGS else []
         if not new:

@@ -120,10 +120,11 @@ class Selection:
         absorbed = [e for e in self.candidates if self.excluded.get(e.name, ("",))[0] == "absorbed_by_law"]
         self.candidates = [e for e in self.candidates if e.name not in self.excluded]
         self.seen = data.only([k for k, a in enumerate(regressors) if a.effect not in self.excluded])
-        possible = [e for e in self.candidates if self.following.possible.issuperset(e.follows[:1])]
-        self.candidates = [e for e in self.candidates if tried is None or e.name in tried]
-        self.rivals = [*absorbed, *(e for e in possible if e not in self.candidates)]
-        names = {e.name for e in self.candidates}
+        others = [e for e in self.candidates if tried is not None and e.name not in tried]
+        self.candidates = [e for e in self.candidates if e not in others]
+        names, possible = {e.name for e in self.candidates}, self.following.possible
+        alike = [e for e in others if e.special_case_of in names or possible.issuperset(e.follows[:1])]
+        self.rivals = [*absorbed, *alike]
         self.data = data.only([k for k, a in enumerate(regressors) if a.effect in names])
         self.empty = self._law_alone()
         self.excess = self._excess()
@@ -268,12 +269,27 @@ class Selection:
         return self.noises[fitted]
 
     def _noise(self, view: "View") -> Noise:
-        """Noise is what the law, surfaces over all drivers and free curves over contraction still leave."""
+        """Noise is what the law, surfaces over all drivers and free curves over contraction still leave.
+
+        What an unsure track makes of the force they follow, too. So it is looked for in what surfaces over the
+        likeliest drivers leave, and is noise where no more is left beside it.
+        """
         following = self.following
         free = [] if self.record.inputs.time is None else [following.in_newtons(following.surfaces.matrix)]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
         left, taken = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
-        return self.noise_in(left, view, taken)
+        rich = self.noise_in(left, view, taken)
+        if rich.shared or following.unsure is None:
+            return rich
+        best, _ = self.noise_of_best(view, rich.outlier)
+        return best if best.shared and best.sigma <= rich.sigma else rich
+
+    def noise_of_best(self, view: "View", outlier: Array) -> tuple[Noise, int]:
+        """Noise in what the law and surfaces over the likeliest drivers leave, and the columns that these have."""
+        following, surfaces = self.following, self.following.surfaces
+        _, freedom = surfaces.of(following.best)
+        left = following.in_newtons(following.left - surfaces.explained(following.best))
+        return self.noise_in(left, view, len(self.base.values) + freedom, outlier), freedom
 
     def noise_in(
         self, left: Array, view: "View", taken: float, outlier: Array | None = None, white: bool = False

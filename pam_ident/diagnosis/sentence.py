@@ -11,13 +11,16 @@ WORTH_TRYING = 0.1
 """Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
 SURE = 0.9
 """Probability of a name from which a headline states it without a word of doubt."""
+MORE = 1.2
+"""Error of a model with all names, over the noise, from which more than noise is left."""
 TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
 
 
 def start(base: Fit, floor: float) -> str:
-    """What a model leaves, beside the noise in N."""
-    return f"The {base.model.words} leaves {newtons(base.rmse)} rms; the noise is about {newtons(floor)}."
+    """What a model leaves, beside the noise in N; in a table no repeats show how small that is."""
+    about = "about" if base.record.inputs.time is not None else "at most"
+    return f"The {base.model.words} leaves {newtons(base.rmse)} rms; the noise is {about} {newtons(floor)}."
 
 
 def sentence(
@@ -27,10 +30,10 @@ def sentence(
     classes: Iterable[Sequence[str]],
     pattern: Pattern | None,
     floor: float,
-    much: bool,
+    far: int,
     extra: tuple[Effect, ...],
 ) -> str:
-    """What is missing, and what is left; `much` of it may be more than noise. `extra` are effects beside the
+    """What is missing, and what is left, beyond noise perhaps in `far` samples far off. `extra` are effects beside the
     catalogue's."""
     parts = [start(base, floor)]
     if labels:
@@ -38,8 +41,13 @@ def sentence(
             f"Missing: {', '.join(named(label, extra) for label in labels)}. "
             f"With {'it' if len(labels) == 1 else 'them'} the error falls to {newtons(best.rmse)}."
         )
-        if pattern is None and much:
-            parts.append("Much is left: add and diagnose again, or take the ladder, which does so.")
+        if pattern is None and best.rmse > MORE * floor:
+            parts.append(
+                f"What is left beyond noise lies in {far} samples, where the motion turns or single ones are far off."
+                if far
+                else "More than noise is left: the form is not exactly right, or something small is missing, too. Add "
+                "and diagnose again, or take the ladder, which does so."
+            )
     elif pattern is None:
         parts.append("Nothing is missing that this record could show.")
     for first, *others in classes:

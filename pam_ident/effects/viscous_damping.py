@@ -9,7 +9,7 @@ B_E = Param("B_e", "N·s/m", "damping in extension", 0.0, 1e5, scale=100.0)
 # Both parts stay above zero: damping that falls with pressure would give energy back at a high one.
 B_P = Param("B_p", "N·s/(m·MPa)", "damping per pressure", 0.0, 1e5, scale=100.0)
 # A power below 0.4 hardly changes with speed: it took the place of friction.
-N = Param("n", "1", "exponent of the speed", 0.4, 2.5, start=0.7, grid=(0.5, 0.7, 1.5))
+N = Param("n", "1", "exponent of the speed", 0.4, 2.5, start=0.7, grid=(0.5, 0.7, 1.0, 1.5))
 V_1 = Param("v_1", "mm/s", "speed at which thinning has halved the damping", 4.0, 1000.0, start=20.0, grid=(8.0, 30.0))
 
 

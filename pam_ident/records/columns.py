@@ -1,5 +1,6 @@
 """The columns of a table in internal units, checked block by block: every refusal names file, row and column."""
 
+import json
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -10,7 +11,7 @@ from ..core import Array, DataError
 from ..core.units import ATMOSPHERE_MPA, conversion
 from .faulty import frozen_rows, impossible_rows, spike_rows
 from .notes import Notes
-from .quantities import QUANTITIES, SHAPES, Source
+from .quantities import BRANCHES, QUANTITIES, SHAPES, Source
 from .ranges import Values, check_empty, check_ranges, place_of
 from .table import Clock, Table, TableRows, numbers_in
 
@@ -205,9 +206,13 @@ def _directions(table: Table, block: TableRows, source: Source) -> Array:
     numbers = np.array([signs.get(word, np.nan) for word in words])
     bad = np.flatnonzero(np.isnan(numbers))
     if len(bad):
+        named = json.dumps(source.header, ensure_ascii=False)
+        there = [json.dumps(word[:40], ensure_ascii=False) for word in dict.fromkeys(words) if word not in signs]
+        ways = ", ".join(f"{way} = {word}" for way, word in zip(BRANCHES, [*there, '"?"'], strict=False))
         raise DataError(
             f"{place_of(table, block, bad[0], source)}: holds {words[int(bad[0])][:40]!r}; expected "
-            f"{' or '.join(signs)}"
+            f"{' or '.join(signs)}, or which word is which beside the other columns in a columns.toml: "
+            f"branch = {{ column = {named}, {ways} }}, or the other way round"
         )
     return numbers
 

@@ -48,6 +48,12 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
         yield Doubt("impossible_value", text, "force", True)
     if huge.all():
         return
+    if len(force) > 1 and not np.ptp(force):
+        text = (
+            f"the force is {newtons(force[0])} in every row: the load of a hanging weight, or a load cell that is not "
+            "connected."
+        )
+        yield Doubt("force_constant", text, "force")
     force = force[~huge]
     if force.min() < -0.05 * abs(force.max()):
         text = (

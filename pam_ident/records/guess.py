@@ -27,7 +27,7 @@ WORDS = {
     "time": r"t|time\w*|zeit\w*|temps|tiempo|tempo|clock|sec|seconds?",
 }
 """Words of a header that name a quantity, the narrower first."""
-ABSOLUTE = "bar_abs", "kPa_abs", "MPa_abs"
+ABSOLUTE = tuple(f"{unit}_abs" for unit in TO_INTERNAL["pressure"])
 SYNONYMS = "degC", "sec", "kg"
 ROWS, FIRST = 400, 2000
 """Rows that are looked at to tell columns apart by their numbers, and the first ones that they are taken from."""
@@ -83,15 +83,16 @@ def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Gue
     named = set(filter(None, found))
     values = [np.asarray(column, float) for column in columns]
     free = [k for k, name in enumerate(found) if not name and _varies(values[k])]
+    stated = [stated_by(header) for header in headers]
     if "time" not in named:
-        clock = next((k for k in free if rises(values[k])), None)
+        clock = next((k for k in free if stated[k] in ("", "time") and rises(values[k])), None)
         if clock is not None:
             found[clock] = "time"
             free.remove(clock)
     free = [k for k in free if not np.all(np.diff(values[k]) == 1.0)]  # a count of the rows
     needed = [name for name in ("pressure", "force") if name not in named]
     needed += ["displacement"] * (not named & set(SHAPES))
-    for k, quantity in _by_numbers(needed, free, found, values):
+    for k, quantity in _by_numbers(needed, free, found, values, stated):
         found[k] = quantity
     return tuple(
         Guess(name, _unit(name, header, column), name in named) if name else Guess()
@@ -132,7 +133,7 @@ def by_name(header: str, lengths: bool = False) -> str:
 
     A unit alone says pressure, force or time; that of a length, if `lengths`, a displacement.
     """
-    name, unit = split_header(header)
+    name, unit = split_header(header, loose=True)
     if name in QUANTITIES:
         return name
     base = re.split(r"[\[(]", header)[0]
@@ -140,7 +141,7 @@ def by_name(header: str, lengths: bool = False) -> str:
     spaced = re.sub(r"([a-zäöü])([A-ZÄÖÜ])", r"\1 \2", base)
     words = re.findall(r"[^\W\d_]+", spaced.lower())
     hits = [q for q, pattern in WORDS.items() if any(re.fullmatch(pattern, word) for word in words)]
-    stated = next((dimension for dimension in TO_INTERNAL if known_scale(dimension, unit)), "")
+    stated = stated_by(header, loose=bool(hits))
     if "pressure_set" in hits:  # what is commanded was not measured: of other quantities it is of no use
         return "pressure_set" if stated == "pressure" or (not stated and hits[1:] == ["pressure"]) else ""
     if "contraction" in hits and stated == "length":  # a way that the muscle shortens by
@@ -152,18 +153,28 @@ def by_name(header: str, lengths: bool = False) -> str:
     return stated if stated in ("pressure", "force", "time") else ""
 
 
+def stated_by(header: str, loose: bool = False) -> str:
+    """The dimension of the unit that a header states, empty for none that is known."""
+    unit = split_header(header, loose)[1]
+    return next((dimension for dimension in TO_INTERNAL if known_scale(dimension, unit)), "")
+
+
 def _varies(column: Array) -> bool:
     return len(column) > 1 and bool(np.isfinite(column).all()) and float(np.ptp(column)) > 0.0
 
 
-def _by_numbers(needed: list[str], free: list[int], found: list[str], values: list[Array]) -> list[tuple[int, str]]:
-    """Which of the free columns are what is needed still."""
+def _by_numbers(
+    needed: list[str], free: list[int], found: list[str], values: list[Array], stated: list[str]
+) -> list[tuple[int, str]]:
+    """Which of the free columns are what is needed still; none is whose unit is `stated` to be of something else."""
     if not needed or len(free) < len(needed) or len(free) > 8:
         return []
     known = {("displacement" if name in SHAPES else name): k for k, name in enumerate(found) if name}
     few = [column[:: max(len(column) // ROWS, 1)] for column in values]
     best: tuple[float, tuple[int, ...]] = (-np.inf, ())
     for chosen in permutations(free, len(needed)):
+        if any(stated[k] not in ("", QUANTITIES[name]) for k, name in zip(chosen, needed, strict=True)):
+            continue
         roles = known | dict(zip(needed, chosen, strict=True))
         pick = {name: few[roles[name]] for name in ("pressure", "displacement", "force")}
         best = max(best, (_explained(**pick), chosen))
@@ -185,7 +196,7 @@ def _unit(quantity: str, header: str, column: Array) -> str:
     dimension = QUANTITIES[quantity]
     if not units_of(quantity):
         return ""
-    stated = split_header(header)[1]
+    stated = split_header(header, loose=True)[1]
     if stated:
         flat = re.sub(r"[ ()]+", "_", stated).strip("_")
         same = [unit for unit in units_of(quantity) if flat.lower() in (unit.lower(), {"pct": "%"}.get(unit, ""))]

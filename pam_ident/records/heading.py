@@ -35,7 +35,8 @@ class Heading:
 def with_unit(name: str, unit: str, place: str) -> str:
     """A header with the unit that stands beside it. Raises DataError where the header says another."""
     written = split_header(name)[1]
-    if written is not None and unit and same_unit(written) != same_unit(unit):
+    beside = split_header(f"{name} [{unit}]")[1] or ""  # of a pressure that is named absolute, `bar abs`
+    if written is not None and unit and same_unit(written) != same_unit(beside):
         raise DataError(f"{place}: the unit beside it is {unit!r}; fix one of them")
     return name if written is not None or not unit else f"{name} [{unit}]"
 

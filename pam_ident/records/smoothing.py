@@ -17,7 +17,8 @@ LARGEST = 4.0
 NOISE_ONLY = 1.25
 """Ratio to the sensor's noise up to which what a curve misses of a stroke is noise alone."""
 SETTLING, CHANCE = 8, 1e-3
-"""Samples of a hold from which it may settle along a curve, and the chance that rests are taken for that."""
+"""Samples of a hold from which it may settle along a curve, and the chance that a record's rests are taken for that, or
+its held pressures for ones that waver."""
 SLOPE_NOISE = 0.01
 """Share of a stroke's speed that the sensor's noise may make of the speed at a sample."""
 
@@ -115,12 +116,12 @@ def _settle(time: Array, x: Array, holds: list[Array]) -> bool:
     return level > curve > 0.0 and _beyond_chance(level, curve, more, rest)
 
 
-def _beyond_chance(before: float, after: float, more: int, rest: int) -> bool:
-    """Whether squares fall by more than chance would have it, by an F test: with so many parameters `more`, where
+def _beyond_chance(before: float, after: float, more: int, rest: int, chance: float = CHANCE) -> bool:
+    """Whether squares fall by more than a chance would have it, by an F test: with so many parameters `more`, where
     `rest` are left."""
     from scipy.special import fdtrc  # slow to import, and seldom needed
 
-    return float(fdtrc(more, rest, (before - after) / more * rest / after)) < CHANCE
+    return float(fdtrc(more, rest, (before - after) / more * rest / after)) < chance
 
 
 def settling_basis(time: Array) -> Array:
@@ -139,14 +140,14 @@ def calmed(values: Array, segment: Array, time: Array | None = None, run: Array 
     (n,) of a stroke or hold shows that it does, each run has the smooth course over `time` (n,) that describes it to
     the noise, or what was measured.
     """
-    calm = values.copy()
-    for rows in _runs(segment):
+    calm, segments = values.copy(), list(_runs(segment))
+    for rows in segments:
         held = values[rows]
         off = held - held.mean()
         square = float(np.mean(off**2))
         if len(off) <= 20 or not square > 0.0:
             continue
-        if time is not None and run is not None and _wavers(off, time[rows], run[rows]):
+        if time is not None and run is not None and _wavers(off, time[rows], run[rows], CHANCE / len(segments)):
             noise = position_noise(held, time[rows])
             for part in _runs(run[rows]):
                 calm[rows][part] = smooth_stroke(time[rows][part], held[part], noise)[0]
@@ -155,15 +156,15 @@ def calmed(values: Array, segment: Array, time: Array | None = None, run: Array 
     return calm
 
 
-def _wavers(off: Array, time: Array, run: Array) -> bool:
-    """Whether a line in each run describes deviations (n,) better than none, beyond chance."""
+def _wavers(off: Array, time: Array, run: Array, chance: float) -> bool:
+    """Whether a line in each run describes deviations (n,) better than none, beyond a chance."""
     left, more, rest = 0.0, 0, 0
     for part in _runs(run):
         t, y = time[part] - time[part].mean(), off[part]
         slope = float(t @ y) / max(float(t @ t), 1e-300)
         left += float(np.sum((y - y.mean() - slope * t) ** 2))
         more, rest = more + min(2, len(y)), rest + max(len(y) - 2, 0)
-    return rest > more and left > 0.0 and _beyond_chance(float(off @ off), left, more, rest)
+    return rest > more and left > 0.0 and _beyond_chance(float(off @ off), left, more, rest, chance)
 
 
 def _runs(segment: Array) -> Iterator[slice]:

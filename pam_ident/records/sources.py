@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core import DataError
 from ..core.units import TO_INTERNAL, is_absolute, known_scale, split_header
-from .guess import by_name, guess_table, told_by
+from .guess import by_name, guess_table, numbers_of, told_by
 from .quantities import QUANTITIES, SHAPES, Source, quantity_of, scale_of
 from .run_constants import GRAVITY, MASSES
 from .table import Clock, Table, numbers_in
@@ -23,7 +23,7 @@ NAMES = {"pressure": "pressure_MPa", "force": "force_N", "displacement": "displa
 
 def find_sources(table: Table, constants: Mapping[str, Source] | None = None) -> dict[str, Source]:
     """The columns of a table by name and unit, and the `constants` of its run. Raises DataError where one is missing,
-    doubled, or of unknown unit."""
+    doubled, or of unknown unit; of units it names all that are wrong."""
     found: dict[str, int] = {}
     for position, header in enumerate(table.headers):
         name = quantity_of(header)
@@ -41,19 +41,36 @@ def find_sources(table: Table, constants: Mapping[str, Source] | None = None) ->
     held = [*found, *guessed, *constants]
     check_complete(held, table.head, table.headers, _ready(table) if _lacking(held) else "")
     sources: dict[str, Source] = {}
+    wrong: list[str] = []
     for name, position in (found | guessed).items():
-        header = table.headers[position]
-        unit, guess = split_header(header)[1], name in guessed
+        header, guess = table.headers[position], name in guessed
+        unit = split_header(header, loose=guess)[1]
         if name == "time" and (unit is None or _CLOCK.fullmatch(unit)):
             sources[name] = Source(header, position, unit_missing=True, guessed=guess)
             continue
         mass = guess and _is_mass(header)
-        scale = (GRAVITY, 0.0) if mass else scale_of(name, unit, f"{table.place}, column {header!r}")
+        try:
+            scale = (GRAVITY, 0.0) if mass else scale_of(name, unit, f"column {header!r}")
+        except DataError as error:
+            wrong.append(str(error))
+            continue
         sources[name] = Source(header, position, *scale, absolute=is_absolute(unit), guessed=guess)
+    if wrong:
+        raise DataError(f"{table.place}, {'; '.join([*_clock_without_unit(table, sources), *wrong])}")
     for name, source in constants.items():
         if name in sources:
             raise DataError(f"{table.head}: {name} is a column, and {source.header}; keep one")
     return check_shape(sources | dict(constants), table.head)
+
+
+def _clock_without_unit(table: Table, sources: Mapping[str, Source]) -> list[str]:
+    """What is wrong with a time that states no unit, if it is not of clock times, by its first rows."""
+    time = sources.get("time")
+    if time is None or time.position is None or not time.unit_missing:
+        return []
+    if not np.isfinite(numbers_of(table, [time.position])[0]).any():
+        return []
+    return [f"column {time.header!r}: no unit given; expected one of {', '.join(TO_INTERNAL['time'])}"]
 
 
 def find_states(table: Table) -> dict[str, Source]:
@@ -86,7 +103,7 @@ def _guessed(table: Table, found: set[str]) -> dict[str, int]:
 def _states(header: str) -> bool:
     """Whether a header states a unit that its quantity can have. A ratio needs none, nor does a clock by a whole word:
     its cells may be clock times, or are refused."""
-    quantity, (name, unit) = by_name(header), split_header(header)
+    quantity, (name, unit) = by_name(header), split_header(header, loose=True)
     if quantity == "time" and (unit is None or _CLOCK.fullmatch(unit)):
         return len(name) > 1
     dimension = QUANTITIES.get(quantity, "text")
@@ -125,7 +142,11 @@ def _ready(table: Table) -> str:
     held = [k for k, g in enumerate(guesses) if g.quantity and (g.quantity not in SHAPES or shape in (None, k))]
     lines = [told_by(table.names, k, guesses[k]) for k in held]
     lines += [f'{NAMES[what]} = "?"' for what in _lacking([guess.quantity for guess in guesses])]
-    return f"\nIf the guess is right, the columns.toml is: columns = {{{', '.join(lines)}}}"
+    named = {guesses[k].quantity for k in held}
+    others = [(header, by_name(header, lengths=True)) for k, header in enumerate(table.headers) if k not in held]
+    passed = ", ".join(f"{header!r} ({quantity})" for header, quantity in others if quantity in named)
+    also = f", which passes over {passed[:200]}" if passed else ""
+    return f"\nIf the guess is right{also}, the columns.toml is: columns = {{{', '.join(lines)}}}"
 
 
 def check_shape(sources: dict[str, Source], head: str) -> dict[str, Source]:
@@ -141,7 +162,8 @@ def _refuse_unknown_units(table: Table, found: dict[str, int]) -> None:
     """A name with a suffix that is no unit is a slip where nothing else gives the quantity."""
     for header in table.headers:
         name, _, unit = split_header(header)[0].rpartition("_")
-        if name in QUANTITIES and name not in found and quantity_of(header) is None:
+        said = known_scale(QUANTITIES.get(name, ""), split_header(header, loose=True)[1])
+        if name in QUANTITIES and name not in found and quantity_of(header) is None and said is None:
             raise DataError(
                 f"{table.head}, column {header!r}: unknown unit {unit!r} for {name}; expected one of "
                 f"{', '.join(TO_INTERNAL.get(QUANTITIES[name], ()))}, or another name if it is something else"

@@ -100,7 +100,7 @@ def _diagnose(setup: Setup, path: str) -> tuple[Answer, LawChoice | None]:
     choice = None
     try:
         record = setup.read(path)
-        setup, choice = settle(record, setup)
+        setup, choice = settle(record, setup, naming=True)
         return diagnose_record(record, setup), choice
     except PamError as error:
         return error, choice

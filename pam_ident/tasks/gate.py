@@ -215,14 +215,6 @@ def require_rows(record: Record) -> None:
         raise _refused(TooLittle, record, "too_little", text)
 
 
-def require_information(record: Record, model: Model) -> None:
-    """Raises TooLittle, with what to measure, where too little is in the record for names."""
-    lacking = _lacking(record, len(model.params))
-    if lacking is not None:
-        text = f"{lacking}; too little to name an effect by. Measure more, or fix the record"
-        raise _refused(TooLittle, record, "too_little", text)
-
-
 def _require_weights(record: Record) -> None:
     """Raises Refused for an isotonic test whose load was not held."""
     if not by_length(record):
@@ -270,16 +262,24 @@ def _lacking(record: Record, parameters: int) -> str | None:
     return None
 
 
+def require_nameable(record: Record, assume: tuple[str, ...] = (), parameters: int = 0) -> None:
+    """Raises NothingNamed as `may_name` does, by what needs no fit, for a law of so many free `parameters`."""
+    if len(record) >= ROWS:
+        _stop(record, doubts_of(record), assume)
+    admit(record)
+    _require_weights(record)
+    lacking = _lacking(record, parameters)
+    if lacking is not None:
+        text = f"{lacking}; too little to name an effect by. Measure more, or fix the record"
+        raise _refused(TooLittle, record, "too_little", text)
+
+
 def may_name(record: Record, model: Model, assume: tuple[str, ...] = ()) -> tuple[Doubt, ...]:
     """What is doubtful of a record and a model's law on it, none of it grave but what is assumed to be meant.
 
     Raises NothingNamed: Refused for a kind of test that cannot be diagnosed, GraveDoubt, and TooLittle.
     """
-    if len(record) >= ROWS:
-        _stop(record, doubts_of(record), assume)
-    admit(record)
-    _require_weights(record)
-    require_information(record, model)
+    require_nameable(record, assume, len(model.params))
     doubts = doubts_about(fit(model, record, detail=False))
     _stop(record, doubts, assume)
     return doubts

@@ -12,15 +12,17 @@ from ..core import DataError, FitError, UsageError
 from ..core.digits import millimetres, newtons
 from ..core.progress import steps
 from ..core.prose import capital
+from ..diagnosis.heldout import folds
 from ..fitting import fit
 from ..fitting.fit import picker
 from ..fitting.length import Lengths, by_length, solve_length
 from ..fitting.solve import solve
+from ..fitting.solvers import QUICK
 from ..laws import get_law, listed
 from ..model import Model
 from ..records import Record, thinned
 from ..records.doubt import Doubt
-from .gate import TooLittle, admit, computing
+from .gate import TooLittle, admit, computing, require_nameable
 from .setup import AUTO, Setup
 
 if TYPE_CHECKING:
@@ -29,7 +31,6 @@ if TYPE_CHECKING:
 Array = np.ndarray
 ROWS = 5_000
 """Rows of a longer record that are enough to compare laws."""
-FOLDS = 5
 BY_HAND = "exponential_law"
 """To begin by hand with."""
 ALIKE = 1.01
@@ -60,13 +61,16 @@ class LawChoice:
     trials: tuple[LawTrial, ...]
 
 
-def settle(record: Record, setup: Setup) -> tuple[Setup, LawChoice | None]:
+def settle(record: Record, setup: Setup, naming: bool = False) -> tuple[Setup, LawChoice | None]:
     """The setup with a law in place of `auto`, and how it was chosen; as it is where a law was named.
 
-    Raises FitError where no law can be fitted to the record, DataError for a kind of test that no law is for.
+    Raises FitError where no law can be fitted to the record, DataError for a kind of test that no law is for; and,
+    where effects are to be named, NothingNamed as `require_nameable`, before laws are compared.
     """
     if setup.law != AUTO:
         return setup, None
+    if naming:
+        require_nameable(record, setup.assume)
     admit(record)
     with computing(record):
         choice = choose_law(record, setup)
@@ -84,8 +88,8 @@ def begin(record: Record | None, setup: Setup) -> tuple[Setup, LawChoice | None]
 def choose_law(record: Record, setup: Setup) -> LawChoice:
     """The law of the fewest parameters that predicts the rows it has not seen as well as any does.
 
-    Every law, with the effects of `setup`, is fitted to four fifths of the record in turn, whole cycles (of a table:
-    lengths or isobars) left out, and held against the fifth, by the force, or by the length where that answered. As
+    Every law, with the effects of `setup`, is fitted to the record less every fifth cycle in turn, or of a table less
+    each length or isobar, and held against what was left out, by the force, or by the length where that answered. As
     well as the best is what is worse by less than one standard error of the difference between the folds. A law with a
     parameter that the record does not determine, or at a bound, is taken only where all are like that.
 
@@ -103,9 +107,10 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
         >>> print(choose_law(read_record("dmsp20_300"), Setup(AUTO)).law)
         martens_boblan
     """
-    record = thinned(record, ROWS)
+    whole, record = len(record), thinned(record, ROWS)
     in_mm = by_length(record)
-    masks = _folds(record)
+    masks = folds(record)
+    masks = masks if len(masks) > 1 else []
     trials: list[LawTrial] = []
     squares: dict[str, Array] = {}
     for law in steps(listed(), "comparing laws"):
@@ -116,7 +121,7 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
         except (FitError, DataError) as error:
             trials.append(LawTrial(law.name, len(model.params), problem=str(error), in_mm=in_mm))
             continue
-        heldout = math.sqrt(squares[law.name].sum() / one.n) if masks else math.nan
+        heldout = math.sqrt((squares[law.name].sum() + _never_held_out(one, masks)) / one.n) if masks else math.nan
         rmse = (one.length_errors or one.errors).rmse
         trials.append(LawTrial(law.name, len(model.params), rmse, heldout, _problem(one), in_mm))
     if not squares:
@@ -124,7 +129,8 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
         raise TooLittle(f"{record.source or record.name}: {text}", len(record), (Doubt("too_little", text),))
     trials.sort(key=lambda t: (math.isnan(t.rmse), t.heldout_rmse if masks else t.rmse))
     scale = record.specimen.initial_length_mm if in_mm else float(np.max(np.abs(record.force)))
-    return _chosen(tuple(trials), squares, masks, scale)
+    asked = "held-out data" if whole == len(record) else f"held-out data, of {len(record)} rows"
+    return _chosen(tuple(trials), squares, masks, scale, asked)
 
 
 def choose_for_all(records: Sequence[Record], setup: Setup) -> LawChoice:
@@ -178,8 +184,10 @@ def _log(error: float) -> float:
     return math.log(max(error, 1e-9)) if not math.isnan(error) else math.nan
 
 
-def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array], scale: float) -> LawChoice:
-    """`squares` (folds,) in N² or mm² by law; `scale` in N or mm."""
+def _chosen(
+    trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list[Array], scale: float, asked: str
+) -> LawChoice:
+    """`squares` (folds,) in N² or mm² by law; `scale` in N or mm; on what the laws were `asked`, in words."""
     fitted = [t for t in trials if t.law in squares]
     able = [t for t in fitted if not t.problem] or fitted
     best = able[0]
@@ -195,7 +203,7 @@ def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list
         return float(gap.mean()) <= float(gap.std(ddof=1)) / math.sqrt(len(masks)) + nothing
 
     simplest = min((t for t in able if alike(t)), key=lambda t: (t.parameters, t.heldout_rmse))
-    said = f"{_errs(simplest)} on held-out data"
+    said = f"{_errs(simplest)} on {asked}"
     if simplest is best:
         second = next((t for t in able if t is not best), None)
         why = said + _next(second)
@@ -205,11 +213,10 @@ def _chosen(trials: tuple[LawTrial, ...], squares: dict[str, Array], masks: list
     return LawChoice(simplest.law, why, trials)
 
 
-def _folds(record: Record) -> list[Array]:
-    """Masks (n,) of the rows to hold out in turn, whole blocks in each; none where there is one block only."""
-    blocks = np.unique(record.block)
-    count = min(FOLDS, len(blocks))
-    return [np.isin(record.block, blocks[k::count]) for k in range(count)] if count > 1 else []
+def _never_held_out(one: "Fit", masks: list[Array]) -> float:
+    """Sum of squares that a fit leaves of its rows in no mask, as `_heldout`."""
+    residual = one.residual if one.lengths is None else one.lengths.residual
+    return float(np.sum(residual[one.rows & ~np.any(masks, axis=0)] ** 2))
 
 
 def _heldout(one: "Fit", masks: list[Array]) -> Array:
@@ -222,7 +229,7 @@ def _heldout(one: "Fit", masks: list[Array]) -> Array:
         if np.count_nonzero(rest) <= len(model.params):
             raise FitError(f"too few samples to hold a {record.block_kind} out for {len(model.params)} parameters")
         if in_mm:
-            values = solve_length(model, record, rest, one.values, {})[0].values
+            values = solve_length(model, record, rest, one.values, {}, QUICK)[0].values
             error = Lengths.of(model, record, values).residual
         else:
             pick = picker(rest, None)

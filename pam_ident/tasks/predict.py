@@ -1,7 +1,7 @@
 """A saved fit asked elsewhere: its force with intervals, and how it does on another record."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -40,7 +40,7 @@ SIMPLER = {
 @dataclass(frozen=True)
 class SavedFit:
     """What a file with a fitted model predicts, by branch; `simpler` is empty in those of a ladder, of `add` and of
-    earlier versions."""
+    earlier versions. `undetermined` are parameters that the record fitted did not determine."""
 
     path: str
     law: str
@@ -48,6 +48,18 @@ class SavedFit:
     specimen: Specimen
     branches: Mapping[str, Predictor]
     simpler: Mapping[str, Simpler]
+    undetermined: tuple[str, ...] = ()
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What is doubtful of it on any record but its own."""
+        if not self.undetermined:
+            return ()
+        text = (
+            f"the fit is not valid: its record did not determine {', '.join(self.undetermined)}. Elsewhere it may say "
+            "anything."
+        )
+        return (Doubt("undetermined", text),)
 
     @property
     def model(self) -> Model:
@@ -119,8 +131,8 @@ class Validation(Shown):
 
     @property
     def warnings(self) -> tuple[Doubt, ...]:
-        """What looks wrong in the record."""
-        return doubts_of(self.record)
+        """What looks wrong in the fit and in the record."""
+        return (*self.saved.doubts, *doubts_of(self.record))
 
     @property
     def as_well(self) -> list[str]:
@@ -154,7 +166,14 @@ def read_fit(path: str | Path, effect_files: tuple[str, ...] = (), specimen: Spe
         specimen,
         {name: _predictor(found, one, model, specimen) for name, one in holders.items()},
         {name: _simpler(one["simpler"]) for name, one in holders.items() if isinstance(one.get("simpler"), dict)},
+        _undetermined(holders.values()),
     )
+
+
+def _undetermined(holders: Iterable[Mapping[str, Any]]) -> tuple[str, ...]:
+    """Parameters that are written as not identified in any of some branches."""
+    told = ((name, one) for holder in holders for name, one in holder["parameters"].items())
+    return tuple(dict.fromkeys(name for name, one in told if one.get("identified") is False))
 
 
 def _predictor(found: Answer, holder: Mapping[str, Any], model: Model, specimen: Specimen) -> Predictor:
@@ -274,7 +293,9 @@ def predict_at(saved: SavedFit, at: str | Path) -> Predicted:
     """The force of a saved fit at each row of a file, as `asked` has it. Raises DataError, UsageError."""
     states = read_states(at, saved.specimen)
     frame = asked(saved.branches, states)
-    warnings = [*states.warnings, *([_beyond(saved, frame)] if frame["outside"].to_numpy().any() else [])]
+    warnings = [*states.warnings, *(one.text for one in saved.doubts)]
+    if frame["outside"].to_numpy().any():
+        warnings.append(_beyond(saved, frame))
     if "unexplained" in frame and frame["unexplained"].to_numpy().any():
         lack = "the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks"
         warnings.append(lack)
@@ -306,7 +327,8 @@ def _beyond(saved: SavedFit, frame: "pd.DataFrame") -> str:
         far += [f"{words.format(end)}, where {min(seen):.3g} to {max(seen):.3g} was fitted" for end in ends]
     count = int(frame["outside"].to_numpy().sum())
     furthest = f". Furthest: {'; '.join(far)}" if far else ""
-    return f"{count} rows lie outside what was fitted; intervals there were never tried{furthest}"
+    rows = "1 row lies" if count == 1 else f"{count} rows lie"
+    return f"{rows} outside what was fitted; intervals there were never tried{furthest}"
 
 
 def validate_fit(saved: SavedFit, record: Record) -> Validation:

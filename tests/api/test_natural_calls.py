@@ -229,9 +229,27 @@ def test_30a_the_length_under_a_load_is_predicted_from_a_table(fitted):
     assert longer > shorter and fitted.predict(0.4, found["contraction"][0])["force_N"].item() == pytest.approx(250.0)
 
 
-def test_an_argument_that_there_is_not_is_told_with_what_it_may_have_meant(record):
-    with pytest.raises(UsageError, match="unknown argument 'effect'; did you mean effects"):
-        pam.fit(record, "sarosi", effect=["creep"])
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda it: pam.fit(it.record, "sarosi", effect=["creep"]), "pam.fit: unknown argument 'effect'; did you mean"),
+        (lambda it: pam.compare(it.record, onyl="creep"), "pam.compare: unknown argument 'onyl'"),
+        (lambda it: pam.Model("sarosi", effect="creep"), "pam.Model: unknown argument 'effect'; did you mean effects"),
+        (lambda it: pam.fit(), "pam.fit: missing a required argument: 'record'"),
+        (lambda it: pam.fit("sarosi", it.record), "expected a name, .* behind the record: pam.fit(record, law)"),
+        (lambda it: pam.fit(it.record, "sarosi", held={"s3": "x"}), "held={'s3': 'x'}: expected a number by parameter"),
+        (lambda it: pam.fit(it.record, "sarosi", held=["s3"]), "held=['s3']: expected a number by parameter"),
+        (lambda it: it.export("cpp", "x.h"), "to='cpp': expected one of c, "),
+        (lambda it: pam.track(plant="x"), "plant='x': expected what pam.fit or pam.ladder gave, or a file"),
+        (lambda it: pam.track(plnt="x"), "unknown argument 'plnt'; did you mean plant? There is ageing, "),
+        (lambda it: pam.read({"pressure_bar": [1]}, {"length": 3}), "There is braid_angle_deg, initial_length_mm"),
+        (lambda it: pam.read({"pressure_bar": [1]}, dict.fromkeys(SPECIMEN, "1")), "expected numbers, in mm and deg"),
+        (lambda it: pam.diagnose(it.record, "sarosi", only="creep", without="creep"), "creep: the only effect"),
+    ],
+)  # fmt: skip
+def test_a_call_that_cannot_be_is_told_what_was_given_and_what_was_expected(fitted, call, words):
+    with pytest.raises(UsageError, match=re.escape(words).replace(r"\.\*", ".*")):
+        call(fitted)
 
 
 def test_30b_predict_where_no_muscle_is_is_refused_as_the_command_does(fitted):

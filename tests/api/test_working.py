@@ -67,6 +67,10 @@ def test_an_error_names_arguments_and_not_options():
     assert in_python("name it by --law") == "name it by law="
     assert in_python("--assume scale if it is meant") == "assume='scale' if it is meant"
     assert in_python("--branch 'up': expected one of together") == "branch='up': expected one of together"
+    assert (
+        in_python("a file of `pam-ident fit --law LAW`, `pam-ident laws`")
+        == "a file of `pam-ident fit --law LAW`, pam.laws"
+    )
     with pytest.raises(UsageError, match=r"unknown effect 'zzz'; pam\.effects lists all") as caught:
         pam.fit("dmsp20_300", "sarosi", effects="zzz")
     assert "pam-ident" not in str(caught.value)

@@ -158,6 +158,7 @@ def test_what_stops_naming_is_told_first_and_apart(ask, clean, write_record):
     told = ask("inspect", change(clean, write_record, lambda k, t, p, x, f: (t, p, x, 100 * f)))
     grave, _, harmless = told.stdout.partition("Stops naming")[2].partition("Advice:")
     assert told.exit_code == 0 and "- scale: " in grave and "(100)" in grave and "no temperature" in harmless
+    assert "diagnose, ladder and report take --assume CODE" in told.stdout
     assert "(100)" not in harmless and "Stops naming" not in ask("inspect", clean).stdout
 
 

@@ -3,7 +3,10 @@
 import pandas as pd
 import pytest
 
+import pam_ident as pam
 from pam_ident.rig import Plan, make_record, write_case
+from pam_ident.tasks import law_choice
+from pam_ident.tasks.gate import TooLittle
 
 LAW = ("--law", "modified_chou_hannaford")
 
@@ -26,7 +29,7 @@ def test_a_length_is_fitted_compared_and_predicted(ask, weights, tmp_path):
     assert judged.exit_code == 0 and "predicts the length of" in judged.stdout and "rmse [mm]" in judged.stdout
 
 
-def test_one_weight_ends_with_3_and_what_to_do(ask, weights, tmp_path):
+def test_one_weight_ends_with_3_and_what_to_do(ask, weights, tmp_path, monkeypatch):
     table = pd.read_csv(weights)
     heavy = table["force_N"] > 0.8 * table["force_N"].max()
     (tmp_path / "specimen.toml").write_text(weights.with_name("specimen.toml").read_text(), encoding="utf-8")
@@ -34,6 +37,12 @@ def test_one_weight_ends_with_3_and_what_to_do(ask, weights, tmp_path):
     result = ask("fit", tmp_path / "one.csv", *LAW)
     assert result.exit_code == 3 and "does not determine k0, k2; hang other weights, or fit" in result.stderr
     assert "all samples carry one weight" in result.stdout
+    monkeypatch.setattr(law_choice, "choose_law", None)
+    for verb in ("diagnose", "ladder"):  # before any law is compared
+        result = ask(verb, tmp_path / "one.csv")
+        assert result.exit_code == 3 and "carry one weight" in result.stderr
+        with pytest.raises(TooLittle):
+            getattr(pam, verb)(tmp_path / "one.csv")
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,17 @@ def test_validate_on_another_record(answer, saved, clean, rubbing):
     assert all(one["rmse_N"] > same["rmse_N"] for one in same["simpler"])
 
 
+def test_a_fit_that_was_not_valid_says_so_elsewhere(ask, answer, saved, clean, tmp_path):
+    content = json.loads(saved.read_text())
+    content["branches"]["together"]["parameters"]["mu"]["identified"] = False
+    (tmp_path / "loose.json").write_text(json.dumps(content))
+    (tmp_path / "states.csv").write_text("pressure_bar,contraction_pct\n2.5,0\n", encoding="utf-8")
+    asked = ask("predict", tmp_path / "loose.json", "--at", tmp_path / "states.csv")
+    assert asked.exit_code == 0 and "the fit is not valid: its record did not determine mu" in asked.stderr
+    _, judged = answer("validate", tmp_path / "loose.json", clean)
+    assert "undetermined" in [one["code"] for one in judged["warnings"]]
+
+
 def test_predict_writes_a_table(ask, answer, saved, tmp_path):
     states = tmp_path / "states.csv"
     states.write_text("pressure_bar,contraction_pct\n2.5,0\n2.5,10\n9,10\n", encoding="utf-8")
@@ -43,7 +54,7 @@ def test_predict_writes_a_table(ask, answer, saved, tmp_path):
     assert table["force_N"][1] == pytest.approx(force, abs=0.5)
     order = ["reading_low_N", "mean_low_N", "force_N", "mean_high_N", "reading_high_N"]
     assert (np.diff(table.loc[1, order].to_numpy(float)) > 0).all()
-    assert table["outside"].tolist() == [False, False, True] and "1 rows lie outside" in result.stderr
+    assert table["outside"].tolist() == [False, False, True] and "1 row lies outside" in result.stderr
     result, found = answer("predict", saved, "--at", states, "--out", tmp_path / "force.csv")
     assert found["columns"]["force_N"] == pytest.approx(table["force_N"].tolist(), rel=1e-6)
     assert pd.read_csv(tmp_path / "force.csv").shape == (3, 10)

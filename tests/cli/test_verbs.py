@@ -58,6 +58,23 @@ def test_a_line_of_progress_waits_two_seconds_and_tells_how_much_is_done_and_the
     assert screen.getvalue().endswith("\x1b[?25h\r\x1b[1A\x1b[2K")  # cursor back, line gone
 
 
+def test_where_stderr_is_no_terminal_a_plain_line_tells_every_twenty_seconds(monkeypatch, capsys):
+    now = [100.0]
+    monkeypatch.setattr(verbs.time, "monotonic", lambda: now[0])
+    plain = verbs.PlainLines()
+    for now[0] in (100.0, 119.9, 120.0, 121.0, 139.9, 145.0):
+        plain.tell(Stage("weighing", 7, None, Stage("records", 3, 9)))
+    said = [f"after {seconds} s: records · weighing (3 of 9)" for seconds in (20, 45)]
+    assert capsys.readouterr() == ("", "\n".join([*said, ""]))
+
+
+@pytest.mark.parametrize(("words", "told"), [((), True), (("--json", "-"), True), (("--quiet",), False)])
+def test_on_a_pipe_progress_is_told_unless_quiet(monkeypatch, ask, rubbing, words, told):
+    monkeypatch.setattr(verbs, "EVERY", 0.0)
+    result = ask("compare", rubbing, "--law", "exponential_law", *words)
+    assert result.exit_code == 0 and ("after 0 s: " in result.stderr) == told
+
+
 def test_every_command_has_quiet_and_json():
     found = dict(leaves(get_command(app)))
     assert len(found) > 15
@@ -145,6 +162,8 @@ def test_verbs_that_take_a_record_share_their_options(ask, answer, rubbing):
     few = ("--only", "creep", "--only", "coulomb_friction", "--without", "coulomb_friction", "--heldout", "refit")
     _, found = answer("ladder", rubbing, "--law", "exponential_law", *few)
     assert not any("coulomb_friction" in name for rung in found["rungs"] for name in rung["effects"])
+    none = ask("diagnose", rubbing, "--law", "exponential_law", "--only", "creep:prony_3", "--without", "creep")
+    assert none.exit_code == 2 and "creep:prony_3: the only effect that is tried, and left out" in none.stderr
 
 
 def test_the_workbench_begins_with_the_law_that_suits_the_record(rubbing):

@@ -60,7 +60,7 @@ def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_expla
     assert (chance, why) == (0.5, "The error rather follows the direction of motion; only its form speaks for it.")
     assert selection.part(both, pressed) > 0.9 and selection.part(both, soft) < 0.01
     little = by_form_alone(selection, both, [pressed, soft], (), "")
-    said = "It explains little; friction that grows with pressure of another form could leave as much."
+    said = "Without it friction that grows with pressure, in another form, could leave as little."
     assert little == {"series_compliance": (0.85, said)}
 
 

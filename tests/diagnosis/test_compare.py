@@ -34,6 +34,17 @@ def test_friction_is_all_odd_and_the_shares_sum_to_one():
     assert "changes sign with the branch" in result.sentence
 
 
+def test_friction_is_odd_where_the_drive_is_slower_one_way():
+    time = np.linspace(0.0, 160.0, 3201)
+    part = time % 20.0
+    e = 0.2 * np.where(part < 5.0, part / 5.0, 1.0 - (part - 5.0) / 15.0)
+    p = np.where(time < 80.0, 0.2, 0.4)
+    clean = build_record("loop", SPECIMEN, p, e, np.zeros_like(e), time=time)
+    ideal = np.pi * 100.0 * p * (SPECIMEN.a * (1.0 - e) ** 2 - SPECIMEN.b)
+    found = compare(fit(MODEL, replace(clean, force=ideal - 10.0 * clean.inputs.direction)))
+    assert found.odd == pytest.approx(0.8, abs=0.01) and found.odd + found.even > 0.99  # of + 7.5 and − 2.5 N
+
+
 def test_a_bump_is_even_and_found_in_its_place():
     bump = 20.0
     result = compare(fit(MODEL, motion(lambda d, e, p: bump * (p > 0.3) * np.exp(-(((e - 0.15) / 0.01) ** 2)))))

@@ -414,6 +414,14 @@ def test_the_ladder_on_the_measured_map_falls_below_15_N_with_named_effects():
     assert ladder.rungs[-1].effects[0].startswith("bladder_elasticity")
 
 
+def test_no_larger_noise_is_told_than_was_before():
+    model, hidden_effect = Model.build(EXPONENTIAL), read_record(dataset_record("hidden_effect"))
+    first = diagnose(model, hidden_effect, detail=False)
+    again = diagnose(model, hidden_effect, detail=False, noise_N=1.0)
+    assert again.noise_floor == 1.0 < first.noise_floor and "the noise is about 1.00 N" in again.sentence
+    assert "beyond noise" not in first.sentence and "What is left beyond noise lies in" in again.sentence
+
+
 @LONG
 def test_the_same_record_gives_the_same_answer_twice(tmp_path):
     record = rig_record(tmp_path, seed=41, law=EXPONENTIAL, secrets=(Secret("creep", "prony_2", 2.0),))

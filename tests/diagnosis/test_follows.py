@@ -80,6 +80,13 @@ def test_two_causes_have_a_share_each():
     assert found["direction"] + found["clock"] + found["noise"] > 0.97
 
 
+def test_what_several_could_explain_is_the_likeliest_ones():
+    """Alone the speed would explain most of it, too, as strokes are of two speeds."""
+    planted = ("direction", "speed", "clock")
+    found = shares(record_with(lambda at: sum(s * PLANTED[w](at) for s, w in zip((3, 0.5, 0.3), planted, strict=True))))
+    assert found["direction"] > 0.9 and sum(found.values()) == pytest.approx(1.0), found
+
+
 @pytest.mark.parametrize("colour", [0.0, 0.7])
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_follows_nothing(seed, colour):

@@ -78,7 +78,7 @@ def test_a_name_rests_on_what_the_force_follows(name, soft):
     found = diagnose(LAW, record)
     assert set(found.selected) == {name}, found.sentence
     assert found.base.rmse > 1.5 * NOISE_N and found.noise_floor < 1.1 * NOISE_N
-    assert "Much is left" not in found.sentence
+    assert "is not exactly right" not in found.sentence
 
 
 @pytest.mark.parametrize("soft", [0.04, 0.06, 0.1])

@@ -1,5 +1,6 @@
 """Headers that are no quantity's name: taken by word and unit where these leave no choice, else refused with help."""
 
+import re
 import tomllib
 
 import numpy as np
@@ -37,6 +38,13 @@ def read(folder, headers, mark=",", rows=ROWS):
         (";", ["Zeit [s]", "Druck [bar]", "Verkürzung [mm]", "Kraft [N]"]),
         (";", ["Time, s", "Pressure, bar", "Displacement, mm", "Force, N"]),
         (";", ["Zeit, s", "Druck, bar", "Weg, mm", "Kraft, N"]),
+        (";", ["Zeit in s", "Überdruck in bar", "Verkürzung in mm", "Zugkraft in N"]),
+        (";", ["Time in s", "Pressure in bar", "Stroke in mm", "Load in N"]),
+        (";", ["Zeit s", "Druck bar", "Weg mm", "Kraft N"]),
+        (",", ["Time s", "Pressure bar", "Stroke mm", "Force N"]),
+        (";", ["Zeit / s", "Druck / bar", "s / mm", "Kraft / N"]),
+        (";", ["t/s", "p/bar", "x/mm", "F/N"]),
+        (",", ["time_s", "pressure_sensor_bar", "displacement_mm", "force_N"]),
     ],
 )
 def test_word_and_unit_say_what_a_column_is(tmp_path, mark, headers):
@@ -53,6 +61,40 @@ def test_word_and_unit_say_what_a_column_is(tmp_path, mark, headers):
 
 
 @pytest.mark.parametrize(
+    "header",
+    [
+        "p_abs [bar]", "p_abs_bar", "Absolutdruck [bar]", "absolute pressure (bar)", "Druck absolut [bar]",
+        "Pressure abs [bar]", "pressure_abs_bar", "Pressure (abs) [bar]", "pAbs / bar", "Druck bar abs",
+    ],
+)  # fmt: skip
+def test_a_pressure_whose_name_says_so_is_absolute(tmp_path, header):
+    found = read(tmp_path, ["time_s", header, *NAMED[2:]])
+    np.testing.assert_allclose(found.inputs.pressure, 0.2 - 0.101325)
+    assert [note.column for note in found.notes if note.code == "absolute_pressure"] == [header]
+
+
+@pytest.mark.parametrize("header", ["ABSORBER p [bar]", "Absorberdruck_bar", "abscissa_pressure [bar]"])
+def test_a_word_that_begins_like_absolute_is_another(tmp_path, header):
+    np.testing.assert_allclose(read(tmp_path, ["time_s", header, *NAMED[2:]]).inputs.pressure, 0.2)
+
+
+def test_a_row_of_units_agrees_with_a_name_that_says_absolute_and_parts_no_channel_from_its_letter(tmp_path):
+    units = ["s", "bar", "mm", "N"]
+    path = written(tmp_path, ["time", "p_abs_bar", "Weg C", "Kraft N"])
+    head, *rows = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join([head, ",".join(units), *rows]), encoding="utf-8")
+    found = read_record(path, MUSCLE)
+    np.testing.assert_allclose(found.inputs.pressure, 0.2 - 0.101325)
+    assert found.columns["displacement"] == "Weg C [mm]"
+
+
+@pytest.mark.parametrize("header", ["v mm/s", "Speed in mm/s", "Flow l/min", "Force rate N/s", "Run 1", "Trial N"])
+def test_the_end_of_a_rate_or_of_a_number_is_no_unit(tmp_path, header):
+    found = read(tmp_path, [header, "p [bar]", "x [mm]", "F [N]"])
+    assert found.inputs.time is None and found.passed == (header,)
+
+
+@pytest.mark.parametrize(
     ("headers", "missing"),
     [
         (["time_s", "p [bar]", "Supply [bar]", "force_N"], ["no pressure and no displacement"]),
@@ -62,6 +104,8 @@ def test_word_and_unit_say_what_a_column_is(tmp_path, mark, headers):
         (["time_s", "p [bar]", "x [mm]", "Set force [N]"], ["no force column"]),
         (["time_s", "p [bar]", "x [mm]", "cycle_N"], ["no force column"]),
         (["x [mm]", "p [bar]", "L [mm]", "F [N]"], ["displacement_mm, contraction"]),
+        (["time", "pressure [bar]", "displacement", "force"], ["'time': no unit", "'displacement': no", "'force': no"]),
+        (["time_s", "p1 [bar]", "p2 [bar]", "force_N"], ["no pressure and no displacement", "'p2 [bar]' (pressure)"]),
         (["time_s", "pressure", "way", "load"], ["no force and no displacement", 'force_N = "load"', '"way"']),
     ],
 )
@@ -80,6 +124,28 @@ def test_a_refusal_shows_the_columns_that_would_be_right(tmp_path):
     assert [*tomllib.loads(ready)["columns"].values()] == ["Sekunden", "AI0", "AI1", "AI2"]
     (tmp_path / "columns.toml").write_text(ready, encoding="utf-8")
     assert set(read_record(tmp_path / "run.csv", MUSCLE).columns) >= {"time", "pressure", "displacement", "force"}
+
+
+def test_a_column_of_another_unit_is_not_offered(tmp_path):
+    """The second clock goes with the stroke, and no column is of its length."""
+    rows = np.column_stack([ROWS, WAY])[:, [0, 1, 4, 3]]
+    with pytest.raises(DataError) as error:
+        read(tmp_path, ["Zeit in s", "Druck", "t2 [s]", "Kraft"], rows=rows)
+    assert 'displacement_mm = "?"' in str(error.value)
+
+
+def test_branches_in_other_words_are_refused_with_the_line_that_tells_them(tmp_path):
+    path = written(tmp_path, [*NAMED, "Branch"], rows=np.column_stack([ROWS, np.signbit(np.sin(TIME)).astype(float)]))
+    path.write_text(path.read_text().replace(",0.0000\n", ",infl\n").replace(",1.0000\n", ",defl\n"))
+    with pytest.raises(DataError, match=r"columns\.toml") as error:
+        read_record(path, MUSCLE)
+    line = re.search(r"branch = \{.*?\}", str(error.value))
+    assert line and tomllib.loads(line[0]) == {
+        "branch": {"column": "Branch", "contraction": "infl", "extension": "defl"}
+    }
+    columns = [f'{name} = "{name}"' for name in NAMED]
+    (tmp_path / "columns.toml").write_text("\n".join(["[columns]", *columns, line[0]]), encoding="utf-8")
+    np.testing.assert_array_equal(read_record(path, MUSCLE).inputs.direction, np.where(np.sin(TIME) < 0.0, -1.0, 1.0))
 
 
 def test_a_column_called_a_time_that_does_not_run_on_is_no_clock(tmp_path):

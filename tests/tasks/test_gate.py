@@ -183,6 +183,12 @@ def test_a_doubt_names_the_column_as_the_file_does():
     assert turned.column == "Force (kN)"
 
 
+def test_a_force_that_never_changes_is_told(fine):
+    still = replace(fine, force=np.full(len(fine), 100.0))
+    told = [[doubt.code for doubt in doubts_of(record)] for record in (still, fine)]
+    assert "force_constant" in told[0] and "force_constant" not in told[1]
+
+
 def test_a_law_that_explains_nothing_is_said_first(fine):
     shuffled = replace(fine, force=np.random.default_rng(1).permutation(fine.force))
     for law in ("chou_hannaford", "exponential_law"):
