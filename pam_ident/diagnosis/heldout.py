@@ -12,27 +12,11 @@ from ..fitting import Fit, fit
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
+from ..records.folds import folds
 
 Array = np.ndarray
-FOLDS = 5
 ALIKE = 1.01
 """Ratio of held-out errors up to which forms predict alike."""
-
-
-def folds(record: Record) -> list[Array]:
-    """Masks (n,) of the rows to hold out in turn: each length or isobar of a table; in time every fifth cycle, but of
-    many not the first or the last, which a drift would have to be followed to from one side."""
-    blocks = np.unique(record.block)
-    if record.inputs.time is None:
-        return in_parts(record.block, len(blocks))
-    inner = blocks[1:-1] if len(blocks) > FOLDS + 1 else blocks
-    return [np.isin(record.block, inner[k::FOLDS]) for k in range(min(FOLDS, len(inner)))]
-
-
-def in_parts(block: Array, most: int = FOLDS) -> list[Array]:
-    """Masks (n,) of at most so many parts, each of every so many-th of the blocks that rows (n,) belong to."""
-    blocks = np.unique(block)
-    return [np.isin(block, blocks[k::most]) for k in range(min(most, len(blocks)))]
 
 
 def heldout_rmse(

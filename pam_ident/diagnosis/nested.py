@@ -20,8 +20,9 @@ from ..laws import get_law, listed
 from ..model import Model
 from ..parallel.executor import Executor
 from ..records import Record
+from ..records.folds import FOLDS, in_parts
 from ..records.kind import held_lengths
-from .heldout import FOLDS, heldout_rmse, in_parts
+from .heldout import heldout_rmse
 from .ladder import LEAST_FALL
 from .nouns import Diagnosis, Ladder, Nested, Rung
 

@@ -84,6 +84,13 @@ def unlike_noise(selection: Selection, fitted: FittedSet) -> Pattern | None:
     return next((found for look in looks if (found := look(selection, fitted))), None)
 
 
+def _evened(selection: Selection, fitted: FittedSet) -> Array:
+    """What a set leaves in N (n,), less what rows share of it by an unsure track: the level of a hold that is a little
+    off in each is no jump."""
+    shared, left = selection.following.shared, selection.view(fitted).residual
+    return shared.even(left) if shared else left
+
+
 def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What is left where the muscle turns, in samples that are looked at nowhere else: noise does not grow there."""
     unsure, residual = selection.following.unsure, selection.view(fitted).residual
@@ -136,7 +143,7 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if selection.record.inputs.time is None:
         return None
     clean = ~selection.noise.outlier
-    left, time = selection.view(fitted).residual[clean], selection.record.inputs.time[clean]
+    left, time = _evened(selection, fitted)[clean], selection.record.inputs.time[clean]
     gaps = np.diff(time, prepend=time[0])
     piece = np.cumsum(gaps > GAP * np.median(gaps))
     sums = np.cumsum(np.r_[0.0, left])
@@ -173,7 +180,7 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
         return None
     moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
-    size, time, level = (v[~corner] for v in (selection.view(fitted).residual, inputs.time, record.level))
+    size, time, level = (v[~corner] for v in (_evened(selection, fitted), inputs.time, record.level))
     window = max(WINDOW, round(MEMORIES * selection.noise.memory_samples(time)))
     count = (len(size) - 2) // window
     if count < WINDOW:
@@ -209,7 +216,7 @@ def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
         return None
     clean = inputs.moving & ~selection.noise.outlier
-    size = _by_level(np.abs(selection.view(fitted).residual)[clean], level[clean])
+    size = _by_level(np.abs(_evened(selection, fitted))[clean], level[clean])
     speed = np.round(np.log2(np.maximum(inputs.stroke_speed[clean], 1e-9)))
     groups = [size[speed == one] for one in np.unique(speed)]
     found = [(len(one), float(np.median(one)) ** 2) for one in groups if len(one) >= 2 * WINDOW]

@@ -285,7 +285,8 @@ class Selection:
         return best if best.shared and best.sigma <= rich.sigma else rich
 
     def noise_of_best(self, view: "View", outlier: Array) -> tuple[Noise, int]:
-        """Noise in what the law and surfaces over the likeliest drivers leave, and the columns that these have."""
+        """Noise in what the law and surfaces over the likeliest drivers leave, `outlier` (n,) apart, and how many
+        columns these have."""
         following, surfaces = self.following, self.following.surfaces
         _, freedom = surfaces.of(following.best)
         left = following.in_newtons(following.left - surfaces.explained(following.best))

@@ -11,6 +11,7 @@ from ..core import Array, FitError, Inputs, Specimen
 from ..core.progress import steps
 from ..model import Model
 from ..records import Record, thinned
+from ..records.folds import FOLDS
 from .covariance import LEVEL, student
 from .fit import Fit, fit, picker
 from .floor import repeat_noise
@@ -23,7 +24,6 @@ NEAR_MPA = 0.01
 """How near a pressure must be to one of the record's to count as measured there."""
 NEAR_SPEED = 1.25
 """The same of a speed, as a ratio."""
-FOLDS = 5
 NORMAL_95 = 1.96
 """Half width of 95 % of normal noise of one."""
 WIDE = 1.25

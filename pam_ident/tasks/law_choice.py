@@ -12,7 +12,6 @@ from ..core import DataError, FitError, UsageError
 from ..core.digits import millimetres, newtons
 from ..core.progress import steps
 from ..core.prose import capital
-from ..diagnosis.heldout import folds
 from ..fitting import fit
 from ..fitting.fit import picker
 from ..fitting.length import Lengths, by_length, solve_length
@@ -22,6 +21,7 @@ from ..laws import get_law, listed
 from ..model import Model
 from ..records import Record, thinned
 from ..records.doubt import Doubt
+from ..records.folds import folds
 from .gate import TooLittle, admit, computing, require_nameable
 from .setup import AUTO, Setup
 

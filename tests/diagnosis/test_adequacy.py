@@ -226,3 +226,36 @@ def test_what_was_not_tried_is_asked_where_it_explains_more_than_what_was(hidden
     assert selection.cache == before, "it counts for no odds"
     best = selection.refit([Term(pressed, form) for form in pressed.forms if form.name == "contact_area"])
     assert likelier_instead(Selected(selection, best, None), [worn, damped]) == []
+
+
+def answered(folder, plan):
+    write_case(folder, make_record(plan))
+    return diagnose(Model.build(plan.law), read_record(folder / "record.csv"), detail=False)
+
+
+@LONG
+def test_two_names_in_free_forms_of_one_driver_are_no_answer(tmp_path):
+    """A drag with the square of the speed, alike both ways: it was damping and a lag, with 0.985 each."""
+    drag = Secret("dynamics", "windage", 2.9)
+    found = answered(tmp_path, Plan(6145000071, EXPONENTIAL, unknown=drag, protocol="fast_first", sigma_N=4.0, tier=2))
+    assert found.verdict == "unknown_effect" and not found.selected
+    assert found.pattern and "follows the speed" in found.pattern.text
+
+
+def test_a_special_case_that_was_not_tried_is_not_told_apart(tmp_path):
+    secrets = (Secret("stribeck_friction", "textbook", 1.0222521531470088),)
+    plan = Plan(6147000075, "modified_chou_hannaford", secrets, protocol="crossed_sines", noise="ar1",
+                gauges="noisy_length", tier=3)  # fmt: skip
+    assert ("coulomb_friction", "stribeck_friction") in answered(tmp_path, plan).groups
+
+
+def test_a_damping_that_grows_with_pressure_is_no_lag(tmp_path):
+    secrets = (Secret("viscous_damping", "pressure", 2.9930729731749697),)
+    plan = Plan(6147000058, EXPONENTIAL, secrets, protocol="sines", sigma_N=4.0, fault="lost_rows", tier=2)
+    assert answered(tmp_path, plan).selected == ("viscous_damping",)
+
+
+def test_a_level_of_a_hold_that_is_a_little_off_is_no_jump(tmp_path):
+    """Noise of the position makes six times as much of the force as the load cell's."""
+    plan = Plan(1, EXPONENTIAL, protocol="one_cycle", sigma_N=0.25, gauges="noisy_length")
+    assert answered(tmp_path, plan).verdict == "adequate"
