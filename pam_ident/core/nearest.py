@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from .prose import capital
+
 SHORT = 12
 """Most names that are told in full where none is like the one given."""
 
@@ -23,5 +25,5 @@ def unknown(what: str, name: object, known: Iterable[str], where: str = "") -> s
     head = f"unknown {what} {str(name)!r}"
     there, listed = f"there is {', '.join(names)}", f"{where} lists all {len(names)}"
     if near:
-        return f"{head}; did you mean {' or '.join(near)}? {listed if where else f'T{there[1:]}'}"
+        return f"{head}; did you mean {' or '.join(near)}? {listed if where else capital(there)}"
     return f"{head}; {listed if where and len(names) > SHORT else there}"

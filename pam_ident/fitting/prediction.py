@@ -11,7 +11,7 @@ from ..core import Array, FitError, Inputs, Specimen
 from ..core.progress import steps
 from ..model import Model
 from ..records import Record, thinned
-from ..records.folds import FOLDS
+from ..records.folds import in_parts
 from .covariance import LEVEL, student
 from .fit import Fit, fit, picker
 from .floor import repeat_noise
@@ -91,8 +91,7 @@ def reading_spread(one: Fit) -> ReadingSpread:
         one = replace(one, record=record, rows=rows, weights=None)
     level, speed = record.level, _speeds(record)
     levels, speeds = np.unique(level[rows]), np.unique(speed[rows & (speed > 0)])
-    blocks = np.unique(record.block[rows])
-    cycles = [np.isin(record.block, blocks[k::FOLDS]) for k in range(min(FOLDS, len(blocks)))]
+    cycles = in_parts(record.block, among=record.block[rows])
     inner, outer = [level == p for p in levels[1:-1]], [level == p for p in (levels[0], levels[-1])]
     if len(levels) <= one.model.law.min_levels:
         inner = outer = []

@@ -14,11 +14,11 @@ def folds(record: Record) -> list[Array]:
     blocks = np.unique(record.block)
     if record.inputs.time is None:
         return in_parts(record.block, len(blocks))
-    inner = blocks[1:-1] if len(blocks) > FOLDS + 1 else blocks
-    return [np.isin(record.block, inner[k::FOLDS]) for k in range(min(FOLDS, len(inner)))]
+    return in_parts(record.block, among=blocks[1:-1] if len(blocks) > FOLDS + 1 else blocks)
 
 
-def in_parts(block: Array, most: int = FOLDS) -> list[Array]:
-    """Masks (n,) of at most so many parts, each of every so many-th of the blocks that rows (n,) belong to."""
-    blocks = np.unique(block)
+def in_parts(block: Array, most: int = FOLDS, among: Array | None = None) -> list[Array]:
+    """Masks (n,) of at most so many parts, each of every so many-th of the blocks that rows (n,) belong to, or of those
+    `among` them, (m,)."""
+    blocks = np.unique(block if among is None else among)
     return [np.isin(block, blocks[k::most]) for k in range(min(most, len(blocks)))]

@@ -71,7 +71,8 @@ def settle(record: Record, setup: Setup, naming: bool = False) -> tuple[Setup, L
         return setup, None
     if naming:
         require_nameable(record, setup.assume)
-    admit(record)
+    else:
+        admit(record)
     with computing(record):
         choice = choose_law(record, setup)
     return replace(setup, law=choice.law, chosen=True), choice
