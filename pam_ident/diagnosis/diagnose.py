@@ -113,9 +113,8 @@ def diagnosing(
     record = driven(model, record)
     base = fit(model, record)
     model = base.model
-    candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
-    if record.inputs.time is None:
-        candidates = [replace(effect, forms=effect.written) for effect in candidates if effect.written]
+    fresh = [e for e in allowed if e.candidate and e.name not in model.effect_names]
+    candidates = [effect.shown_by(record.inputs) for effect in fresh]
     if record.inputs.slide is not None:
         candidates = [_one_a_driver(effect) for effect in candidates]
     steady, unsure = steadied(record, model, base.values)
