@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from ..tasks.law_choice import LawChoice
 
 INDENT = "  "
+LITTLE = 1.02
+"""Error over what repeated strokes differ by, up to which it is hardly more, whatever a test makes of many samples."""
 silent: ContextVar[bool] = ContextVar("silent", default=False)
 """Whether nothing is to be printed but errors."""
 unfinished: Callable[[], None] | None = None
@@ -253,14 +255,16 @@ def branch(name: str) -> str:
     return "both branches together" if name == "together" else name
 
 
-def checks(found: "Checks", in_mm: bool = False) -> list[str]:
+def checks(found: "Checks", one: "Fit") -> list[str]:
     """What a fit is held against, a line each; strokes differ in force, or in mm of the length."""
-    lines, size = [], millimetres if in_mm else newtons
+    lines, size = [], newtons if one.lengths is None else millimetres
     if found.repeats is not None:
         memory = f", {number(found.repeats.memory, 2)} samples count as one" if found.repeats.memory > 1.5 else ""
         lines.append(f"{INDENT}{found.repeats.strokes} repeated strokes differ by {size(found.repeats.sigma)}{memory}")
     if found.lack is not None:
-        verdict = "nothing but noise is left" if found.lack.adequate else "the model leaves more than noise"
+        little = found.repeats is not None and one.rmse < LITTLE * found.repeats.sigma
+        more = "hardly more than noise" if little else "more than noise"
+        verdict = "nothing but noise is left" if found.lack.adequate else f"the model leaves {more}"
         lines.append(
             f"{INDENT}lack of fit: {verdict} (F {number(found.lack.statistic, 3)}, p {found.lack.p_value:.2g})"
         )
