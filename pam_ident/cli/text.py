@@ -247,7 +247,11 @@ def verdict(name: str) -> str:
 
 def chosen(choice: "LawChoice | None") -> list[str]:
     """Which law was taken and why, where none was named."""
-    return [] if choice is None else [f"law: {choice.why} (of {len(choice.trials)} laws compared)"]
+    if choice is None:
+        return []
+    odd = sum(bool(trial.problem) for trial in choice.trials)
+    more = f"; {odd} of them were left out, which this record does not determine" if odd else ""
+    return [f"law: {choice.why} (of {len(choice.trials)} laws compared{more})"]
 
 
 def branch(name: str) -> str:

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from ..core import UsageError
+from ..core.digits import newtons
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
@@ -26,6 +27,7 @@ from .heldout import heldout_nearby, heldout_rmse
 from .nouns import Candidate, Diagnosis
 from .probability import DOUBTFUL, LAPSE, probabilities
 from .remainder import pattern_of, unlike_noise
+from .repeats import rounding, step_of
 from .select import EXACT
 from .selection import FittedSet, Selection
 from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentence
@@ -171,14 +173,20 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     error = float(np.sqrt(np.mean(left**2)))
     floor = _as_measured(min(noise.whole, error), best)
-    between = [seen.sigma for one in (base, best) if lacking and (seen := repeat_noise(one))]
-    if between:  # the names that are not all there are do not touch it
-        floor = min(*between, best.rmse)
+    if lacking:  # the names that are not all there are do not touch it
+        between = [seen.sigma for one in (base, best) if (seen := repeat_noise(one))]
+        floor = min(*(between or [floor]), _as_measured(lacking.free.noise.whole, best), best.rmse)
     extra = (*extra, *model.own)
     floor = min(floor, noise_N)
+    step = step_of(record.force)
+    rounded = pattern is not None and not named and base.rmse**2 - floor**2 < rounding(step)
+    if rounded:
+        pattern, outcome = None, "adequate"
     far = 0 if error > MORE * noise.whole else int(noise.outlier.sum())
     said = sentence(base, best, labels, classes, pattern, floor, far, extra)
-    if outcome == "adequate" and noise.coloured:
+    if rounded:
+        said += f" What is left may be rounding: the force was read in steps of {newtons(step)}."
+    elif outcome == "adequate" and noise.coloured:
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."

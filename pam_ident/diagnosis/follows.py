@@ -385,5 +385,5 @@ def told(found: Sequence[Follows], error: str = "squared error") -> str:
     parts = [f"{'a further ' if k else ''}{whole[one]} follows {one.text}" for k, one in enumerate(shown)]
     noise = next((text for one, text in whole.items() if one.what == "noise"), "0 %")
     if not parts:
-        return f"None of the {error} follows anything beyond chance."
+        return f"No smooth course over what was driven or recorded explains any of the {error} beyond chance."
     return f"Of the {error} {', '.join(parts)}; {noise} is noise."

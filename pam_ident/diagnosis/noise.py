@@ -130,8 +130,8 @@ def estimate_noise(
 ) -> Noise:
     """Noise from what a model leaves: white, or partly a first-order process.
 
-    `residual` (N, (n,)) of a model with `parameters` free parameters; `slope` ((n, 1), N/mm, or over each track that is
-    `unsure`) carries what is left of the driven sensors' noise into force, where it is likelier with that than without:
+    `residual` (N, (n,)) of a model with `parameters` free parameters; `slope` (N/mm) carries what is left of the
+    displacement sensor's noise, or of an `unsure` track, into force, where it is likelier with that than without:
     a motion that curves between two samples looks rough, too. `outlier` (mask) is found when not given; `white` forbids
     colour. What comes back with every cycle is left out.
     """
@@ -167,7 +167,7 @@ def _estimated(
     extra = np.zeros(len(residual))
     if record.inputs.time is not None:
         off = unsure.by_itself if unsure else noise_around(record.inputs.displacement_mm, record.inputs.time)
-        extra = (off * slope[:, 0] / middle) ** 2
+        extra = (off * slope / middle) ** 2
     own = without_repeats(record, residual, ~outlier)
     series = np.where(outlier[:, None], 0.0, np.column_stack([own, residual]) / middle)
     seen = _Seen(series, extra, outlier, shared)

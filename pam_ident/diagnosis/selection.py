@@ -300,8 +300,7 @@ class Selection:
     ) -> Noise:
         """Noise in what (n,) a model of `taken` parameters leaves, in N, where the force is as steep as in a view."""
         unsure, specimen = self.following.unsure, self.record.specimen
-        around = view.around
-        slope = unsure.slope(around, specimen) if unsure else around.contraction[:, None] / specimen.initial_length_mm
+        slope = unsure.slope(view.around, specimen) if unsure else view.around.contraction / specimen.initial_length_mm
         return estimate_noise(self.record, left, slope, taken, outlier, white, unsure)
 
     def _drop_unseen(self, data: Compressed) -> None:

@@ -105,16 +105,15 @@ class SharedNoise:
 
 @dataclass(frozen=True)
 class TrackError:
-    """How far the track of a record's steady inputs may be off: the position in mm, and the pressure in MPa where a
-    regulator wavers; of a `locked` muscle the pressure alone.
+    """How far the track of a record's steady inputs may be off: the position in mm, the pressure in MPa of a `locked`
+    muscle.
 
-    `blocks` are rows (m,) that were smoothed together, with the columns (m, k) of their common errors, track by track,
-    those of a stroke or hold under its number; `alone` (n,) is the standard deviation of each other row's position,
-    `by_itself` that of every row with what the steady track is rough by, and `sensor_mm` that of a reading of a
-    position that is driven.
+    `blocks` are rows (m,) that were smoothed together, with the columns (m, k) of their common errors; `alone` (n,) is
+    the standard deviation of each other row, `by_itself` that of every row with what the steady track is rough by, and
+    `sensor_mm` that of a reading of a position that is driven.
     """
 
-    blocks: tuple[dict[int, Block], ...]
+    blocks: tuple[Block, ...]
     alone: Array
     by_itself: Array
     locked: bool
@@ -125,96 +124,48 @@ class TrackError:
     def of(cls, record: Record, whole: Record) -> "TrackError | None":
         """That of a record in time, thinned from the `whole`, with its steady inputs; None without motion."""
         raw, locked = record.inputs, record.inputs.slide is not None
-        time, moving = raw.time, raw.moving
-        if time is None or moving is None:
+        if raw.time is None or raw.moving is None:
             return None
         track, calm = ((one.pressure if locked else one.displacement_mm) for one in (raw, record.steady))
-        run = record.stroke * 2 + moving
-        off = noise_around(track, time, run)
+        run = record.stroke * 2 + raw.moving
+        off = noise_around(track, raw.time, run)
+        smoothed = calm != track
         assert whole.inputs.moving is not None
-        sizes = np.bincount(whole.stroke * 2 + whole.inputs.moving)[run]
-
-        def stroke(group: Array, m: int) -> Array:
-            return smooth_basis(time[group], m)
-
-        def rest(group: Array, m: int) -> Array:
-            return settling_basis(time[group]) if np.ptp(calm[group]) > 0.0 else np.ones((len(group), 1))
-
-        smoothed = track != calm
-        blocks = [_blocks(run, smoothed, off, sizes, lambda group, m: (stroke if moving[group[0]] else rest)(group, m))]
-        held, steady = raw.pressure, record.steady.pressure
-        if not locked and (wavers := (held != steady) & _varies(steady, run)).any():
-            blocks.append(_blocks(run, wavers, noise_around(held, time, run), sizes, stroke))
+        counts = [np.bincount(whole.stroke, weights=mask) for mask in (~whole.inputs.moving, whole.inputs.moving)]
+        blocks = []
+        for group in _runs(run):
+            group = group[smoothed[group]]
+            if len(group) > 1:
+                moving = bool(raw.moving[group[0]])
+                m = int(max(counts[moving][record.stroke[group[0]]], len(group)))
+                if moving:
+                    basis = smooth_basis(raw.time[group], m)
+                elif np.ptp(calm[group]) > 0.0:
+                    basis = settling_basis(raw.time[group])
+                else:
+                    basis = np.ones((len(group), 1))
+                basis = np.linalg.qr(basis)[0] * np.sqrt(len(group) / m)
+                blocks.append((group, off[group, None] * basis))
         sensor_mm = 0.0 if locked else float(np.sqrt(np.mean(off**2)))
         alone = np.where(smoothed, 0.0, off)
-        by_itself = np.maximum(alone, noise_around(calm, time, run))
+        by_itself = np.maximum(alone, noise_around(calm, raw.time, run))
         unread = _unread(record.steady, None if locked else ON_LEVEL * sensor_mm)
         return cls(tuple(blocks), alone, by_itself, locked, sensor_mm, unread)
 
     def slope(self, around: Slopes, specimen: Specimen) -> Array:
-        """Those of the force over the tracks, (n, tracks) in N/mm or N/MPa, from a model's."""
-        if self.locked:
-            return around.pressure[:, None]
-        over = [around.contraction / specimen.initial_length_mm, around.pressure]
-        return np.column_stack(over[: len(self.blocks)])
+        """That of the force over the track, (n,) in N/mm or N/MPa, from a model's."""
+        return around.pressure if self.locked else around.contraction / specimen.initial_length_mm
 
     def in_force(self, slope: Array, size: float, every: bool = False) -> SharedNoise | None:
-        """In a force with slopes (n, tracks) over the tracks and white noise of a `size` in N; None where it is
-        negligible.
+        """In a force with a slope (n,) over the track and white noise of a `size` in N; None where it is negligible.
 
         Rows that were not smoothed are counted where `every` row is asked for.
         """
         scale = slope / max(size, 1e-300)
-        alone = scale[:, 0] * self.alone if every else np.zeros(len(slope))
-        found: dict[int, list[Block]] = {}
-        for along, track in zip(scale.T, self.blocks, strict=True):
-            for run, (rows, block) in track.items():
-                found.setdefault(run, []).append((rows, along[rows, None] * block))
-        blocks = tuple(_together(parts, alone) for parts in found.values())
+        blocks = tuple((rows, scale[rows, None] * block) for rows, block in self.blocks)
+        alone = scale * self.alone if every else np.zeros(len(slope))
         total = float(np.sum(alone**2)) + sum(float(np.sum(block**2)) for _, block in blocks)
         return SharedNoise(blocks, alone) if total > NEGLIGIBLE * len(slope) else None
-
-
-def _blocks(
-    run: Array, smoothed: Array, off: Array, sizes: Array, basis: Callable[[Array, int], Array]
-) -> dict[int, Block]:
-    """Rows of each `run` (n,) that were `smoothed` (n,), with the columns of their common errors where a reading is off
-    by `off` (n,), under the number of the run's first row.
-
-    `basis` gives the curves over some rows by which m rows were smoothed: the whole record's `sizes` (n,) of the runs.
-    """
-    found = {}
-    for whole in _runs(run):
-        rows = whole[smoothed[whole]]
-        if len(rows) > 1:
-            m = max(int(sizes[rows[0]]), len(rows))
-            curves = np.linalg.qr(basis(rows, m))[0] * np.sqrt(len(rows) / m)
-            found[int(whole[0])] = (rows, off[rows, None] * curves)
-    return found
-
-
-def _together(parts: Sequence[Block], alone: Array) -> Block:
-    """Blocks of one run as one; what rows of it have `alone` (n,) is taken into it."""
-    if len(parts) == 1:
-        return parts[0]
-    rows = np.unique(np.concatenate([where for where, _ in parts]))
-    single = rows[alone[rows] != 0.0]
-    parts = [*parts, (single, np.diag(alone[single]))]
-    alone[rows] = 0.0
-    columns = np.zeros((len(rows), sum(block.shape[1] for _, block in parts)))
-    at = 0
-    for where, block in parts:
-        columns[np.searchsorted(rows, where), at : at + block.shape[1]] = block
-        at += block.shape[1]
-    return rows, columns
-
-
-def _varies(values: Array, run: Array) -> Array:
-    """Whether values (n,) vary within their run, (n,)."""
-    found = np.zeros(len(values), bool)
-    for group in _runs(run):
-        found[group] = np.ptp(values[group]) > 0.0
-    return found
 
 
 def _unread(inputs: Inputs, near_mm: float | None) -> Array:
