@@ -273,8 +273,8 @@ def checks(found: "Checks", one: "Fit") -> list[str]:
             f"{INDENT}lack of fit: {verdict} (F {number(found.lack.statistic, 3)}, p {found.lack.p_value:.2g})"
         )
     twins: dict[str, list[str]] = {}
-    for one in found.stand_ins:
-        twins.setdefault(one.calibration, []).append(" and ".join(one.parameters))
+    for twin in found.stand_ins:
+        twins.setdefault(twin.calibration, []).append(" and ".join(twin.parameters))
     if twins:
         lines.append(f"{INDENT}faults of the sensors that the parameters take up without trace:")
         lines += [f"{INDENT * 2}{name.replace('_', ' ')}: by {' or '.join(how)}" for name, how in twins.items()]

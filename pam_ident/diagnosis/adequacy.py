@@ -163,7 +163,8 @@ class Adequacy:
         first = next((f for f in self.left.shares() if f.what != "noise"), None)
         beyond, share = self.unexplained
         size = max(beyond, self.comes_back)
-        text = f"about {newtons(math.sqrt(size) * self.free.noise.whole)} rms that no name explains"
+        left = min(math.sqrt(size) * self.free.noise.whole, float(np.sqrt(np.mean(self.residual**2))))
+        text = f"about {newtons(left)} rms that no name explains"
         if size < self.selection.noise.too_small:
             text = "hardly more than noise in size, but no noise"
         text += f"; it follows {first.text}" if first else ""

@@ -134,8 +134,8 @@ def _doubt_branch(record: Record) -> Iterator[Doubt]:
     wrong = float(np.mean(said < 0.0)) if len(said) else 0.0
     if wrong > CONTRADICTED:
         text = (
-            f"in {percent(wrong)} of the samples that move, the branch is contraction where the length grows, or extension "
-            "where it falls. Swap the two words, or check the sign of the displacement."
+            f"in {percent(wrong)} of the samples that move, the branch is contraction where the length grows, or "
+            "extension where it falls. Swap the two words, or check the sign of the displacement."
         )
         yield Doubt("branch_sign", text, "branch", True)
 

@@ -109,7 +109,7 @@ def test_rubber_softens_from_the_temperature_at_which_the_law_holds_not_from_the
 
 
 def test_what_the_volume_lets_flow_lags_whatever_the_driven_pressure_does():
-    """Behind a hose at the muscle's side: its pressure falls with the volume's rate, and not with the pressure's own."""
+    """Behind a hose: the muscle's pressure falls with the volume's rate, and not with its own."""
     rng, t = np.random.default_rng(8), 0.04 * np.arange(4000)
     p = 0.35 + 0.12 * np.sin(2.0 * np.pi * t / 13.0) + 0.06 * np.sin(2.0 * np.pi * t / 3.1)
     e = 0.1 + 0.07 * np.sin(2.0 * np.pi * t / 7.3) + 0.03 * np.sin(2.0 * np.pi * t / 1.9)
