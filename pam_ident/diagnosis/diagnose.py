@@ -178,14 +178,13 @@ def diagnosing(
         floor = min(*(between or [floor]), _as_measured(lacking.free.noise.whole, best), best.rmse)
     extra = (*extra, *model.own)
     floor = min(floor, noise_N)
-    step = step_of(record.force)
-    rounded = pattern is not None and not named and base.rmse**2 - floor**2 < rounding(step)
+    rounded = bool(pattern) and not named and _may_round(selection, base.rmse, floor)
     if rounded:
         pattern, outcome = None, "adequate"
     far = 0 if error > MORE * noise.whole else int(noise.outlier.sum())
     said = sentence(base, best, labels, classes, pattern, floor, far, extra)
     if rounded:
-        said += f" What is left may be rounding: the force was read in steps of {newtons(step)}."
+        said += f" What is left may be rounding: the force was read in steps of {newtons(step_of(record.force))}."
     elif outcome == "adequate" and noise.coloured:
         said += as_slow_noise(follows)
     if slow:
@@ -221,6 +220,15 @@ def diagnosing(
         experiment = replace(experiment, text=experiment.text + ANOTHER_RIG)
     ranking = _ranking(base, selection, candidates, named, chance)
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
+
+
+def _may_round(selection: Selection, rmse: float, noise: float) -> bool:
+    """Whether what a law leaves beyond noise, both in N, may be the rounding of the force: that is no less, nor too
+    small to matter, and what is left has no look of its own."""
+    rounds = rounding(step_of(selection.record.force))
+    if rounds < max(rmse**2 - noise**2, selection.noise.too_small * noise**2):
+        return False
+    return unlike_noise(selection, selection.empty) is None
 
 
 def by_form_alone(
