@@ -120,7 +120,7 @@ def _fits(a: Diagnosis, b: Diagnosis) -> tuple[Fit, Fit]:
     terms = list({term.effect.name: term for term in named}.values())
     records = a.base.record, b.base.record
     held = [[term for term in terms if not term.effect.missing(record.inputs)] for record in records]
-    for some in (held, [[], []]) if terms else ([[], []],):
+    for some in (held, [[], []]):
         try:
             first, second = (fit(base.adding(*mine), record) for mine, record in zip(some, records, strict=True))
             return first, second

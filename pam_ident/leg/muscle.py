@@ -72,9 +72,9 @@ class Muscle:
         given = specimen or read_specimen_of(found)
         muscles = []
         for effects, holders in found.stages:
-            fits = {name: found.fitted(one) for name, one in holders.items()}
+            fits = {name: found.fitted(holder) for name, holder in holders.items()}
             one, other = fitted_branches(fits, str(path))
-            left = [one.get("rmse_N", math.nan) for one in holders.values()]
+            left = [holder.get("rmse_N", math.nan) for holder in holders.values()]
             model, rmse = found.model(effects, extra_effects), float(np.sqrt(np.mean(np.square(left))))
             muscles.append(cls(model, given, one[0], other[0], (one[1], other[1]), found.seen, rmse))
         return muscles
