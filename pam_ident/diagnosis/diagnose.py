@@ -239,7 +239,8 @@ def by_form_alone(
 
     With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
     and the error rather `follows` another; and where it is static beside another that is, or is not told from one that
-    is (`classes`), or in its free form, since only forms tell static effects apart.
+    is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
+    temperature, of which nobody knows from where it counts.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -254,6 +255,9 @@ def by_form_alone(
             found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
         elif timed and name in known and (alike := [e for e in others if e.name in static]):
             found[name] = BY_FORM, f"With {alike[0].title} it could follow nearly any static error."
+        elif timed and name in known and (warm := [e for e in others if e.follows[:1] == ("temperature",)]):
+            why = f"If the law holds at another temperature than the record's first, {warm[0].title} is static in part."
+            found[name] = BY_FORM, why
         elif timed and name in known and term.form.free:
             why = "No written form of it fits, and its free form could follow nearly any static error."
             found[name] = 1.0 - DOUBTFUL, why

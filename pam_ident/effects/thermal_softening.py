@@ -1,7 +1,5 @@
 """The rubber softens as it warms."""
 
-from dataclasses import replace
-
 from ..core import Inputs, Param
 from ._history import relax, since_first
 from .base import AddsForce, Array, Effect, ScalesForce, TransformsPressure, Values, free_form, one
@@ -17,7 +15,6 @@ G_LOSS = Param("G_loss", "N/K", "loss of elastic force per contraction and kelvi
 COLD = Param(
     "T_c", "K", "first temperature above that at which the law holds", -10.0, 10.0, start=0.0, grid=(-2.0, 2.0, 6.0)
 )
-REFERENCE = replace(COLD, lower=-30.0, upper=30.0, grid=(-8.0, 0.0, 8.0))
 TAU = Param("tau", "s", "time in which the wall follows the sensor", 2.0, 600.0, start=60.0, grid=(20.0, 100.0, 400.0))
 
 
@@ -32,7 +29,7 @@ def _whole(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _from_cold(inputs: Inputs, values: Values, force: Array) -> Array:
-    """The law holds at some temperature, which need not be that of the first sample."""
+    """A law without free parameters holds at some temperature, which need not be that of the first sample."""
     return one(-(warming(inputs) + values["T_c"]))
 
 
@@ -72,7 +69,7 @@ EFFECT = Effect(
         TransformsPressure("pressure", "p → p (1 − (α + α_e ε) ΔT)", (ALPHA, ALPHA_E), _pressure),
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
-        free_form("−(ΔT + T_c)/10 K", lambda *state: 0.1 * _from_cold(*state), nonlinear=(REFERENCE,)),
+        free_form("−ΔT/10 K", lambda inputs, values, force: one(-0.1 * warming(inputs))),
     ),
     follows=("temperature",),
     test="temperature logged and varied while the protocol is repeated",

@@ -99,13 +99,16 @@ def oven(time):
     return 22.0 + 4.0 * np.sin(2.0 * np.pi * time / (0.37 * time[-1]))
 
 
-def test_rubber_softens_from_the_temperature_at_which_the_law_holds_not_from_the_first():
-    """What the first temperature had lost already is static: it had the name of a threshold besides."""
+def test_a_static_name_beside_warm_rubber_is_not_sure():
+    """Rubber softens from the temperature at which the law holds: what the first had lost of that already is static."""
     steps = lambda time: 20.0 + 5.0 * np.floor(3.999 * time / time[-1])  # noqa: E731 - a chamber, an isobar each
     cold = strokes(NOTHING, warm=steps)
     x, warm = cold.inputs.displacement_mm / STROKE_MM, cold.inputs.temperature
     found = diagnose(LAW, replace(cold, force=cold.force - 1.2 * (warm - 32.0) * x * (1.0 + 0.8 * x)))
-    assert found.selected == ("thermal_softening",) and found.best.rmse < 1.1 * NOISE_N, found.sentence
+    chance = {one.effect: one.probability for one in found.ranking}
+    static = {*found.selected} - {"thermal_softening"}
+    assert static < {*found.selected} and chance["thermal_softening"] > 0.9, found.sentence
+    assert all(chance[name] < 0.6 for name in static) and "is static in part" in found.sentence
 
 
 def test_what_the_volume_lets_flow_lags_whatever_the_driven_pressure_does():
