@@ -81,7 +81,8 @@ class Predicting(ABC):
 
 
 class SavedResult(Predicting):
-    """A fit that was read back from its file: `params`, `predict`, `validate`, `summary`; the record is not in it."""
+    """A fit, or the last step of a ladder or of `add`, that was read back from its file: `params`, `predict`,
+    `validate`, `summary`, and what else the file holds by its keys; the record is not in it."""
 
     def __init__(self, saved: SavedFit, content: dict[str, Any]) -> None:
         self.details, self.content = saved, content
@@ -101,7 +102,7 @@ class SavedResult(Predicting):
             (branch, name): (
                 one["value"], one["stderr"], *one["interval"], one["unit"], one["verdict"], docs.get(name, ""),
             )
-            for branch, holder in self.content["branches"].items()
+            for branch, holder in self.details.written.items()
             for name, one in holder["parameters"].items()
         }  # fmt: skip
         return parameter_table(rows, len(self.predictors))
@@ -114,9 +115,12 @@ class SavedResult(Predicting):
         names = " + ".join([self.law, *self.effects])
         errors = ", ".join(
             millimetres(one["rmse_mm"]) if "rmse_mm" in one else newtons(one["rmse_N"])
-            for one in self.content["branches"].values()
+            for one in self.details.written.values()
         )
         return f"{names} fitted to {self.content['record']}: {errors} rms (from {self.details.path})"
+
+    def __getitem__(self, key: str) -> Any:
+        return self.content[key]
 
     @worked
     def validate(self, record: Any, specimen: Any = None) -> Validation:
@@ -136,7 +140,8 @@ class SavedResult(Predicting):
 
 
 def load(path: str | Path) -> Any:
-    """What `to_json`, or a command's `--json`, wrote: a fit comes back to be asked, any other answer as a dictionary.
+    """What `to_json`, or a command's `--json`, wrote: a fit, a ladder or `add` comes back to be asked, any other answer
+    as a dictionary.
 
     Args:
         path: the file.
@@ -155,4 +160,5 @@ def load(path: str | Path) -> Any:
     content, found = what_is_written(Path(path), expected)
     if not found.startswith("pam-ident/"):
         raise DataError(f"{path}: is no answer of pam-ident; {expected}")
-    return SavedResult(read_fit(path), content) if found.startswith("pam-ident/fit/") else content
+    model = found.split("/")[1] in ("fit", "ladder", "add")
+    return SavedResult(read_fit(path), content) if model else content

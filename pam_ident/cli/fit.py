@@ -143,7 +143,7 @@ def _together(
         text.say("", text.title(path, answer.record), *text.banner(answer.warnings))
         for branch, one in answer.fits.items():
             text.say(f"{text.branch(branch)}: {text.quality(one)}", *text.parameters(one, False))
-            text.say(*text.checks(answer.checks[branch], one.lengths is not None))
+            text.say(*text.checks(answer.checks[branch], one))
     for path, answer in zip(records, answers, strict=True):
         options.stop_if_invalid(path, answer.problems)
 
@@ -156,7 +156,7 @@ def _print(answer: "FitAnswer") -> None:
                 ", from straight lines through the isobars" if branch in answer.two_stage else ", all isobars at once"
             )
         text.say("", f"{name}: {text.quality(one)}", *text.parameters(one))
-        text.say(*text.checks(answer.checks[branch], one.lengths is not None))
+        text.say(*text.checks(answer.checks[branch], one))
         for profile in answer.profiles.get(branch, ()):
             met = dict.fromkeys(other for stuck in profile.bounded for other in stuck)
             if met:

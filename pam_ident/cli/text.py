@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from ..tasks.law_choice import LawChoice
 
 INDENT = "  "
+LITTLE = 1.02
+"""Error over what repeated strokes differ by, up to which it is hardly more, whatever a test makes of many samples."""
 silent: ContextVar[bool] = ContextVar("silent", default=False)
 """Whether nothing is to be printed but errors."""
 unfinished: Callable[[], None] | None = None
@@ -245,7 +247,11 @@ def verdict(name: str) -> str:
 
 def chosen(choice: "LawChoice | None") -> list[str]:
     """Which law was taken and why, where none was named."""
-    return [] if choice is None else [f"law: {choice.why} (of {len(choice.trials)} laws compared)"]
+    if choice is None:
+        return []
+    odd = sum(bool(trial.problem) for trial in choice.trials)
+    more = f"; {odd} of them were left out, which this record does not determine" if odd else ""
+    return [f"law: {choice.why} (of {len(choice.trials)} laws compared{more})"]
 
 
 def branch(name: str) -> str:
@@ -253,20 +259,22 @@ def branch(name: str) -> str:
     return "both branches together" if name == "together" else name
 
 
-def checks(found: "Checks", in_mm: bool = False) -> list[str]:
+def checks(found: "Checks", one: "Fit") -> list[str]:
     """What a fit is held against, a line each; strokes differ in force, or in mm of the length."""
-    lines, size = [], millimetres if in_mm else newtons
+    lines, size = [], newtons if one.lengths is None else millimetres
     if found.repeats is not None:
         memory = f", {number(found.repeats.memory, 2)} samples count as one" if found.repeats.memory > 1.5 else ""
         lines.append(f"{INDENT}{found.repeats.strokes} repeated strokes differ by {size(found.repeats.sigma)}{memory}")
     if found.lack is not None:
-        verdict = "nothing but noise is left" if found.lack.adequate else "the model leaves more than noise"
+        little = found.repeats is not None and one.rmse < LITTLE * found.repeats.sigma
+        more = "hardly more than noise" if little else "more than noise"
+        verdict = "nothing but noise is left" if found.lack.adequate else f"the model leaves {more}"
         lines.append(
             f"{INDENT}lack of fit: {verdict} (F {number(found.lack.statistic, 3)}, p {found.lack.p_value:.2g})"
         )
     twins: dict[str, list[str]] = {}
-    for one in found.stand_ins:
-        twins.setdefault(one.calibration, []).append(" and ".join(one.parameters))
+    for twin in found.stand_ins:
+        twins.setdefault(twin.calibration, []).append(" and ".join(twin.parameters))
     if twins:
         lines.append(f"{INDENT}faults of the sensors that the parameters take up without trace:")
         lines += [f"{INDENT * 2}{name.replace('_', ' ')}: by {' or '.join(how)}" for name, how in twins.items()]

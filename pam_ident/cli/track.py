@@ -1,5 +1,6 @@
 """pam-ident track."""
 
+import math
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -149,14 +150,15 @@ def _worst(value: float) -> str:
 def _table(found: "Track") -> list[str]:
     from ..tasks.ladder import steps
 
-    rows = [("PID, by hand", *_numbers(found.pid_by_hand), ""), ("PID", *_numbers(found.pid), "")]
+    rows = [("PID, by hand", "", *_numbers(found.pid_by_hand), ""), ("PID", "", *_numbers(found.pid), "")]
     names = steps(rung.muscle.model for rung in found.rungs)
     for k, (name, rung) in enumerate(zip(names, found.rungs, strict=True)):
         band = "" if rung.band is None else f"{rung.band[0]:.3f} to {rung.band[1]:.3f}"
         said = f"{k} {'PID + ' * (k == 0)}{name}".replace("\n", " ")
-        rows.append((said, *_numbers(rung.tracking), band))
-    rows.append(("PID + the plant's own model", *_numbers(found.ideal), ""))
-    return text.table(("controller", "rms [deg]", "peak [deg]", "95 % band of rms"), rows)
+        left = "" if math.isnan(rung.muscle.rmse) else text.number(rung.muscle.rmse, 3)
+        rows.append((said, left, *_numbers(rung.tracking), band))
+    rows.append(("PID + the plant's own model", "", *_numbers(found.ideal), ""))
+    return text.table(("controller", "fit leaves [N]", "rms [deg]", "peak [deg]", "95 % band of rms"), rows)
 
 
 def _troubles(found: "Track") -> list[str]:

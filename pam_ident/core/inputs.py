@@ -161,9 +161,11 @@ class Inputs:
         return max(float(np.ptp(part)) for part in np.split(self.way_mm, breaks))
 
     def has(self, need: str) -> bool:
-        """Whether the record holds what `need` names: branch, motion, time, cycle or temperature."""
+        """Whether the record holds what `need` names: branch, motion, time, cycle, temperature or driven pressure."""
         if need == "branch":
             return bool(np.any(self.direction != 0))
+        if need == "driven pressure":
+            return self.pressure_rate is not None and self.slide is None
         field = {"motion": self.velocity, "time": self.time, "cycle": self.cycle, "temperature": self.temperature}
         return field[need] is not None
 

@@ -9,10 +9,10 @@ _FACTORS = {
     "pressure": {"MPa": 1.0, "kPa": 1e-3, "Pa": 1e-6, "bar": 0.1, "mbar": 1e-4, "psi": 6.894757293168361e-3},
     "length": {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4},
     "force": {"N": 1.0, "kN": 1000.0, "mN": 1e-3, "lbf": 4.4482216152605, "kgf": 9.80665, "kg": 9.80665},
-    "temperature": {"C": 1.0, "degC": 1.0, "K": 1.0},
+    "temperature": {"C": 1.0, "degC": 1.0, "K": 1.0, "degF": 5.0 / 9.0},
     "ratio": {"1": 1.0, "-": 1.0, "pct": 0.01, "%": 0.01},
 }
-_OFFSETS = {"K": -273.15}
+_OFFSETS = {"K": -273.15, "degF": -160.0 / 9.0}
 TO_INTERNAL = {
     dimension: {unit: (factor, _OFFSETS.get(unit, 0.0)) for unit, factor in units.items()}
     for dimension, units in _FACTORS.items()
@@ -47,7 +47,7 @@ def split_header(header: str, loose: bool = False) -> tuple[str, str | None]:
 def _parted(text: str, loose: bool) -> tuple[str, str | None]:
     found = _BRACKETS.match(text)
     if found:
-        return found["name"], found["unit"].replace("°", "") or None
+        return found["name"], found["unit"].replace("°F", "degF").replace("°", "") or None
     found = _AGAINST_SUFFIX.match(text)
     if found and is_unit(found["unit"]):
         return found["name"].removesuffix(" /").removesuffix(" in"), found["unit"]

@@ -18,17 +18,15 @@ from .noise import Noise
 from .nouns import Pattern
 from .remainder import OF_ALL
 from .repeats import comes_back
-from .selection import FittedSet, Selection
+from .selection import OTHER_SIZE, FittedSet, Selection
 
 PATTERN_MARGIN = 20.0
 """What a pattern costs more than a name."""
 INEXACT, EXACT = 0.005, 0.001
 """Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
 that forms may leave which follow the same, because together they can come near to much."""
-OTHER_SIZE, ONE_IN_100 = 1.0 / 3.0, 2.58
-"""Share by which the variance of what is left exceeds that of the noise it is taken for, from which it is not that
-noise: 0.27 at most in 262 records without anything hidden. And the standard deviations that normal numbers exceed once
-in a hundred times."""
+ONE_IN_100 = 2.58
+"""Standard deviations that normal numbers exceed once in a hundred times."""
 MAY_LEAVE = (0.1, 0.05, 0.02)
 """Share of what is to be explained that one, two, or three names may leave, and stand beside something unknown: the
 more names, the more they imitate. Of 15 single names that left less than a tenth one was false; three were at 0.02."""
@@ -41,6 +39,21 @@ def full_criterion(selection: Selection, fitted: FittedSet) -> tuple[float, Nois
     for term in fitted.terms:
         penalty += selection.penalty.alone(term) + (0.0 if term.effect.candidate else PATTERN_MARGIN)
     return noise.deviance + penalty, noise
+
+
+def larger_than_noise(selection: Selection, fitted: FittedSet) -> bool:
+    """Whether what a set leaves of a record in time is larger than the noise that it is taken for: its variance by more
+    than OTHER_SIZE, and by more than such noise would once in a hundred records, which is much where it is slow.
+
+    Noise is the same all the time, so it is as large as its innovations say. How large slow noise is beside what an
+    unsure track shares is not known so well.
+    """
+    own, time = selection.noise_left_by(fitted), selection.record.inputs.time
+    if time is None or (own.coloured and own.shared):
+        return False
+    left = selection.plain_residual(fitted.terms, fitted.values)[~own.outlier]
+    chance = math.sqrt(2.0 * (1.0 + own.share**2 * own.memory_samples(time)) / len(left))
+    return float(np.mean(left**2)) / own.whole**2 - 1.0 > max(OTHER_SIZE, ONE_IN_100 * chance)
 
 
 @dataclass(frozen=True)
@@ -106,22 +119,6 @@ class Adequacy:
         return comes_back(self.selection.record, self.residual, ~self.selection.noise.outlier)
 
     @property
-    def is_no_noise(self) -> bool:
-        """Whether what the set leaves is larger than the noise that it is taken for: its variance by more than
-        OTHER_SIZE, and by more than such noise would once in a hundred records, which is much where it is slow.
-
-        Noise is the same all the time, so it is as large as its innovations say. How large slow noise is beside what an
-        unsure track shares is not known so well.
-        """
-        own, time = self.selection.noise_left_by(self.fitted), self.selection.record.inputs.time
-        assert time is not None  # of a table nothing is asked here
-        if own.coloured and own.shared:
-            return False
-        left = self.residual[~own.outlier]
-        chance = math.sqrt(2.0 * (1.0 + own.share**2 * own.memory_samples(time)) / len(left))
-        return float(np.mean(left**2)) / own.whole**2 - 1.0 > max(OTHER_SIZE, ONE_IN_100 * chance)
-
-    @property
     def wanders(self) -> bool:
         """Whether much of what the set leaves passes for slow noise, but smooth surfaces would follow it, too."""
         beyond, share = self.unexplained
@@ -130,7 +127,7 @@ class Adequacy:
     @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
-        if self.is_no_noise or self.comes_back > self.selection.noise.too_small:
+        if larger_than_noise(self.selection, self.fitted) or self.comes_back > self.selection.noise.too_small:
             return False
         free = [term.effect.follows[:1] for term in self.fitted.terms if term.form.free]
         if len(set(free)) < len(free):  # no form speaks for either, and together they follow anything of that driver
@@ -166,7 +163,8 @@ class Adequacy:
         first = next((f for f in self.left.shares() if f.what != "noise"), None)
         beyond, share = self.unexplained
         size = max(beyond, self.comes_back)
-        text = f"about {newtons(math.sqrt(size) * self.free.noise.whole)} rms that no name explains"
+        left = min(math.sqrt(size) * self.free.noise.whole, float(np.sqrt(np.mean(self.residual**2))))
+        text = f"about {newtons(left)} rms that no name explains"
         if size < self.selection.noise.too_small:
             text = "hardly more than noise in size, but no noise"
         text += f"; it follows {first.text}" if first else ""

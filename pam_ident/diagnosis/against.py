@@ -13,6 +13,7 @@ from ..fitting import Fit, fit
 from ..fitting.covariance import student
 from ..fitting.solve import jacobian
 from ..model import as_term
+from .drivers import DRIVERS
 from .nouns import Diagnosis
 
 Array = np.ndarray
@@ -74,8 +75,8 @@ class ForceDifference:
 @dataclass(frozen=True)
 class Against:
     """Record A against record B. `a` and `b` are their diagnoses by one law; `fits` those of one model, the law with
-    what was named in either, to each record, from which `parameters` and `force` are (None where they span nothing in
-    common)."""
+    what was named in either, to each record, less what that cannot hold, from which `parameters` and `force` are, of
+    what both hold (None where they span nothing in common)."""
 
     a: Diagnosis
     b: Diagnosis
@@ -113,23 +114,27 @@ def against(a: Diagnosis, b: Diagnosis) -> Against:
 
 
 def _fits(a: Diagnosis, b: Diagnosis) -> tuple[Fit, Fit]:
-    """One model fitted to both; without an effect that the other record cannot hold."""
+    """One model fitted to both; to each without an effect that it cannot hold."""
     base, extra = a.base.model, tuple(t.effect for t in (*a.best.model.terms, *b.best.model.terms))
     named = [as_term(label, extra) for label in (*a.labels, *b.labels)]
     terms = list({term.effect.name: term for term in named}.values())
-    usable = [t for t in terms if not any(t.effect.missing(one.base.record.inputs) for one in (a, b))]
-    for model in (base.adding(*usable), base) if usable else (base,):
+    records = a.base.record, b.base.record
+    held = [[term for term in terms if not term.effect.missing(record.inputs)] for record in records]
+    for some in (held, [[], []]):
         try:
-            return fit(model, a.base.record), fit(model, b.base.record)
+            first, second = (fit(base.adding(*mine), record) for mine, record in zip(some, records, strict=True))
+            return first, second
         except FitError:
-            if model is base:
+            if not any(some):
                 raise
     raise AssertionError
 
 
 def _parameters(a: Fit, b: Fit) -> tuple[ParameterDifference, ...]:
+    """Of the parameters that both have."""
     found, chances = [], []
-    for one, other in zip(a.estimates, b.estimates, strict=True):
+    others = {one.name: one for one in b.estimates}
+    for one, other in ((one, others[one.name]) for one in a.estimates if one.name in others):
         both = one.identified and other.identified
         spread = math.hypot(one.stderr, other.stderr) if both else math.nan
         apart = other.value - one.value
@@ -177,7 +182,9 @@ def _force(a: Fit, b: Fit) -> ForceDifference | None:
     if not inside.any():
         return None
     moved = replace(inputs, specimen=b.record.specimen)
-    apart = (b.model.force(moved, b.values) - a.force)[inside]
+    shared = {*a.model.labels} & {*b.model.labels}
+    mine, theirs = (replace(m, terms=tuple(t for t in m.terms if t.label in shared)) for m in (a.model, b.model))
+    apart = (theirs.force(moved, b.values) - mine.force(inputs, a.values))[inside]
     half = math.hypot(_half(a, inputs, inside), _half(b, moved, inside))
     mean, at = float(apart.mean()), int(np.abs(apart).argmax())
     return ForceDifference(
@@ -216,18 +223,19 @@ def _sentence(
         )
     known = [one for one in parameters if math.isfinite(one.p)]
     apart = sorted((one for one in known if one.differs), key=lambda one: one.p)
-    told = f" ({', '.join(one.name for one in apart[:4])}{' …' if len(apart) > 4 else ''})" if apart else ""
+    which = f" ({', '.join(one.name for one in apart[:4])}{' …' if len(apart) > 4 else ''})" if apart else ""
     parts.append(
-        f"Of {len(known)} parameters {len(apart) or 'none'} differ{'s' * (len(apart) < 2)} beyond chance{told}"
+        f"Of {len(known)} parameters {len(apart) or 'none'} differ{'s' * (len(apart) < 2)} beyond chance{which}"
     )
     own = (*a.best.model.own, *b.best.model.own)
-    for where, who in (("both", "both"), ("a", f"{names[0]} alone"), ("b", f"{names[1]} alone")):
-        found = [named(one.effect, own) for one in effects if one.where == where]
-        if found:
-            parts.append(f"Missing in {who}: {', '.join(found)}")
+    told: dict[str, list[str]] = {}
+    for one in effects:
+        told.setdefault(_missing_in(one, names), []).append(named(one.effect, own))
+    parts += [f"Missing in {who}: {', '.join(found)}" for who, found in told.items()]
     shares = [{one.what: one.share for one in each.follows} for each in (a, b)]
     words = {one.what: one.text for each in (a, b) for one in each.follows}
-    moved = [(shares[1].get(w, 0.0) - shares[0].get(w, 0.0), w) for w in words if w != "noise"]
+    seen = {d.what for d in DRIVERS if all(d.states(each.base.record.inputs) is not None for each in (a, b))}
+    moved = [(shares[1].get(w, 0.0) - shares[0].get(w, 0.0), w) for w in words if w in seen]
     most = max(moved, key=lambda one: abs(one[0]), default=(0.0, ""))
     if abs(most[0]) >= SHARE:
         first, second = (
@@ -235,6 +243,16 @@ def _sentence(
         )
         parts.append(f"Of the law's squared error {first} and {second} follow {words[most[1]]}")
     return ". ".join(parts) + "."
+
+
+def _missing_in(one: EffectDifference, names: tuple[str, str]) -> str:
+    """Where an effect is missing, in words."""
+    if one.where == "both":
+        return "both"
+    k = "ab".index(one.where)
+    if (one.a, one.b)[1 - k] is None:
+        return f"{names[k]}, which {names[1 - k]} could not show"
+    return f"{names[k]} alone"
 
 
 def _more(force: float, error: float) -> str:

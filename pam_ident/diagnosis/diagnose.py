@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from ..core import UsageError
+from ..core.digits import newtons
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
@@ -26,6 +27,7 @@ from .heldout import heldout_nearby, heldout_rmse
 from .nouns import Candidate, Diagnosis
 from .probability import DOUBTFUL, LAPSE, probabilities
 from .remainder import pattern_of, unlike_noise
+from .repeats import rounding, step_of
 from .select import EXACT
 from .selection import FittedSet, Selection
 from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentence
@@ -113,9 +115,8 @@ def diagnosing(
     record = driven(model, record)
     base = fit(model, record)
     model = base.model
-    candidates = [e for e in allowed if e.candidate and e.name not in model.effect_names]
-    if record.inputs.time is None:
-        candidates = [replace(effect, forms=effect.written) for effect in candidates if effect.written]
+    fresh = [e for e in allowed if e.candidate and e.name not in model.effect_names]
+    candidates = [effect.shown_by(record.inputs) for effect in fresh]
     if record.inputs.slide is not None:
         candidates = [_one_a_driver(effect) for effect in candidates]
     steady, unsure = steadied(record, model, base.values)
@@ -172,14 +173,19 @@ def diagnosing(
     left = selection.view(fitted).residual[~noise.outlier]
     error = float(np.sqrt(np.mean(left**2)))
     floor = _as_measured(min(noise.whole, error), best)
-    between = [seen.sigma for one in (base, best) if lacking and (seen := repeat_noise(one))]
-    if between:  # the names that are not all there are do not touch it
-        floor = min(*between, best.rmse)
+    if lacking:  # the names that are not all there are do not touch it
+        between = [seen.sigma for one in (base, best) if (seen := repeat_noise(one))]
+        floor = min(*(between or [floor]), _as_measured(lacking.free.noise.whole, best), best.rmse)
     extra = (*extra, *model.own)
     floor = min(floor, noise_N)
+    rounded = bool(pattern) and not named and _may_round(selection, base.rmse, floor)
+    if rounded:
+        pattern, outcome = None, "adequate"
     far = 0 if error > MORE * noise.whole else int(noise.outlier.sum())
     said = sentence(base, best, labels, classes, pattern, floor, far, extra)
-    if outcome == "adequate" and noise.coloured:
+    if rounded:
+        said += f" What is left may be rounding: the force was read in steps of {newtons(step_of(record.force))}."
+    elif outcome == "adequate" and noise.coloured:
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
@@ -216,6 +222,15 @@ def diagnosing(
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
+def _may_round(selection: Selection, rmse: float, noise: float) -> bool:
+    """Whether what a law leaves beyond noise, both in N, may be the rounding of the force: that is no less, nor too
+    small to matter, and what is left has no look of its own."""
+    rounds = rounding(step_of(selection.record.force))
+    if rounds < max(rmse**2 - noise**2, selection.noise.too_small * noise**2):
+        return False
+    return unlike_noise(selection, selection.empty) is None
+
+
 def by_form_alone(
     selection: Selection, fitted: FittedSet, named: list[Term], classes: Sequence[Sequence[str]], follows: str
 ) -> dict[str, tuple[float, str]]:
@@ -224,7 +239,8 @@ def by_form_alone(
 
     With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
     and the error rather `follows` another; and where it is static beside another that is, or is not told from one that
-    is (`classes`), or in its free form, since only forms tell static effects apart.
+    is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
+    temperature, of which nobody knows from where it counts.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -239,6 +255,9 @@ def by_form_alone(
             found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
         elif timed and name in known and (alike := [e for e in others if e.name in static]):
             found[name] = BY_FORM, f"With {alike[0].title} it could follow nearly any static error."
+        elif timed and name in known and (warm := [e for e in others if e.follows[:1] == ("temperature",)]):
+            why = f"If the law holds at another temperature than the record's first, {warm[0].title} is static in part."
+            found[name] = BY_FORM, why
         elif timed and name in known and term.form.free:
             why = "No written form of it fits, and its free form could follow nearly any static error."
             found[name] = 1.0 - DOUBTFUL, why

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core import Inputs
 from ..core.digits import percents
 from ..effects.base import Effect
 from ..fitting import Fit
@@ -81,6 +82,20 @@ def steadied(record: Record, model: Model, values: Mapping[str, float]) -> tuple
     return replace(fewer, inputs=fewer.steady), TrackError.of(fewer, record)
 
 
+def _without_sensor(record: Record) -> Inputs:
+    """A record's inputs, a held pressure as the mean of its level.
+
+    Readings of it that could not be smoothed are off, and the force by as much times its slope: columns that held them,
+    and not this, would follow the sensor's noise (errors in variables: Fuller 1987, Measurement Error Models).
+    """
+    inputs = record.inputs
+    if inputs.time is None or inputs.pressure_rate is not None:
+        return inputs
+    _, level = np.unique(record.level, return_inverse=True)
+    means = np.bincount(level, weights=inputs.pressure) / np.bincount(level)
+    return replace(inputs, pressure=means[level])
+
+
 def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
     """Shares of a fit's squared error, largest first, noise last; they add to 1, and none is what chance would give."""
     return Following.of(fit).shares()
@@ -109,8 +124,8 @@ class Following:
 
     def _look(self, model: Model, values: Mapping[str, float]) -> None:
         """Work out what is left, surfaces and noise, what rows share of it evened out."""
-        inputs, even = self.record.inputs, self._even
-        left = even(self.record.force - model.force(inputs, values))
+        inputs, even = _without_sensor(self.record), self._even
+        left = even(self.record.force - model.force(self.record.inputs, values))
         free = [not at_bound(p, values[p.name]) for p in model.bounded(inputs)]  # none can follow beyond its bound
         law = orthonormal(even(jacobian(model, inputs, values, self.record.force)[:, free]))
         self.left = left - law @ (law.T @ left)
@@ -370,5 +385,5 @@ def told(found: Sequence[Follows], error: str = "squared error") -> str:
     parts = [f"{'a further ' if k else ''}{whole[one]} follows {one.text}" for k, one in enumerate(shown)]
     noise = next((text for one, text in whole.items() if one.what == "noise"), "0 %")
     if not parts:
-        return f"None of the {error} follows anything beyond chance."
+        return f"No smooth course over what was driven or recorded explains any of the {error} beyond chance."
     return f"Of the {error} {', '.join(parts)}; {noise} is noise."

@@ -18,6 +18,13 @@ OF_ALL = 0.03
 """Share of what is to be explained that it must be, too: a form that is not exactly right may leave less."""
 ALL = 0.995
 """Share of what is to be explained from which it is all of it."""
+FORMS = {
+    "even": "alike on both branches",
+    "odd": "against the motion",
+    "pressed": "in proportion to the pressure",
+    "loaded": "in proportion to the force",
+}
+"""Forms of patterns whose names say too little."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
 WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
@@ -57,7 +64,8 @@ def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
     shape = catalogue_of_patterns()[name]
     along = shape.elsewhere.get(term.form.name, shape.coordinate)
-    text = f"{shape.words(at, along)} ({term.form.name.replace('_', ' ')}){_part(share)}"
+    form = FORMS.get(term.form.name, term.form.name.replace("_", " "))
+    text = f"{shape.words(at, along)} ({form}){_part(share)}"
     return Pattern(shape.kind, along, value, unit, float(share), text)
 
 

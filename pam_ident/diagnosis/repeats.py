@@ -30,7 +30,7 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
     trend, changing = _trends(record, residual, rows)
     flat = residual - trend
     groups = [*repeats(record, rows), *repeats(record, rows, at_rest=True)]
-    coarse = _rounding(record.force)
+    coarse = rounding(step_of(record.force))
     common = in_common(groups, flat)
     if not (common.certain and common.shared > SHARE * common.size + common.n * coarse):
         return residual
@@ -86,14 +86,19 @@ def comes_back(record: Record, residual: Array, rows: Array) -> float:
     groups = repeats(record, rows)
     alike = in_common(groups, residual - _trends(record, residual, rows)[0])
     opposite = in_common(groups, residual)
-    found = [(alike, alike.shared - alike.n * _rounding(record.force)), (opposite, -opposite.shared)]
+    found = [(alike, alike.shared - alike.n * rounding(step_of(record.force))), (opposite, -opposite.shared)]
     return max(min(max(shared / max(one.size, 1e-300), 0.0), 1.0) if one.certain else 0.0 for one, shared in found)
 
 
-def _rounding(force: Array) -> float:
-    """Variance in N² of rounding to the gauge's steps, which comes back where the noise is smaller than a step."""
+def step_of(force: Array) -> float:
+    """The step in N in which a force (n,) was read."""
     steps = np.diff(np.unique(force))
-    return float(np.min(steps, initial=np.inf)) ** 2 / 12.0 if len(steps) else 0.0
+    return float(np.min(steps)) if len(steps) else 0.0
+
+
+def rounding(step: float) -> float:
+    """Variance in N² of rounding to steps in N, which comes back where the noise is smaller than a step."""
+    return step**2 / 12.0
 
 
 def _trends(record: Record, residual: Array, rows: Array) -> tuple[Array, Array]:

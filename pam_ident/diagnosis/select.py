@@ -11,7 +11,7 @@ from ..effects import AddsForce, Effect
 from ..fitting import Fit
 from ..fitting.floor import SHAPES, repeats
 from ..model import Term
-from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion
+from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion, larger_than_noise
 from .follows import EQUAL, Following
 from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
@@ -126,7 +126,8 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
     """All answers and all their parts by their full criterion, least first, each with the noise that it leaves."""
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
     fits = [_likeliest([selection for selection, _ in selections], terms, start) for terms, start in sets.values()]
-    weighed = [(*full_criterion(selection, found), found) for selection, found in fits]
+    noises = [(selection, found) for selection, found in fits if not larger_than_noise(selection, found)]
+    weighed = [(*full_criterion(selection, found), found) for selection, found in noises or fits]
     largest = selections[0][0].base.rmse
     possible = [item for item in weighed if item[1].whole <= largest or not item[2].terms]
     return sorted(possible, key=lambda item: item[0])

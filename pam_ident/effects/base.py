@@ -3,7 +3,7 @@
 import math
 from abc import ABC
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class Form(ABC):
     What `columns` · (linear parameters − their neutral values) does is the form's role, told by its type.
     `uses_force` marks columns that depend on the force itself, so that the model is solved implicitly; `remembers`
     those that depend on what lies between the record's first sample and their own, which cannot be read in pieces.
+    `needs` names what a record must hold, beyond what the effect needs, for the form to say more than another.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Form(ABC):
     nonlinear: tuple[Param, ...] = ()
     uses_force: bool = False
     remembers: bool = False
+    needs: tuple[str, ...] = ()
 
     @property
     def free(self) -> bool:
@@ -122,8 +124,14 @@ class Effect(Shown):
 
     @property
     def written(self) -> tuple[Form, ...]:
-        """The forms that are not free; a table has too few rows for those."""
+        """The forms that are not free."""
         return tuple(form for form in self.forms if not form.free)
+
+    def shown_by(self, inputs: Inputs) -> "Effect":
+        """The effect in the forms that a record holds enough for: a table has too few rows for those that are free."""
+        known = self.written if inputs.time is None and self.written else self.forms
+        forms = tuple(form for form in known if all(inputs.has(need) for need in form.needs))
+        return self if forms == self.forms else replace(self, forms=forms)
 
     def missing(self, inputs: Inputs) -> list[str]:
         """What the record lacks for this effect to be computed at all."""
@@ -145,6 +153,7 @@ def free_form(
     lower: float = -math.inf,
     upper: float = math.inf,
     resisting: int = 0,
+    needs: tuple[str, ...] = (),
 ) -> Form:
     """What the force follows, `states` (n, count), times a smooth surface whose coefficients are free: a name rests on
     this where no written form has the right dependence on pressure and contraction.
@@ -183,7 +192,7 @@ def free_form(
         return inputs.xp.concat([found[:, k, None] * surfaces[kind] for k, kind in enumerate(kinds)], axis=1)
 
     formula = f"{text} · Σ f_ij " + ("B_i(p) B_j(ε)" if resisting else "(p/0.3 MPa)^i (ε/0.1)^j")
-    return role(name, formula, linear, columns, nonlinear, uses_force, remembers)
+    return role(name, formula, linear, columns, nonlinear, uses_force, remembers, needs)
 
 
 def keeping_no_more(columns: Columns) -> Columns:

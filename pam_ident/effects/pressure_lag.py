@@ -135,6 +135,13 @@ def _orifice(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-_to_the_power(inputs, _rate(inputs), values["n"], 0.1))
 
 
+def _two_rates(inputs: Inputs, values: Values, force: Array) -> Array:
+    """What the volume and what the driven pressure let flow, which a hose between valve and sensor tells apart."""
+    xp, rate = inputs.xp, _rate(inputs)
+    driven = xp.zeros_like(rate) if inputs.pressure_rate is None else inputs.pressure_rate
+    return -xp.stack([rate - driven, driven]).T
+
+
 def _throttled(inputs: Inputs, values: Values, force: Array) -> Array:
     """A loss in proportion to the gas's density, and to a power of its speed."""
     return -_parts(inputs, _to_the_power(inputs, _widening(inputs), values["n"], 0.3))
@@ -202,6 +209,15 @@ EFFECT = Effect(
             unit=("1", 0.1),
             remembers=True,
             name="free_lagging",
+        ),
+        free_form(
+            "p → p − p_abs V̇/V and −ṗ",
+            _two_rates,
+            2,
+            role=TransformsPressure,
+            unit=("s", 0.1),
+            name="free_rates",
+            needs=("driven pressure",),
         ),
     ),
     follows=("speed", "pressure_rate"),

@@ -136,24 +136,26 @@ def rungs(ladder: "Ladder") -> pd.DataFrame:
 
 def controllers(track: "Track") -> pd.DataFrame:
     """A row a controller: PID tuned by hand and automatically, PID with each rung's model ahead, with the plant's."""
-    runs: list[tuple[str, Any, str, tuple[float, float] | None]] = [
-        ("PID, by hand", track.pid_by_hand, "", None),
-        ("PID", track.pid, "", None),
+    runs: list[tuple[str, Any, str, float, tuple[float, float] | None]] = [
+        ("PID, by hand", track.pid_by_hand, "", np.nan, None),
+        ("PID", track.pid, "", np.nan, None),
     ]
     for rung in track.rungs:
         model = rung.muscle.model
-        runs.append((f"PID + {model.law.name}", rung.tracking, ", ".join(model.labels), rung.band))
-    runs.append(("PID + the plant's own model", track.ideal, "", None))
+        left = rung.muscle.rmse
+        runs.append((f"PID + {model.law.name}", rung.tracking, ", ".join(model.labels), left, rung.band))
+    runs.append(("PID + the plant's own model", track.ideal, "", np.nan, None))
     rows = [
         {
             "controller": name,
             "effects": effects,
+            "fit_rmse_N": left,
             "rms_deg": run.rms_deg,
             "peak_deg": run.peak_deg,
             "rms_low_deg": np.nan if band is None else band[0],
             "rms_high_deg": np.nan if band is None else band[1],
         }
-        for name, run, effects, band in runs
+        for name, run, effects, left, band in runs
     ]
     return pd.DataFrame(rows)
 

@@ -30,7 +30,8 @@ BRANCHES = ("contraction", "extension")
 @dataclass(frozen=True, eq=False)
 class Muscle:
     """A fitted model, stepped through time. `contraction` and `extension` are its parameters by branch, the same where
-    both were fitted together, `spreads` the covariances of both where they are known.
+    both were fitted together, `spreads` the covariances of both where they are known, `rmse` in N what the fit left of
+    the record, NaN where that is not known.
 
     Live, the direction of motion is tanh(v/0.2 mm/s), with 0 at rest; where the branches have parameters of their own,
     their forces are blended by it. Nothing counts as a rig's hold: at rest, friction takes what the load asks for and
@@ -46,6 +47,7 @@ class Muscle:
     extension: Values
     spreads: tuple[ParameterSpread | None, ParameterSpread | None] = (None, None)
     seen: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    rmse: float = math.nan
 
     def __post_init__(self) -> None:
         for branch, given in zip(BRANCHES, (self.contraction, self.extension), strict=True):
@@ -68,14 +70,14 @@ class Muscle:
         """
         found = read_answer(path)
         given = specimen or read_specimen_of(found)
-        rows = [
-            (effects, fitted_branches({name: found.fitted(one) for name, one in holders.items()}, str(path)))
-            for effects, holders in found.stages
-        ]
-        return [
-            cls(found.model(effects, extra_effects), given, one[0], other[0], (one[1], other[1]), found.seen)
-            for effects, (one, other) in rows
-        ]
+        muscles = []
+        for effects, holders in found.stages:
+            fits = {name: found.fitted(holder) for name, holder in holders.items()}
+            one, other = fitted_branches(fits, str(path))
+            left = [holder.get("rmse_N", math.nan) for holder in holders.values()]
+            model, rmse = found.model(effects, extra_effects), float(np.sqrt(np.mean(np.square(left))))
+            muscles.append(cls(model, given, one[0], other[0], (one[1], other[1]), found.seen, rmse))
+        return muscles
 
     @property
     def together(self) -> bool:

@@ -10,6 +10,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from .. import plot
+from ..core.digits import number
 from ..report import tables
 from ..report.easel import live
 from ..report.render import environment
@@ -115,13 +116,20 @@ def _track(one: "Track") -> Markup:
     from ..plot import tracking  # brings JAX, which no other result should wait for
 
     rows = tuple(
-        (name, effects, f"{rms:.3f}", f"{peak:.3f}", "" if math.isnan(low) else f"{low:.3f} to {high:.3f}")
-        for name, effects, rms, peak, low, high in controllers(one).itertuples(index=False)
+        (
+            name,
+            effects,
+            "" if math.isnan(left) else number(left, 3),
+            f"{rms:.3f}",
+            f"{peak:.3f}",
+            "" if math.isnan(low) else f"{low:.3f} to {high:.3f}",
+        )
+        for name, effects, left, rms, peak, low, high in controllers(one).itertuples(index=False)
     )
-    head = ("controller", "effects", "rms (deg)", "peak (deg)", "95 % band of rms")
+    head = ("controller", "effects", "fit leaves (N)", "rms (deg)", "peak (deg)", "95 % band of rms")
     figure = picture(tracking.draw(one), "Knee angle wanted and reached, and the error")
     said = Markup(banner(one.doubts)) + _said(lines.track(one))
-    return said + table(PageTable("Knee tracking", head, rows, (2, 3, 4))) + figure
+    return said + table(PageTable("Knee tracking", head, rows, (2, 3, 4, 5))) + figure
 
 
 PAGES: dict[str, Callable[[Any], Markup]] = {

@@ -10,6 +10,7 @@ GRAVE = {
     "scale": "force, pressure or radius is in another unit",
     "displacement_scale": "the displacement or the initial length is in another unit",
     "displacement_sign": "the displacement is counted the other way",
+    "branch_sign": "the branches are named the other way about",
     "force_sign": "pull is counted as negative",
     "force_clipped": "the load cell or its amplifier is at its limit",
     "impossible_value": "single values that no muscle reaches",

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core import Array
-from ..core.digits import newtons
+from ..core.digits import newtons, percent
 from .clipped import ends_piled_up
 from .doubt import GRAVE, Doubt
 from .plausible import doubt_units
@@ -22,6 +22,8 @@ FAST, SLOW, SLOW_LOGGED = 10.0, 2.2e-4, 1e-3
 """Fastest stroke in initial lengths a second: faster and slower than on any rig, and slow for one that is logged"""
 LONG_STEP_S = 5.0
 """every so many seconds at most."""
+CONTRADICTED = 0.5
+"""Share of the moving samples whose branch the motion contradicts, from which it is no matter of corners."""
 WARM_C = (-40.0, 90.0)
 """Between these rubber is a bladder (Festo's: −5 to 60 °C)."""
 
@@ -123,6 +125,21 @@ def _doubt_pace(record: Record, time: Array) -> Iterator[Doubt]:
     yield Doubt("clock_scale", text, "time", True)
 
 
+def _doubt_branch(record: Record) -> Iterator[Doubt]:
+    """Branches that were given, and that the motion contradicts."""
+    inputs = record.inputs
+    if inputs.velocity is None or inputs.moving is None or record.kind == "isometric":
+        return
+    said = (inputs.direction * np.sign(inputs.velocity))[inputs.moving]
+    wrong = float(np.mean(said < 0.0)) if len(said) else 0.0
+    if wrong > CONTRADICTED:
+        text = (
+            f"in {percent(wrong)} of the samples that move, the branch is contraction where the length grows, or "
+            "extension where it falls. Swap the two words, or check the sign of the displacement."
+        )
+        yield Doubt("branch_sign", text, "branch", True)
+
+
 def doubt_temperature(record: Record) -> Iterator[Doubt]:
     """A temperature that no bladder has."""
     found = record.inputs.temperature
@@ -177,6 +194,7 @@ def _all_of(record: Record) -> Iterator[Doubt]:
         yield from doubt_units(rest)
         yield from _doubt_wander(record)
         yield from doubt_clock(rest)
+        yield from _doubt_branch(rest)
         yield from doubt_temperature(rest)
 
 

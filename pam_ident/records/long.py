@@ -225,9 +225,9 @@ def keep_motion(
     columns stand already.
     """
 
-    def read(begin: int, end: int) -> tuple[Array, Array, Array]:
+    def read(begin: int, end: int) -> tuple[Array, Array, Array, Array]:
         x = on_disk.read("contraction", begin, end) * length_mm
-        return on_disk.read("time", begin, end), x, level(begin, end)
+        return on_disk.read("time", begin, end), x, level(begin, end), on_disk.read("force", begin, end)
 
     begin, turn, noise = 0, 0, noise_on_disk(on_disk, n, length_mm)
     pause = long_pause(on_disk.quantile("time", 0, n, 1, 0.95))

@@ -1,5 +1,6 @@
 """Strokes, reversals and holds, found from the motion alone."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from itertools import pairwise
@@ -12,12 +13,16 @@ from .roughness import NORMAL_MEDIAN, position_noise, roughness
 from .smoothing import FEWEST, LARGEST, NOISE_ONLY, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
 from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
-Read = Callable[[int, int], tuple[Array, Array, Array]]
-"""Time in s, position in mm and nominal pressure in MPa of some rows, begin … end."""
+Read = Callable[[int, int], tuple[Array, Array, Array, Array]]
+"""Time in s, position in mm, nominal pressure in MPa and what answers, such as the force, of some rows, begin … end."""
 SLOW_ORDERS = 12
 """Highest order of a polynomial that describes a drive's slow turn: enough for a sine, too few for a corner."""
 FEWEST_HELD, SOFT = 6, 3
 """Samples of a hold whose level is known, and of those at either end that may lie off it."""
+CLEARLY, SURELY = 4.0, 3.0
+"""How many times as much corners miss what goes on from the strokes as what goes on from the rests, in squares over a
+segment, from which the muscle still rested there; and the standard deviations by which the answer must not have turned
+with the direction: a stroke may bend by more than friction turns."""
 
 
 @dataclass(frozen=True)
@@ -37,16 +42,18 @@ class Motion:
     cycle: Array
 
 
-def find_motion(time: Array, x: Array, level: Array) -> Motion:
+def find_motion(time: Array, x: Array, level: Array, answer: Array | None = None) -> Motion:
     """Cut a displacement track (n,), mm over s, at nominal pressures `level`, into segments, strokes, holds and cycles.
 
     A reversal counts when it goes beyond the noise and 0.4 % of the range; a hold is a stretch that
-    stays within the noise for far longer than the stroke around it would take to cross it.
+    stays within the noise for far longer than the stroke around it would take to cross it. What answers (n,), such as
+    the force, tells whether the sample at a hold's end still rests.
     """
     pause = long_pause(float(np.quantile(np.diff(time), 0.95)) if len(time) > 1 else 0.0)
+    answers = np.zeros(len(x)) if answer is None else answer
 
-    def read(begin: int, end: int) -> tuple[Array, Array, Array]:
-        return time[begin:end], x[begin:end], level[begin:end]
+    def read(begin: int, end: int) -> tuple[Array, Array, Array, Array]:
+        return time[begin:end], x[begin:end], level[begin:end], answers[begin:end]
 
     parts = [part for _, part in follow(len(x), read, position_noise(x, time), float(np.ptp(x)), pause)]
     return Motion(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Motion)))
@@ -64,13 +71,14 @@ def follow(n: int, read: Read, noise: float, span: float, pause: float) -> Itera
     Each second reversal of a segment begins a cycle; the rest before the first stroke is part of the first.
     """
     count, segment, heading, reversals, moved = 0, -1, 0.0, 0, False
-    for fresh, time, x in pieces(n, read, reversal(noise, span), pause):
+    for fresh, time, x, answer in pieces(n, read, reversal(noise, span), pause):
         if fresh:
             segment, reversals, moved = segment + 1, 0, False
         direction, moving, stroke = np.zeros(len(x)), np.zeros(len(x), bool), np.zeros(len(x), int)
         track = np.zeros(len(x)), direction, moving, stroke, np.zeros(len(x)), x.copy()
         found = Motion(*track, np.full(len(x), segment), np.ones(len(x)))
         count = move_piece(found, time, x, noise, span, count)
+        _rest_longer(found, x, answer, noise)
         turned = np.diff(direction, prepend=heading) != 0.0
         if not moved:
             turned[: int(np.argmax(moving)) + 1] = False
@@ -80,23 +88,23 @@ def follow(n: int, read: Read, noise: float, span: float, pause: float) -> Itera
         yield fresh, found
 
 
-def pieces(n: int, read: Read, threshold: float, pause: float) -> Iterator[tuple[bool, Array, Array]]:
-    """Time and position, shape (m,), of pieces of no more than PIECE samples each, cut at a turn where a segment is
-    longer, and whether a segment begins with it."""
+def pieces(n: int, read: Read, threshold: float, pause: float) -> Iterator[tuple[bool, Array, Array, Array]]:
+    """Time, position and what answers, shape (m,), of pieces of no more than PIECE samples each, cut at a turn where a
+    segment is longer, and whether a segment begins with it."""
     most, begin, fresh = turning.PIECE, 0, True
     while begin < n:
         end = min(begin + 2 * most, n)
-        time, x, level = read(begin, end)
+        time, x, level, answer = read(begin, end)
         breaks = np.flatnonzero((np.diff(level) != 0.0) | (np.diff(time) > pause)) + 1
         at = 0
         for stop in [*breaks.tolist(), len(x)]:
             while stop - at > most:
                 late = (turn for turn in pivots(x[at : at + most], threshold) if most // 2 <= turn < most - 1)
                 cut = at + next(late, most)  # the first turn in the second half
-                yield fresh, time[at:cut], x[at:cut]
+                yield fresh, time[at:cut], x[at:cut], answer[at:cut]
                 at, fresh = cut, False
             if stop < len(x) or end == n:
-                yield fresh, time[at:stop], x[at:stop]
+                yield fresh, time[at:stop], x[at:stop], answer[at:stop]
                 at, fresh = stop, True
         begin += at
 
@@ -211,6 +219,30 @@ def _soft_ends(into: Motion, time: Array, x: Array, noise: float) -> None:
                 into.velocity[k] = (x[near[1]] - x[near[0]]) / max(time[near[1]] - time[near[0]], 1e-12)
                 for track in (into.direction, into.stroke, into.stroke_speed):
                     track[k] = track[stroke]
+
+
+def _rest_longer(found: Motion, x: Array, answer: Array, noise: float) -> None:
+    """Give the sample with which strokes begin, at a hold's level, back to the holds, where what answers (n,) goes on
+    there as it does at rest: its line from the hold misses it by less than its line from the stroke.
+
+    A clock that ticks through a hold takes its last sample before the muscle moves; a record made by a formula may have
+    it move there already. Friction turns between the two, and a position does not tell which it is.
+    """
+    moving = found.moving
+    first = np.flatnonzero(moving[1:] & ~moving[:-1]) + 1
+    first = first[(first > 1) & (first + 2 < len(x))]
+    inside = ~moving[first - 2] & moving[first + 1] & moving[first + 2]
+    still = np.abs(x[first] - x[first - 1]) <= 5.0 * noise
+    corners = first[inside & still & (np.abs(x[first + 1] - x[first]) > 6.0 * noise)]
+    if len(corners) < 3:
+        return
+    rest, stroke = (answer[corners] - 2.0 * answer[corners + k] + answer[corners + 2 * k] for k in (-1, 1))
+    turned = found.direction[corners] * rest
+    chance = SURELY * float(np.std(turned)) / math.sqrt(len(corners))
+    if CLEARLY * float(rest @ rest) < float(stroke @ stroke) and abs(float(np.mean(turned))) <= chance:
+        moving[corners], found.velocity[corners] = False, 0.0
+        for track in (found.direction, found.stroke, found.stroke_speed, found.position):
+            track[corners] = track[corners - 1]
 
 
 def _less(values: Array, basis: Array) -> Array:

@@ -192,7 +192,7 @@ def build_record(
     slide, driven = None, None
     if kind == "isometric":
         held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
-        driven = find_motion(time, KPA * pressure, held)
+        driven = find_motion(time, KPA * pressure, held, force)
         pull = specimen.ideal_force(np.ones(len(held)), held)  # N/MPa; by the specimen, for states have no force
         per_kpa = 1e-3 * GIVE_MM_KN / KPA * np.maximum(pull, SLIGHT * pull.max())
         parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}
@@ -203,7 +203,7 @@ def build_record(
         held = np.zeros(len(level)) if loaded else level
         driven = find_motion(time, KPA * pressure, held) if loaded else None
         x = contraction * specimen.initial_length_mm
-        motion = find_motion(time, x, held)
+        motion = find_motion(time, x, held, None if kind == "isotonic" else force)
     segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
     inputs = Inputs(
         pressure=pressure,

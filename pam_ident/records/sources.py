@@ -17,7 +17,10 @@ _CLOCK = re.compile(r"[hms:.,0fdyYMDHTZ \-]*:[hms:.,0fzTZ ]*", re.IGNORECASE)
 Finder = Callable[[Table], dict[str, Source]]
 """Finds the columns of a table without a columns.toml. Raises DataError."""
 BACKWARDS = 0.1
-"""Share of the steps of a clock, guessed by its name, that may run backwards: more are no clock's."""
+"""Share of the steps of a clock, guessed by its name, that may run backwards: more are no clock's, unless its rows were
+shuffled."""
+EVEN = 3.0
+"""Mean over median of the steps between sorted values, all different, up to which they are the ticks of a clock."""
 NAMES = {"pressure": "pressure_MPa", "force": "force_N", "displacement": "displacement_mm"}
 
 
@@ -115,13 +118,16 @@ def _is_mass(header: str) -> bool:
 
 
 def _runs_on(table: Table, position: int) -> bool:
-    """Whether a column called a time is the rows' clock, not a duration: it goes on, by its first rows."""
+    """Whether a column called a time is the rows' clock, not a duration: it goes on, or would if sorted, by its first
+    rows."""
     block = next(iter(table.read([position])), None)
     if block is None or not len(block):
         return False
     seconds = numbers_in(block.cells[position], "time", table.decimal, Clock()).values
-    steps = np.diff(seconds[np.isfinite(seconds)])
-    return bool(np.any(steps > 0.0)) and float(np.mean(steps < 0.0)) < BACKWARDS
+    seconds = seconds[np.isfinite(seconds)]
+    steps, apart = np.diff(seconds), np.diff(np.unique(seconds))
+    shuffled = len(apart) == len(steps) and bool(len(steps)) and np.mean(apart) < EVEN * np.median(apart)
+    return bool(np.any(steps > 0.0)) and (shuffled or float(np.mean(steps < 0.0)) < BACKWARDS)
 
 
 def passed_over(table: Table, sources: Mapping[str, Source]) -> tuple[int, ...]:

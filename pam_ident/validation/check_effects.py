@@ -8,7 +8,7 @@ import numpy as np
 from ..core import Specimen
 from ..effects import Effect, load_effect_file
 from ..records import Record, build_record
-from .effect_contract import BASIC, EFFECT_CHECKS, FORM_CHECKS, said
+from .effect_contract import BASIC, EFFECT_CHECKS, FORM_CHECKS, said, showing
 
 MUSCLE = Specimen("clean", 200.0, 10.0, 25.4, 1.5)
 
@@ -34,7 +34,7 @@ def check_effect(effect: Effect, record: Record) -> list[BrokenPromise]:
     found = [BrokenPromise(effect.name, "", text) for check in EFFECT_CHECKS for text in _tried(check, effect, record)]
     for form in effect.forms:
         for check in FORM_CHECKS:
-            texts = _tried(check, effect, form, record)
+            texts = _tried(check, effect, form, showing(record, form))
             found += [BrokenPromise(effect.name, form.name, text) for text in texts]
             if texts and check in BASIC:
                 break

@@ -61,6 +61,17 @@ def corners(params: tuple[Param, ...], most: int, start: bool = True) -> Iterato
         yield dict(zip([p.name for p in params], corner, strict=True))
 
 
+def showing(record: Record, form: Form) -> Record:
+    """The record with what a form needs beyond its effect: waves of the pressure where that must be driven."""
+    inputs = record.inputs
+    if "driven pressure" not in form.needs or inputs.time is None:
+        return record
+    turn = 2.0 * np.pi / 17.0
+    waves, rate = 0.05 * np.sin(turn * inputs.time), 0.05 * turn * np.cos(turn * inputs.time)
+    inputs = replace(inputs, pressure=inputs.pressure + waves, pressure_rate=rate)
+    return replace(record, inputs=inputs, steady=inputs)
+
+
 def introduces_itself(effect: Effect, record: Record) -> list[str]:
     """Title, source, test, and needs and levers that exist."""
     found = [f"{key} is empty" for key in ("title", "source", "test") if not getattr(effect, key).strip()]

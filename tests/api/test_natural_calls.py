@@ -271,6 +271,13 @@ def test_32_to_json_and_load(rubbing, tmp_path, record):
     pd.testing.assert_frame_equal(again.params, rubbing.params, check_dtype=False)
 
 
+def test_32b_a_ladder_comes_back_to_be_asked(tmp_path, record):
+    pam.ladder(record, "exponential_law", heldout="refit").to_json(tmp_path / "ladder.json")
+    again = pam.load(tmp_path / "ladder.json")
+    assert again.validate(record).rmse == pytest.approx(again["rungs"][-1]["rmse_N"]) and "rms (from" in repr(again)
+    assert {"value", "stderr", "low", "high"} <= set(again.params) and len(again.predict(record)) == len(record)
+
+
 def test_33_validate_on_another_record(fitted, record):
     found = fitted.validate(record)
     assert found.rmse == found.trial.rmse == pytest.approx(fitted.rmse) and 0.9 < found.coverage <= 1.0

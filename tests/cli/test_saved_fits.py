@@ -24,7 +24,7 @@ def test_validate_on_another_record(answer, saved, clean, rubbing):
     result, found = answer("validate", saved, rubbing)
     assert result.exit_code == 0 and found["schema"] == "pam-ident/validation/1"
     assert found["rmse_N"] == pytest.approx(np.hypot(12.0, 1.0), abs=0.3) and found["coverage"] < 0.1
-    assert "No simpler model does as well" in result.stdout
+    assert "So it does not hold for this record. No simpler model does as well" in result.stdout
     _, part = answer("validate", saved, rubbing, "--where", "pressure_MPa > 0.25")
     assert 0 < part["n"] < found["n"]
     _, same = answer("validate", saved, clean)
@@ -127,7 +127,10 @@ def test_add_and_ladder_are_asked_like_a_fit_and_a_diagnosis_says_how_to_get_one
         _, found = answer("predict", path, "--at", states)
         forces.append(found["columns"]["force_N"])
         assert found["columns"]["outside"] == [False, False, True] and found["effects"] == [effect[1]]
-        assert answer("validate", path, rubbing)[1]["rmse_N"] == pytest.approx(1.0, abs=0.1)
+        _, judged = answer("validate", path, rubbing)
+        assert judged["rmse_N"] == pytest.approx(1.0, abs=0.1)
+        told = "no_readings" in [one["code"] for one in judged["warnings"]]
+        assert told == (path.name != "fit.json"), "only `fit` leaves data out to learn how far readings lie off"
         assert ask("export", path, "--to", "python", "--out", tmp_path / "arm.py").exit_code == 0
     assert forces[1] == pytest.approx(forces[0], rel=1e-3) == forces[2]
     refused = ask_error(ask, "predict", diagnosed, "--at", states)

@@ -29,6 +29,7 @@ KNOWN = [
     ("temperature", "C", 21.5, 21.5),
     ("temperature", "degC", 21.5, 21.5),
     ("temperature", "K", 294.65, 21.5),
+    ("temperature", "degF", 70.7, 21.5),
     ("ratio", "pct", 12.5, 0.125),
     ("ratio", "%", 12.5, 0.125),
     ("ratio", "1", 0.125, 0.125),

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from pam_ident.diagnosis import diagnose
@@ -259,3 +260,16 @@ def test_a_level_of_a_hold_that_is_a_little_off_is_no_jump(tmp_path):
     """Noise of the position makes six times as much of the force as the load cell's."""
     plan = Plan(1, EXPONENTIAL, protocol="one_cycle", sigma_N=0.25, gauges="noisy_length")
     assert answered(tmp_path, plan).verdict == "adequate"
+
+
+@pytest.mark.parametrize(("step", "noise"), [(4.0, 0.4), (9.0, 0.8)])
+def test_what_rounds_is_no_unknown_effect(step, noise):
+    """Rounding comes back with every stroke where the noise is far below a step: it was a force in one place."""
+    record = read_record(dataset_record("nothing_hidden"))
+    law = fit(Model.build("exponential_law"), record)
+    calm = law.force + noise * np.random.default_rng(7).standard_normal(len(record))
+    read = replace(record, force=step * np.round(calm / step))
+    answer = diagnose(Model.build("exponential_law"), read, detail=False)
+    assert answer.verdict == "adequate" and f"read in steps of {step:.2f} N" in answer.sentence
+    twice = diagnose(Model.build("exponential_law"), replace(read, force=read.force + 0.1 * calm), detail=False)
+    assert "rounding" not in twice.sentence

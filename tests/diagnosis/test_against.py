@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pam_ident.diagnosis.against import _between, _holm, against
-from pam_ident.records import read_record, thinned
+from pam_ident.records import build_record, read_record, thinned
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.setup import Setup
 
@@ -47,6 +47,19 @@ def test_the_sentence_says_more_and_less_in_words_and_ends_each_thought(found):
     thoughts = found.sentence.split(". ")
     assert len(thoughts) == 4 and all(not one[0].islower() for one in thoughts) and " -" not in found.sentence
     assert thoughts[2] == "Missing in hidden_effect alone: friction that grows with pressure (pressure_friction)"
+
+
+def test_what_a_table_cannot_show_is_no_difference(found):
+    """B less its friction, without time: the law's parameters are the same."""
+    record, best = found.b.base.record, found.b.best
+    friction = best.force - found.b.base.model.force(record.inputs, best.values)
+    inputs = record.inputs
+    table = build_record("table", record.specimen, inputs.pressure, inputs.contraction, record.force - friction)
+    other = against(found.b, diagnose_record(table, SETUP))
+    assert [(one.effect, one.a is None, one.b is None) for one in other.effects] == [("pressure_friction", False, True)]
+    assert "Missing in hidden_effect, which table could not show: friction" in other.sentence
+    assert {one.name for one in other.parameters} == set(found.b.base.model.names)
+    assert not any(one.differs for one in other.parameters) and "follow the direction" not in other.sentence
 
 
 def test_a_record_against_its_like_differs_in_nothing(found):

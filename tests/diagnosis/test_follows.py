@@ -9,7 +9,8 @@ from pam_ident.core import Specimen
 from pam_ident.diagnosis.follows import steadied, told, what_it_follows
 from pam_ident.fitting import fit
 from pam_ident.model import Model
-from pam_ident.records import build_record
+from pam_ident.records import build_record, read_record
+from pam_ident.rig import Plan, Protocol, make_record, write_case
 
 SPECIMEN = Specimen("bench", 200.0, 10.0, 25.4, 1.5)
 
@@ -50,6 +51,14 @@ PLANTED = {
 
 def shares(record):
     return {one.what: one.share for one in what_it_follows(fit(Model.build("exponential_law"), record))}
+
+
+@pytest.mark.parametrize("seed", [50, 51])
+def test_a_rough_gauge_beside_a_weak_regulator_makes_the_error_follow_nothing(tmp_path, seed):
+    """Its noise was in the columns and, by the slope of the force, in the error: the direction had 6 and 7 %."""
+    weak = Protocol(breathing=0.02)
+    write_case(tmp_path, make_record(Plan(seed, protocol=weak, gauges="noisy_pressure", sigma_N=1.0)))
+    assert set(shares(read_record(tmp_path / "record.csv"))) == {"noise"}
 
 
 def test_the_rate_of_a_driven_pressure_is_told_from_the_speed():

@@ -1,5 +1,7 @@
 """Forces that follow what an effect follows, by curves that no form of it has, in strokes between holds."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -95,6 +97,33 @@ NOTHING = lambda p, e, side, v: 0.0 * p  # noqa: E731
 def oven(time):
     """A room that warms and cools, out of step with pressures and strokes."""
     return 22.0 + 4.0 * np.sin(2.0 * np.pi * time / (0.37 * time[-1]))
+
+
+def test_a_static_name_beside_warm_rubber_is_not_sure():
+    """Rubber softens from the temperature at which the law holds: what the first had lost of that already is static."""
+    steps = lambda time: 20.0 + 5.0 * np.floor(3.999 * time / time[-1])  # noqa: E731 - a chamber, an isobar each
+    cold = strokes(NOTHING, warm=steps)
+    x, warm = cold.inputs.displacement_mm / STROKE_MM, cold.inputs.temperature
+    found = diagnose(LAW, replace(cold, force=cold.force - 1.2 * (warm - 32.0) * x * (1.0 + 0.8 * x)))
+    chance = {one.effect: one.probability for one in found.ranking}
+    static = {*found.selected} - {"thermal_softening"}
+    assert static < {*found.selected} and chance["thermal_softening"] > 0.9, found.sentence
+    assert all(chance[name] < 0.6 for name in static) and "is static in part" in found.sentence
+
+
+def test_what_the_volume_lets_flow_lags_whatever_the_driven_pressure_does():
+    """Behind a hose: the muscle's pressure falls with the volume's rate, and not with its own."""
+    rng, t = np.random.default_rng(8), 0.04 * np.arange(4000)
+    p = 0.35 + 0.12 * np.sin(2.0 * np.pi * t / 13.0) + 0.06 * np.sin(2.0 * np.pi * t / 3.1)
+    e = 0.1 + 0.07 * np.sin(2.0 * np.pi * t / 7.3) + 0.03 * np.sin(2.0 * np.pi * t / 1.9)
+    cos = (1.0 - e) * np.cos(np.radians(25.0))
+    swelling = np.gradient(np.log((1.0 - cos**2) * (1.0 - e)), t)
+    late = build_record("made", SPECIMEN, p - 0.02 * (p + 0.1) * swelling, e, 0.0 * t, time=t)
+    force = LAW.force(late.inputs, TRUE) + NOISE_N * rng.standard_normal(len(t))
+    read = build_record("made", SPECIMEN, p + NOISE_MPA * rng.standard_normal(len(t)), e, force, time=t)
+    found = diagnose(LAW, read)
+    assert read.kind == "dynamic" and found.selected == ("pressure_lag",), found.sentence
+    assert found.base.rmse > 2.0 * NOISE_N and found.best.rmse < 1.1 * NOISE_N
 
 
 def creeping(time, force, temperature):

@@ -182,7 +182,8 @@ def made_up_track():
     trouble = SimpleNamespace(kind="slack", time_s=0.1, share=0.5)
     time = [0.0, 0.2]
     course = SimpleNamespace(rms_deg=1.0, peak_deg=2.0, troubles=[trouble], time=time)
-    muscle = SimpleNamespace(model=SimpleNamespace(law=SimpleNamespace(name="sarosi"), labels=["creep"]))
+    model = SimpleNamespace(law=SimpleNamespace(name="sarosi"), labels=["creep"])
+    muscle = SimpleNamespace(model=model, rmse=1.2)
     gait = SimpleNamespace(name="winter", cadence_Hz=1.0)
     budget = SimpleNamespace(structure=0.1, tuning=0.2, muscle=0.3, by_hand=1.0, automatic=0.8)
     return track_json(

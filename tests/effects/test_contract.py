@@ -9,14 +9,15 @@ from dataclasses import replace
 import pytest
 
 from pam_ident.effects import catalogue
-from pam_ident.validation.effect_contract import EFFECT_CHECKS, FORM_CHECKS, pieces_make_the_whole
+from pam_ident.validation.effect_contract import EFFECT_CHECKS, FORM_CHECKS, pieces_make_the_whole, showing
 
 FORMS = [(effect, form) for effect in catalogue().values() for form in effect.forms]
 
 
 @pytest.mark.parametrize(("effect", "form"), FORMS, ids=[f"{e.name}:{f.name}" for e, f in FORMS])
 def test_a_form_keeps_its_promises(effect, form, record):
-    assert {check.__name__: wrong for check in FORM_CHECKS if (wrong := check(effect, form, record))} == {}
+    shown = showing(record, form)
+    assert {check.__name__: wrong for check in FORM_CHECKS if (wrong := check(effect, form, shown))} == {}
 
 
 @pytest.mark.parametrize("effect", catalogue().values(), ids=catalogue())

@@ -14,7 +14,7 @@ from pam_ident.fitting.readings import Readings, in_memory
 from pam_ident.fitting.solve import jacobian, solve
 from pam_ident.model import Model
 from pam_ident.validation.check_effects import clean_record
-from pam_ident.validation.effect_contract import LAW_VALUES, plausible
+from pam_ident.validation.effect_contract import LAW_VALUES, plausible, showing
 
 LAWS = ["exponential_law", "modified_chou_hannaford", "polynomial", "wickramatunge_leephakpreeda"]
 
@@ -99,9 +99,9 @@ def plain():
 @pytest.mark.parametrize("label", FORMS)
 def test_what_is_read_in_chunks_is_the_same_as_read_whole(label, plain, small):
     """The gradient of each form that a large fit takes, chunk by chunk, against the whole Jacobian's."""
-    made = plain
     model = Model.build("exponential_law", (label,))
     ((effect, form),) = [(term.effect, term.form) for term in model.terms]
+    made = showing(plain, form)
     if not pays_in_chunks(model, made, np.ones(len(made), bool)):
         assert form.remembers or form.uses_force
         return

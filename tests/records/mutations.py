@@ -82,7 +82,8 @@ def damage(text, sep, before, rng):
     if kind == 5:
         return "".join([*lines[:k], lines[k + 1], lines[k], *lines[k + 2 :]]), 2, 0, k
     if kind == 6:
-        return text[: max(at, len(text) // 4)], len(lines), 1, row
+        kept = text[: max(at, len(text) // 4)]
+        return kept, len(lines), 1, kept.count("\n")
     cells = lines[k].rstrip("\r\n").split(sep)
     j = int(rng.integers(len(cells)))
     rest = lines[k][len(lines[k].rstrip("\r\n")) :]

@@ -117,10 +117,19 @@ def test_gauge_pressure_is_pressure(put, header):
         ("force_N", ("force", "N")),
         ("valve_abs", ("valve_abs", None)),
         ("x [°C]", ("x", "C")),
+        ("x [°F]", ("x", "degF")),
     ],
 )
 def test_other_headers_have_the_units_they_had(header, found):
     assert split_header(header) == found
+
+
+def test_shuffled_rows_are_no_static_table(put):
+    shuffled = np.random.default_rng(1).permutation(TIME)
+    for header in ("time_s", "Zeit [s]"):
+        refusal(put(column(0, header, shuffled)), "time runs backwards", "sort the rows")
+    begun = np.r_[TIME[:12], TIME[: ROWS - 12]]
+    refusal(put(column(0, "Zeit [s]", begun)), "where another run begins here, give it a file of its own")
 
 
 def test_a_mapping_against_an_absolute_header_is_refused(put):

@@ -256,3 +256,19 @@ def test_a_drive_that_speeds_up_and_brakes_within_a_few_samples_is_read_as_it_mo
     true = np.r_[pace, np.zeros(12), -pace, np.zeros(12)]
     assert np.max(np.abs(inputs.velocity - true)) < 0.13 * speed
     assert np.sqrt(np.mean((inputs.velocity - true) ** 2)) < 0.04 * speed
+
+
+@pytest.mark.parametrize("rests", [True, False], ids=["ticks at rest", "slides already"])
+def test_the_force_tells_whether_the_last_sample_of_a_hold_still_rests(rests):
+    """A clock ticks through holds and strokes; friction turns after that sample, or at it."""
+    tick, rng = np.arange(16, dtype=float), np.random.default_rng(5)
+    up = np.r_[2.5 * tick, np.full(10, TRAVEL)]
+    x, sign = np.tile(np.r_[up, TRAVEL - up], 4), np.tile(np.repeat([1.0, -1.0], 26), 4)
+    begins = (np.arange(len(x)) % 26 == 0) & (np.arange(len(x)) > 0)
+    slides = np.where(begins & rests, -sign, sign)
+    force = 900.0 - 12.0 * x - 8.0 * slides + 0.5 * rng.standard_normal(len(x))
+    noisy = x + 0.02 * rng.standard_normal(len(x))
+    made = build_record("r", MUSCLE, np.full(len(x), 0.3), noisy / 200.0, force, time=0.1 * np.arange(len(x)))
+    assert made.inputs.moving[begins].tolist() == [not rests] * 7
+    assert made.inputs.direction[begins].tolist() == slides[begins].tolist()
+    assert (made.inputs.velocity[begins] == 0.0).all() == rests

@@ -72,12 +72,14 @@ def test_a_run_longer_than_a_piece_is_parted_where_it_turns(monkeypatch):
     monkeypatch.setattr(turning, "PIECE", 1000)
     x = 20.0 - 20.0 * np.cos(2.0 * np.pi * np.arange(5000) / 300.0)
     time = np.arange(5000.0)
-    parts = list(pieces(5000, lambda begin, end: (time[begin:end], x[begin:end], 0.0 * x[begin:end]), 0.2, np.inf))
-    np.testing.assert_array_equal(np.concatenate([when for _, when, _ in parts]), time)
-    np.testing.assert_array_equal(np.concatenate([where for _, _, where in parts]), x)
-    assert [fresh for fresh, _, _ in parts] == [True] + [False] * (len(parts) - 1)
-    assert all(len(when) <= 1000 for _, when, _ in parts)
-    assert all((when[-1] + 1.0) % 150 == 0 for _, when, _ in parts[:-1])
+    columns = (time, x, 0.0 * x, 2.0 * x)
+    parts = list(pieces(5000, lambda begin, end: tuple(column[begin:end] for column in columns), 0.2, np.inf))
+    fresh, *found = zip(*parts, strict=True)
+    for one, column in zip(found, (time, x, 2.0 * x), strict=True):
+        np.testing.assert_array_equal(np.concatenate(one), column)
+    assert fresh == (True, *[False] * (len(parts) - 1))
+    assert all(len(when) <= 1000 for when in found[0])
+    assert all((when[-1] + 1.0) % 150 == 0 for when in found[0][:-1])
 
 
 def test_strokes_and_cycles_are_the_same_whole_and_in_pieces(monkeypatch):

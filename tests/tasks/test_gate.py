@@ -129,6 +129,10 @@ HEADED = {
     "kelvin": (lambda t: t.assign(temperature_C=296.15), "temperature_scale"),
     "epoch milliseconds": (lambda t: t.assign(time_s=1.7e12 + 1e3 * t.time_s), "clock_scale"),
     "ratios": (lambda t: t.assign(contraction_pct=t.pop("displacement_mm") / 200.0), "displacement_scale"),
+    "branches": (
+        lambda t: t.assign(branch=np.where(np.gradient(t.displacement_mm) > 0.0, "extension", "contraction")),
+        "branch_sign",
+    ),
     "absolute bar": (lambda t: t.assign(pressure_bar=10.0 * t.pop("pressure_MPa") + 1.01325), "pressure_absolute"),
 }
 

@@ -64,7 +64,7 @@ print("gained", both - likelier_colour(*asked)[0])
 SHOWS = {
     "effects": r"^\[\]\nspindle_ripple: ripple of the spindle",
     "laws": r'"f2": \{\s+"value"',
-    "patterns": r"^unknown_effect periodic displacement a sawtooth every 5\.(29|3) mm \(even\)",
+    "patterns": r"^unknown_effect periodic displacement a sawtooth every 5\.(29|3) mm \(alike on both branches\)",
     "noises": r"^gained [1-9]\d",
 }
 
