@@ -13,6 +13,7 @@ import argparse
 import contextlib
 import io
 import json
+import re
 import runpy
 import secrets
 import sys
@@ -41,6 +42,8 @@ HEAD = ("| class | a failure is also | seed | tried | ended | failures |", "|---
 OPEN, CLOSE = "<!-- faults -->\n", "<!-- /faults -->"
 SPECIMEN = runpy.run_path(str(ROOT / "tests" / "cli" / "conftest.py"))["SPECIMEN"]
 VERBS = ("inspect", "fit", "compare", "diagnose", "ladder")
+PROGRESS = re.compile(r"after \d+ s: ")
+"""What a slow command says on stderr as it goes."""
 MOST_OFF = 2.0
 """Standard errors by which a spike may move a parameter: as far as its 95 % interval goes."""
 Outcome = tuple[str, str]
@@ -79,6 +82,7 @@ def program(*words: object) -> tuple[int, str, str]:
 def ask(*words: object) -> tuple[int, dict, str]:
     """Exit code, answer and failure of a command with `--json -`."""
     code, out, err = program(*words, "--json", "-")
+    err = "".join(line for line in err.splitlines(keepends=True) if not PROGRESS.match(line))
     wrong = "" if code in (0, 2, 3, 4) else f"exit code {code}: {err[-400:]}"
     if "Traceback" in err or len(err.strip().splitlines()) > 2 or (code == 0 and err):
         wrong = wrong or f"stderr: {err[-400:]}"

@@ -86,6 +86,11 @@ class Against:
     force: ForceDifference | None
     sentence: str
 
+    @property
+    def names(self) -> tuple[str, str]:
+        """What the records are called: A and B where both have one name."""
+        return _names(self.a, self.b)
+
 
 def against(a: Diagnosis, b: Diagnosis) -> Against:
     """What differs between two records that were diagnosed by the same law.
@@ -211,10 +216,7 @@ def _sentence(
     effects: tuple[EffectDifference, ...],
     force: ForceDifference | None,
 ) -> str:
-    names = a.base.record.name, b.base.record.name
-    if names[0] == names[1]:
-        names = "A", "B"
-    parts = []
+    names, parts = _names(a, b), []
     if force is not None:
         error = (force.high - force.low) / 4.0
         parts.append(
@@ -243,6 +245,11 @@ def _sentence(
         )
         parts.append(f"Of the law's squared error {first} and {second} follow {words[most[1]]}")
     return ". ".join(parts) + "."
+
+
+def _names(a: Diagnosis, b: Diagnosis) -> tuple[str, str]:
+    first, second = a.base.record.name, b.base.record.name
+    return (first, second) if first != second else ("A", "B")
 
 
 def _missing_in(one: EffectDifference, names: tuple[str, str]) -> str:

@@ -42,6 +42,8 @@ EQUAL = 20.0
 """Twice the log odds up to which drivers could stand in each other's place."""
 SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
+REST = "the rest"
+"""What follows nothing, where nobody knows that it is noise."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
 
@@ -375,7 +377,9 @@ class Following:
             text = "what comes back with every repeat, or every second one, but follows none of these"
             found.append(Follows("repeats", back, text))
         found.sort(key=lambda one: -one.share)
-        return (*found, Follows("noise", max(1.0 - whole - back, 0.0), "noise"))
+        # What a table leaves may be noise; nothing in it repeats, to tell.
+        text = REST if self.record.inputs.time is None else "noise"
+        return (*found, Follows("noise", max(1.0 - whole - back, 0.0), text))
 
 
 def told(found: Sequence[Follows], error: str = "squared error") -> str:
@@ -383,7 +387,7 @@ def told(found: Sequence[Follows], error: str = "squared error") -> str:
     whole = dict(zip(found, percents([one.share for one in found]), strict=True))
     shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]
     parts = [f"{'a further ' if k else ''}{whole[one]} follows {one.text}" for k, one in enumerate(shown)]
-    noise = next((text for one, text in whole.items() if one.what == "noise"), "0 %")
+    noise, text = next(((text, one.text) for one, text in whole.items() if one.what == "noise"), ("0 %", "noise"))
     if not parts:
         return f"No smooth course over what was driven or recorded explains any of the {error} beyond chance."
-    return f"Of the {error} {', '.join(parts)}; {noise} is noise."
+    return f"Of the {error} {', '.join(parts)}; {noise} {'follows none of these' if text == REST else 'is noise'}."

@@ -22,9 +22,8 @@ SAMPLES = 2 * MOST_POINTS
 
 def render_against(found: Against, provenance: Mapping[str, object]) -> str:
     """One HTML file as text; `provenance` as in a Story."""
-    names = [one.base.record.name for one in (found.a, found.b)]
     records = [("ab", "A against B", parts(found, SAMPLES if available() else 0))]
-    return page(f"{names[0]} against {names[1]}", records, provenance)
+    return page(" against ".join(found.names), records, provenance)
 
 
 def parts(found: Against, samples: int = 0) -> tuple[Part, ...]:
