@@ -67,7 +67,7 @@ class FreeModel:
     @lru_cache(maxsize=4)
     def of(cls, selection: Selection) -> "FreeModel":
         """For the record, law and likeliest drivers of a selection."""
-        noise, freedom = selection.noise_of_best(selection.law, selection.noise.outlier)
+        noise, freedom = selection.noise_of_best(selection.noise.outlier)
         return cls(noise.deviance + selection.penalty.per_parameter * freedom, noise)
 
     def odds(self, selection: Selection, fitted: FittedSet) -> float:

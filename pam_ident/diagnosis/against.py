@@ -236,7 +236,8 @@ def _sentence(
     parts += [f"Missing in {who}: {', '.join(found)}" for who, found in told.items()]
     shares = [{one.what: one.share for one in each.follows} for each in (a, b)]
     words = {one.what: one.text for each in (a, b) for one in each.follows}
-    seen = {d.what for d in DRIVERS if all(d.states(each.base.record.inputs) is not None for each in (a, b))}
+    both = [each.base.record.inputs for each in (a, b)]
+    seen = {d.what for d in DRIVERS if d.what in words and all(d.states(inputs) is not None for inputs in both)}
     moved = [(shares[1].get(w, 0.0) - shares[0].get(w, 0.0), w) for w in words if w in seen]
     most = max(moved, key=lambda one: abs(one[0]), default=(0.0, ""))
     if abs(most[0]) >= SHARE:

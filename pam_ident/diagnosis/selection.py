@@ -117,6 +117,7 @@ class Selection:
         else:
             view, regressors = before.law, before.regressors
         self.law, self.regressors = view, regressors
+        self.of_best: list[tuple[Noise, int]] = [] if before is None else before.of_best
         self.noise: Noise = noise or self._noise(view)
         data = view.compress(regressors, self.noise)
         self._drop_unseen(data)
@@ -142,7 +143,7 @@ class Selection:
         self.known: dict[tuple[str, ...], FittedSet] = {} if before is None else before.known
         self.blocks: dict[str, FormBlock] = {}
         self.noises: dict[FittedSet, Noise] = {}
-        self.plain: dict[tuple[object, ...], Array] = {}
+        self.plain: dict[tuple[object, ...], Array] = {} if before is None else before.plain
         self.refits = 0
 
     def _law_alone(self) -> FittedSet:
@@ -284,16 +285,21 @@ class Selection:
         rich = self.noise_in(left, view, taken)
         if rich.shared or following.unsure is None:
             return rich
-        best, _ = self.noise_of_best(view, rich.outlier)
+        best, _ = self.noise_of_best(rich.outlier)
         return best if best.shared and best.sigma**2 <= (1.0 + OTHER_SIZE) * rich.sigma**2 else rich
 
-    def noise_of_best(self, view: "View", outlier: Array) -> tuple[Noise, int]:
-        """Noise in what the law and surfaces over the likeliest drivers leave, `outlier` (n,) apart, and how many
-        columns these have."""
-        following, surfaces = self.following, self.following.surfaces
-        _, freedom = surfaces.of(following.best)
-        left = following.in_newtons(following.left - surfaces.explained(following.best))
-        return self.noise_in(left, view, len(self.base.values) + freedom, outlier), freedom
+    def noise_of_best(self, outlier: Array) -> tuple[Noise, int]:
+        """Noise in what the law and surfaces over the likeliest drivers leave, and how many columns these have.
+
+        It is found once for a record, and so are the samples that are an `outlier` (n,).
+        """
+        if not self.of_best:
+            following, surfaces = self.following, self.following.surfaces
+            _, freedom = surfaces.of(following.best)
+            left = following.in_newtons(following.left - surfaces.explained(following.best))
+            noise = self.noise_in(left, self.law, len(self.base.values) + freedom, outlier)
+            self.of_best.append((noise, freedom))
+        return self.of_best[0]
 
     def noise_in(
         self, left: Array, view: "View", taken: float, outlier: Array | None = None, white: bool = False

@@ -126,8 +126,10 @@ def _runs_on(table: Table, position: int) -> bool:
     seconds = numbers_in(block.cells[position], "time", table.decimal, Clock()).values
     seconds = seconds[np.isfinite(seconds)]
     steps, apart = np.diff(seconds), np.diff(np.unique(seconds))
-    shuffled = len(apart) == len(steps) and bool(len(steps)) and np.mean(apart) < EVEN * np.median(apart)
-    return bool(np.any(steps > 0.0)) and (shuffled or float(np.mean(steps < 0.0)) < BACKWARDS)
+    if not np.any(steps > 0.0):
+        return False
+    shuffled = len(apart) == len(steps) and np.mean(apart) < EVEN * np.median(apart)
+    return bool(shuffled or np.mean(steps < 0.0) < BACKWARDS)
 
 
 def passed_over(table: Table, sources: Mapping[str, Source]) -> tuple[int, ...]:

@@ -1,6 +1,5 @@
 """A run of the leg as a dictionary that other programs read."""
 
-import math
 from typing import TYPE_CHECKING
 
 from .fit import Json
@@ -35,7 +34,7 @@ def track_json(found: "Track") -> Json:
             {
                 "law": rung.muscle.model.law.name,
                 "effects": rung.muscle.model.labels,
-                "fit_rmse_N": None if math.isnan(rung.muscle.rmse) else rung.muscle.rmse,
+                "fit_rmse_N": rung.muscle.rmse,
                 **_tracking(rung.tracking),
                 "rms_band_deg": None if rung.band is None else list(rung.band),
             }

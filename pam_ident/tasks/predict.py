@@ -56,17 +56,21 @@ class SavedFit:
     written: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
+    def without_readings(self) -> bool:
+        """Whether its file does not hold how far readings lie off."""
+        return bool(self.written) and not any(isinstance(one.get("reading"), dict) for one in self.written.values())
+
+    @property
     def doubts(self) -> tuple[Doubt, ...]:
         """What is doubtful of it on any record but its own."""
         found = []
         if self.undetermined:
-            told = (
-                f"the fit is not valid: its record did not determine {', '.join(self.undetermined)}. Elsewhere it may"
-            )
-            found.append(Doubt("undetermined", f"{told} say anything."))
-        if self.written and not any(isinstance(one.get("reading"), dict) for one in self.written.values()):
-            told = "no interval of readings: the file does not hold how far they lie off; `fit --json` learns that"
-            found.append(Doubt("no_readings", told))
+            names = ", ".join(self.undetermined)
+            text = f"the fit is not valid: its record did not determine {names}. Elsewhere it may say anything."
+            found.append(Doubt("undetermined", text))
+        if self.without_readings:
+            text = "no interval of readings: the file does not hold how far they lie off; `fit --json` learns that"
+            found.append(Doubt("no_readings", text))
         return tuple(found)
 
     @property
@@ -310,7 +314,8 @@ def predict_at(saved: SavedFit, at: str | Path) -> Predicted:
     if "unexplained" in frame and frame["unexplained"].to_numpy().any():
         lack = "the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks"
         warnings.append(lack)
-    if states.load is not None and not saved.doubts and not frame["reading_low_mm"].notna().to_numpy().any():
+    lengths = states.load is not None and not saved.without_readings
+    if lengths and not frame["reading_low_mm"].notna().to_numpy().any():
         warnings.append("no interval of readings: how far lengths lie off was not learned from the record fitted")
     return Predicted(frame, tuple(warnings))
 

@@ -42,6 +42,12 @@ def test_a_fit_that_was_not_valid_says_so_elsewhere(ask, answer, saved, clean, t
     assert asked.exit_code == 0 and "the fit is not valid: its record did not determine mu" in asked.stderr
     _, judged = answer("validate", tmp_path / "loose.json", clean)
     assert "undetermined" in [one["code"] for one in judged["warnings"]]
+    reading = content["branches"]["together"]["reading"]
+    reading.update({key: None for key in reading if key.endswith("_N")})
+    (tmp_path / "loose.json").write_text(json.dumps(content))
+    (tmp_path / "loads.csv").write_text("pressure_MPa,force_N\n0.25,200\n", encoding="utf-8")
+    lengths = ask("predict", tmp_path / "loose.json", "--at", tmp_path / "loads.csv")
+    assert "did not determine mu" in lengths.stderr and "how far lengths lie off was not learned" in lengths.stderr
 
 
 def test_predict_writes_a_table(ask, answer, saved, tmp_path):
