@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 
 from ..core import UsageError
-from ..core.digits import newtons
+from ..core.digits import millimetres, newtons
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
-from ..fitting.carried import driven
+from ..fitting.carried import driven, length_rmse
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
@@ -35,7 +35,8 @@ from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentenc
 Array = np.ndarray
 LITTLE, BY_FORM = 0.035, 0.5
 """Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
-which follows nothing likely, or is static beside another static one: 7 of 12 and 12 of 18 were false."""
+which follows nothing likely, is static beside another static one, or a smaller one in its free form: 7 of 12, 12 of 18
+and 5 of 9 were false."""
 ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
@@ -189,8 +190,11 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
+    off = (length_rmse(base), length_rmse(best))
     if record.carried:
-        said += " A load was held and the length answered: errors are those of the force at the measured length."
+        said += " A load was held and the length answered: errors are those of the force at the measured length"
+        told = " → ".join(millimetres(one) for one in dict.fromkeys(off) if one is not None)
+        said += f"; fitted to the length, the model errs by {told}." if told else "."
     said += reservations({name: rivals[name] for name in selected}, by_form, extra)
     found = Diagnosis(
         base,
@@ -208,6 +212,8 @@ def diagnosing(
         said,
         follows,
         {"followed": following.newtons_followed} if len(steady) == len(record) else {},
+        rmse_mm=off[0],
+        rmse_after_mm=off[1],
     )
     yield found
     if pattern:
@@ -237,10 +243,10 @@ def by_form_alone(
     """Of names, largest first, those for which only a form speaks: the chance that it does so rightly, and why it is
     asked, in a sentence.
 
-    With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
-    and the error rather `follows` another; and where it is static beside another that is, or is not told from one that
-    is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
-    temperature, of which nobody knows from where it counts.
+    In its free form beside a larger one; with the largest of the others, where the form of that may leave what it
+    explains; where no driver of it is likely, and the error rather `follows` another; and where it is static beside
+    another that is, or is not told from one that is (`classes`), or in its free form, since only forms tell static
+    effects apart, or beside what follows the temperature, of which nobody knows from where it counts.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -249,7 +255,10 @@ def by_form_alone(
     for term in named:
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
-        if others and selection.part(fitted, term) < LITTLE:
+        if term.form.free and term is not named[0]:
+            why = f"No written form of it fits, and its free form may be what the form of {named[0].effect.title} leaves."
+            found[name] = BY_FORM, why
+        elif others and selection.part(fitted, term) < LITTLE:
             found[name] = 1.0 - DOUBTFUL, f"Without it {others[0].title}, in another form, could leave as little."
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
             found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."

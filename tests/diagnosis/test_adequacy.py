@@ -65,6 +65,15 @@ def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_expla
     assert little == {"series_compliance": (0.85, said)}
 
 
+def test_a_smaller_name_in_its_free_form_is_no_sure_one(hidden_effect):
+    pressed, drift = (catalogue()[name] for name in ("pressure_friction", "force_drift"))
+    large, free = Term(pressed, pressed.forms[0]), Term(drift, next(form for form in drift.forms if form.free))
+    selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [pressed, drift])
+    both = selection.refit([large, free])
+    (chance, why), *others = by_form_alone(selection, both, [large, free], (), "").values()
+    assert not others and chance == 0.5 and why.startswith("No written form of it fits, and its free form may be")
+
+
 def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):
     """Once the speed alone was seen here, because its surfaces come near to what the direction does."""
     secrets = (Secret("viscous_damping", "textbook", 1.446), Secret("coulomb_friction", "textbook", 0.8204))
