@@ -256,7 +256,9 @@ def by_form_alone(
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
         if term.form.free and term is not named[0]:
-            why = f"No written form of it fits, and its free form may be what the form of {named[0].effect.title} leaves."
+            why = (
+                f"No written form of it fits, and its free form may be what the form of {named[0].effect.title} leaves."
+            )
             found[name] = BY_FORM, why
         elif others and selection.part(fitted, term) < LITTLE:
             found[name] = 1.0 - DOUBTFUL, f"Without it {others[0].title}, in another form, could leave as little."
