@@ -167,7 +167,8 @@ def diagnosing(
     for name, (sure, _) in by_form.items():
         for one in {name}.union(*(group for group in classes if group[0] == name)):
             doubtful[one] = min(sure, doubtful.get(one, 1.0))
-    chance = {name: chance[name] * doubtful.get(name, 1.0) for name in chance}
+    worse = bool(named) and after > heldout
+    chance = {name: chance[name] * doubtful.get(name, 1.0) * (BY_FORM if worse else 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
@@ -195,6 +196,8 @@ def diagnosing(
         said += " A load was held and the length answered: errors are those of the force at the measured length"
         told = " → ".join(millimetres(one) for one in dict.fromkeys(off) if one is not None)
         said += f"; fitted to the length, the model errs by {told}." if told else "."
+    if worse:
+        said += " Less sure: with what is named, held-out data are predicted worse than without."
     said += reservations({name: rivals[name] for name in selected}, by_form, extra)
     found = Diagnosis(
         base,

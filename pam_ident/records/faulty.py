@@ -49,34 +49,33 @@ def spike_rows(values: Mapping[str, Array]) -> dict[str, Array]:
     of the motion and a burst are not. The first row and the last have nothing to come back to, nor has one beside a
     step of the pressure, which another run or isobar begins with, or of the track itself.
     """
-    if "time" not in values:
+    if "time" not in values or not _most_faults(len(values["time"])):
         return {}
     found = {}
     for key in (key for key in SENSORS if key in values):
+        x = values[key] if key == "force" else values[key] - np.median(values[key])
         guards = [values[other] for other in {"pressure", key} - {"force"} if other in values]
-        rows = _spikes(values[key] if key == "force" else values[key] - np.median(values[key]), guards)
+        rows = _spikes(x, np.zeros(len(x)) if key == "force" else np.abs(np.diff(x, prepend=x[0])), guards)
         if rows.any():
             found[key] = rows
     return found
 
 
-def _spikes(x: Array, guards: Iterable[Array]) -> Array:
-    """Mask (n,) of the lone readings of a sensor, none where one of the `guards` (n,) steps."""
-    none, most = np.zeros(len(x), bool), _most_faults(len(x))
-    if not most:
-        return none
-    near = _windows(x, 2)
+def _spikes(x: Array, moves: Array, guards: Iterable[Array]) -> Array:
+    """Mask (n,) of the lone readings of a sensor, farther off than it `moves` (n,) from row to row, where it is driven;
+    none where one of the `guards` (n,) steps."""
+    most, near = _most_faults(len(x)), _windows(x, 2)
     middle = np.partition(near, 2, axis=1)[:, 2]
     bend = np.abs(x - [2.0 * near[:, 1] - near[:, 0], 2.0 * near[:, 3] - near[:, 4]]).min(axis=0)
     off = np.minimum(bend, np.abs(x - middle))
     far = np.flatnonzero(off > SHARE * np.partition(np.abs(x), -most - 1)[-most - 1])
-    lone = far[off[far] > TIMES * _usual(bend, far)]
+    lone = far[off[far] > TIMES * _usual(np.maximum(bend, moves), far)]
     for guard in guards:
         ends = np.pad(guard, 1, mode="edge")
         across = np.abs(ends[2:] - ends[:-2])
         steps = np.maximum(TIMES * _usual(across, lone), SHARE * np.abs(guard).max())
         lone = lone[across[lone] <= steps]
-    return np.isin(np.arange(len(x)), lone) if len(lone) <= most else none
+    return np.isin(np.arange(len(x)), lone if len(lone) <= most else [])
 
 
 def _usual(x: Array, rows: Array) -> Array:
