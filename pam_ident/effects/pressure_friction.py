@@ -63,6 +63,7 @@ EFFECT = Effect(
             "−(p + p_0) sgn(ε̇), and in motion alone",
             keeping_no_more(_preloaded),
             2,
+            pressure=0,
             contraction=2,
             nonlinear=(P_0,),
             resisting=2,
