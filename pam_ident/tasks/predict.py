@@ -155,7 +155,9 @@ class Validation(Shown):
     def sentence(self) -> str:
         """The answer in words."""
         share = probability(self.coverage)
-        known = "" if math.isnan(self.coverage) else f" {share} of the readings lie in their 95 % interval."
+        known = f" {share} of the readings lie in their 95 % interval."
+        if math.isnan(self.coverage):
+            known = " No interval of readings: the record fitted did not show how far they lie off."
         names = " and ".join(SIMPLER[name] for name in self.as_well)
         if self.coverage < HOLDS:
             known += " So it does not hold for this record."
