@@ -114,8 +114,8 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     drift = _tare_drift(record)
     if drift is not None:
         text = (
-            f"between the first and the last tare (no pressure) the force drifts by {newtons(drift)}. Tare the "
-            "load cell before each isobar, let it warm up, and keep the tares in the record."
+            f"between the first and the last tare (no pressure) the force drifts by {newtons(drift)}, unless friction "
+            "was left there. Tare the load cell before each isobar, let it warm up, and keep the tares in the record."
         )
         yield Doubt("tare_drift", text, "force")
 
