@@ -33,10 +33,10 @@ from .selection import FittedSet, Selection
 from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
-LITTLE, BY_FORM = 0.035, 0.5
-"""Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
-which follows nothing likely, is static beside another static one, or a smaller one in its free form: 7 of 12, 12 of 18
-and 5 of 9 were false."""
+LITTLE, LITTLE_FREE, BY_FORM = 0.035, 0.13, 0.5
+"""Share of what all names explain that the unforeseen form of another may leave, and what of that another's free form
+takes up; and the chance that a name is right which does so, follows nothing likely, or is static beside another static
+one: 4 of 4 (and none of 4 with a larger share), 7 of 12 and 12 of 18 were false."""
 ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
@@ -246,10 +246,10 @@ def by_form_alone(
     """Of names, largest first, those for which only a form speaks: the chance that it does so rightly, and why it is
     asked, in a sentence.
 
-    In its free form beside a larger one; with the largest of the others, where the form of that may leave what it
-    explains; where no driver of it is likely, and the error rather `follows` another; and where it is static beside
-    another that is, or is not told from one that is (`classes`), or in its free form, since only forms tell static
-    effects apart, or beside what follows the temperature, of which nobody knows from where it counts.
+    With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
+    and the error rather `follows` another; and where it is static beside another that is, or is not told from one that
+    is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
+    temperature, of which nobody knows from where it counts.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -258,13 +258,10 @@ def by_form_alone(
     for term in named:
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
-        if term.form.free and term is not named[0]:
-            why = (
-                f"No written form of it fits, and its free form may be what the form of {named[0].effect.title} leaves."
-            )
-            found[name] = BY_FORM, why
-        elif others and selection.part(fitted, term) < LITTLE:
-            found[name] = 1.0 - DOUBTFUL, f"Without it {others[0].title}, in another form, could leave as little."
+        free = term.form.free and term.effect.follows[:1] != ("temperature",)  # which is measured, and like no other
+        if others and selection.part(fitted, term) < (LITTLE_FREE if free else LITTLE):
+            why = f"Without it {others[0].title}, in another form, could leave as little."
+            found[name] = BY_FORM if free else 1.0 - DOUBTFUL, why
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
             found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
         elif timed and name in known and (alike := [e for e in others if e.name in static]):

@@ -102,7 +102,7 @@ def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
             "does not. Measure at least three, better five."
         )
     if record.kind == "isometric" and np.ptp(inputs.contraction) < HELD_LENGTH:
-        yield "one locked length: it shows no law, and no effect is named. Lock the muscle at three lengths, better five."
+        yield "one locked length: it shows no law, and no effect is named. Lock the muscle at three lengths or more."
     if inputs.time is None:
         yield "no time column (time_s): damping, lag, creep, drift and holds cannot be seen. Log the time."
         if not inputs.has("branch"):

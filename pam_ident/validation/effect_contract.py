@@ -88,6 +88,8 @@ def introduces_itself(effect: Effect, record: Record) -> list[str]:
         found.append(f"two forms have the same name: {', '.join(names)}")
     if (effect.special_case_of and effect.special_case_of not in catalogue()) or effect.special_case_of == effect.name:
         found.append(f"special_case_of = {effect.special_case_of!r} is no other effect")
+    if effect.own and effect.own not in {p.name for form in effect.forms for p in form.linear}:
+        found.append(f"own = {effect.own!r} is no size of any form")
     return found
 
 
