@@ -313,10 +313,11 @@ def predict_at(saved: SavedFit, at: str | Path) -> Predicted:
     warnings = [*states.warnings, *(one.text for one in saved.doubts)]
     if frame["outside"].to_numpy().any():
         warnings.append(_beyond(saved, frame))
-    if lost := int(frame["contraction"].isna().sum()):
-        first = frame[frame["contraction"].isna()].iloc[0]
-        state = f"{newtons(first['force_N'])} at {first['pressure_MPa']:.3g} MPa"
-        rows = "1 row has" if lost == 1 else f"{lost} rows have"
+    lost = np.flatnonzero(np.isnan(frame["contraction"].to_numpy()))
+    if len(lost):
+        load, pressure = (float(frame[key].to_numpy()[lost[0]]) for key in ("force_N", "pressure_MPa"))
+        rows = "1 row has" if len(lost) == 1 else f"{len(lost)} rows have"
+        state = f"{newtons(load)} at {pressure:.3g} MPa"
         warnings.append(f"{rows} no length: the fit carries no such load there (the first is {state})")
     if "unexplained" in frame and frame["unexplained"].to_numpy().any():
         lack = "the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks"
