@@ -48,7 +48,8 @@ def _general(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
     """The effect that this one is a special case of, where the record does not need the size that makes it one."""
     effect, form = term.effect, term.form
     kept = [k for k, p in enumerate(form.linear) if p.name != effect.own]
-    if not effect.special_case_of or len(kept) == len(form.linear):
+    known = {e.name for e in (*selection.candidates, *selection.rivals)}
+    if effect.special_case_of not in known or len(kept) == len(form.linear):
         return []
 
     def columns(inputs: Inputs, values: Values, force: Array) -> Array:
