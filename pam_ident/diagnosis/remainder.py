@@ -226,10 +226,9 @@ def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
         return None
     clean = inputs.moving & ~selection.noise.outlier
+    # Evened by what the noise has not, fast strokes would look calm.
     left = _evened(selection, fitted) if selection.noise.shared else selection.view(fitted).residual
-    size = _by_level(
-        np.abs(left)[clean], level[clean]
-    )  # evened by what the noise has not, fast strokes would look calm
+    size = _by_level(np.abs(left)[clean], level[clean])
     speed = np.round(np.log2(np.maximum(inputs.stroke_speed[clean], 1e-9)))
     groups = [size[speed == one] for one in np.unique(speed)]
     found = [(len(one), float(np.median(one)) ** 2) for one in groups if len(one) >= 2 * WINDOW]

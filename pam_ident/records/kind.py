@@ -60,7 +60,7 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
         return "isobaric"
     if driven and _clamped(e):
         return "isometric"
-    for held, kind in ((e, "isometric"), *([(force, "isotonic")] if answers else [])):
+    for held, kind in ((e, "isometric"), (force, "isotonic"))[: 1 + answers]:
         if driven and _way(held) < WAY * _way(p):
             return kind
     switched = driven and np.count_nonzero(np.diff(level)) >= len(_turns(e))

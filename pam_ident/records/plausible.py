@@ -220,10 +220,7 @@ def _doubt_isobar(record: Record, likeness: float | None) -> Iterator[Doubt]:
             what = f"the force falls as if it ended at a contraction of {end:.3g}, where a muscle ends at 0.15 to 0.4"
             if grave:
                 low, high = (share * free for share in HALF)
-                what = (
-                    f"half of the force is gone within a contraction of {half:.2g}, where a muscle takes {low:.2g} to "
-                )
-                what += f"{high:.2g}"
+                what = f"half of the force is gone within a contraction of {half:.2g}, not {low:.2g} to {high:.2g}"
             text = f"at {level:g} MPa {what}. Check the unit of the displacement and initial_length_mm of the specimen."
             yield Doubt("displacement_scale", text, "displacement", grave)
 
