@@ -96,7 +96,7 @@ def row(record: Record, by: str) -> str:
 def cylinder_in_numbers(record: Record) -> list[str]:
     """The area, the friction by pressure, and the error at 5 bar by a fit to the others."""
     lines = []
-    for label in ("pressure_friction", "coulomb_friction", "pressure_friction + coulomb_friction"):
+    for label in ("pressure_friction", "coulomb_friction", "pressure_friction:preloaded"):
         model = Model("polynomial", label.split(" + "))
         with computing(record):
             one = fit(model, record)

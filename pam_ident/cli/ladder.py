@@ -60,6 +60,7 @@ def rungs(found: "Ladder") -> list[str]:
     from ..effects import named
     from ..tasks.ladder import steps
 
+    carried = found.rungs[0].fit.record.carried
     names = steps((rung.fit.model for rung in found.rungs), named)
     rows = [
         (
@@ -67,17 +68,18 @@ def rungs(found: "Ladder") -> list[str]:
             name.replace("\n", ", "),
             str(len(rung.fit.model.params)),
             text.number(rung.fit.rmse, 3),
+            *((text.number(rung.rmse_mm, 3),) if carried else ()),
             *((text.number(rung.refit_rmse, 3),) if found.nested else ()),
             text.number(rung.heldout_rmse, 3),
         )
         for k, (name, rung) in enumerate(zip(names, found.rungs, strict=True))
     ]
-    head = ("step", "model", "parameters", "rmse [N]")
+    head = ("step", "model", "parameters", "rmse [N]", *(("of the length [mm]",) if carried else ()))
     floor = f"  noise {text.newtons(found.noise_floor)}; verdict: {text.verdict(found.verdict)}"
     if found.nested is None:
         return [*text.table((*head, "held out [N]"), rows, left=(0, 1)), floor]
     rows += [
-        ("law alone", name, str(count), "", "", text.number(error, 3))
+        ("law alone", name, str(count), "", *(("",) if carried else ()), "", text.number(error, 3))
         for name, (count, error) in list(found.nested.beside.items())[:BESIDE]
     ]
     return [*text.table((*head, "refitted", "nested"), rows, left=(0, 1)), floor, f"  {found.nested.text}"]

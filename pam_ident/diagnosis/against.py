@@ -48,8 +48,8 @@ class ParameterDifference:
 
 @dataclass(frozen=True)
 class EffectDifference:
-    """An effect with its probability in each record, None where that record cannot show it; `where` it is named: both,
-    a or b."""
+    """An effect with its probability in each record, None where that record cannot show it; `where` it is named, or
+    what that record cannot tell from it: both, a or b."""
 
     effect: str
     a: float | None
@@ -118,10 +118,24 @@ def against(a: Diagnosis, b: Diagnosis) -> Against:
     return Against(a, b, fits, parameters, effects, force, _sentence(a, b, parameters, effects, force))
 
 
+def _untold(a: Diagnosis, b: Diagnosis) -> tuple[dict[str, str], dict[str, str]]:
+    """Names of each record that it cannot tell from one of the other's, and that: it is the same, which only the other
+    tells."""
+
+    def found(one: Diagnosis, other: Diagnosis) -> dict[str, str]:
+        own = [(first, next((n for n in rest if n in other.selected), None)) for first, *rest in one.groups]
+        return {first: named for first, named in own if named and first not in other.selected}
+
+    of_a = found(a, b)
+    return of_a, {name: named for name, named in found(b, a).items() if name not in of_a.values()}
+
+
 def _fits(a: Diagnosis, b: Diagnosis) -> tuple[Fit, Fit]:
     """One model fitted to both; to each without an effect that it cannot hold."""
     base, extra = a.base.model, tuple(t.effect for t in (*a.best.model.terms, *b.best.model.terms))
-    named = [as_term(label, extra) for label in (*a.labels, *b.labels)]
+    pairs = zip((a, b), _untold(a, b), strict=True)
+    told = [label for one, same in pairs for n, label in zip(one.selected, one.labels, strict=True) if n not in same]
+    named = [as_term(label, extra) for label in told]
     terms = list({term.effect.name: term for term in named}.values())
     records = a.base.record, b.base.record
     held = [[term for term in terms if not term.effect.missing(record.inputs)] for record in records]
@@ -170,11 +184,12 @@ def _holm(chances: list[float]) -> list[float]:
 
 def _effects(a: Diagnosis, b: Diagnosis) -> tuple[EffectDifference, ...]:
     chances = [{s.effect: s.probability if s.status == "candidate" else None for s in one.ranking} for one in (a, b)]
-    names = dict.fromkeys((*a.selected, *b.selected))
+    same = _untold(a, b)
+    there = [{other.get(n, n) for n in one.selected} for one, other in zip((a, b), same, strict=True)]
     where = {(True, True): "both", (True, False): "a", (False, True): "b"}
+    names = [n for n in dict.fromkeys((*a.selected, *b.selected)) if n in there[0] | there[1]]
     return tuple(
-        EffectDifference(n, chances[0].get(n), chances[1].get(n), where[n in a.selected, n in b.selected])
-        for n in names
+        EffectDifference(n, chances[0].get(n), chances[1].get(n), where[n in there[0], n in there[1]]) for n in names
     )
 
 

@@ -1,10 +1,13 @@
 """What a record cannot tell apart."""
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
 
+from ..core import Inputs
 from ..effects import Effect
+from ..effects.base import Values
 from ..model import Term
 from .follows import one_speed
 from .search import CLOSE
@@ -21,7 +24,7 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
         if not term.effect.candidate:
             continue
         rest = selection.refit(fitted.without(term), fitted.values)
-        twins = _same_form(selection, term)
+        twins = [*_same_form(selection, term), *_general(selection, fitted, term)]
         twins += [n for n in _close(selection, fitted, rest, term.effect) if n not in twins]
         twins += [n for n in _fitted(selection, fitted, term.effect) if n not in twins]
         if selection.record.inputs.slide is not None:
@@ -39,6 +42,25 @@ def _same_form(selection: Selection, term: Term) -> list[str]:
     known = (*selection.candidates, *selection.rivals)
     cases = [e.name for e in known if e.special_case_of == term.effect.name]
     return [name for name in cases if name.startswith(term.form.name.partition("_")[0])]
+
+
+def _general(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
+    """The effect that this one is a special case of, where the record does not need the size that makes it one."""
+    effect, form = term.effect, term.form
+    kept = [k for k, p in enumerate(form.linear) if p.name != effect.own]
+    known = {e.name for e in (*selection.candidates, *selection.rivals)}
+    if effect.special_case_of not in known or len(kept) == len(form.linear):
+        return []
+
+    def columns(inputs: Inputs, values: Values, force: Array) -> Array:
+        return form.columns(inputs, values, force)[:, kept]
+
+    linear = tuple(form.linear[k] for k in kept)
+    plain = Term(effect, replace(form, name=f"{form.name}_plain", linear=linear, columns=columns))
+    aside = copy(selection)
+    aside.cache = dict(selection.cache)  # it counts for no odds of what was tried
+    fewer = aside.refit([*fitted.without(term), plain], fitted.values)
+    return [effect.special_case_of] if fewer.squares < fitted.squares + CLOSE else []
 
 
 def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Effect]:

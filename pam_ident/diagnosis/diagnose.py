@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 
 from ..core import UsageError
-from ..core.digits import newtons
+from ..core.digits import millimetres, newtons
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
-from ..fitting.carried import driven
+from ..fitting.carried import driven, length_rmse
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
@@ -33,9 +33,10 @@ from .selection import FittedSet, Selection
 from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
-LITTLE, BY_FORM = 0.035, 0.5
-"""Share of what all names explain that the unforeseen form of another may leave; and the chance that a name is right
-which follows nothing likely, or is static beside another static one: 7 of 12 and 12 of 18 were false."""
+LITTLE, LITTLE_FREE, BY_FORM = 0.035, 0.13, 0.5
+"""Share of what all names explain that the unforeseen form of another may leave, and what of that another's free form
+takes up; and the chance that a name is right which does so, follows nothing likely, or is static beside another static
+one: 4 of 4 (and none of 4 with a larger share), 7 of 12 and 12 of 18 were false."""
 ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero
@@ -166,7 +167,8 @@ def diagnosing(
     for name, (sure, _) in by_form.items():
         for one in {name}.union(*(group for group in classes if group[0] == name)):
             doubtful[one] = min(sure, doubtful.get(one, 1.0))
-    chance = {name: chance[name] * doubtful.get(name, 1.0) for name in chance}
+    worse = bool(named) and after > heldout
+    chance = {name: chance[name] * doubtful.get(name, 1.0) * (BY_FORM if worse else 1.0) for name in chance}
     outcome = "unknown_effect" if pattern else "missing_effect" if named else "adequate"
     labels = tuple(t.label for t in named)
     noise = selection.noise_left_by(fitted) if patterns else selection.noise
@@ -189,8 +191,13 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
+    off = (length_rmse(base), length_rmse(best))
     if record.carried:
-        said += " A load was held and the length answered: errors are those of the force at the measured length."
+        said += " A load was held and the length answered: errors are those of the force at the measured length"
+        told = " → ".join(millimetres(one) for one in dict.fromkeys(off) if one is not None)
+        said += f"; fitted to the length, the model errs by {told}." if told else "."
+    if worse:
+        said += " Less sure: with what is named, held-out data are predicted worse than without."
     said += reservations({name: rivals[name] for name in selected}, by_form, extra)
     found = Diagnosis(
         base,
@@ -208,6 +215,8 @@ def diagnosing(
         said,
         follows,
         {"followed": following.newtons_followed} if len(steady) == len(record) else {},
+        rmse_mm=off[0],
+        rmse_after_mm=off[1],
     )
     yield found
     if pattern:
@@ -249,8 +258,10 @@ def by_form_alone(
     for term in named:
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
-        if others and selection.part(fitted, term) < LITTLE:
-            found[name] = 1.0 - DOUBTFUL, f"Without it {others[0].title}, in another form, could leave as little."
+        free = term.form.free and term.effect.follows[:1] != ("temperature",)  # which is measured, and like no other
+        if others and selection.part(fitted, term) < (LITTLE_FREE if free else LITTLE):
+            why = f"Without it {others[0].title}, in another form, could leave as little."
+            found[name] = BY_FORM if free else 1.0 - DOUBTFUL, why
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
             found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
         elif timed and name in known and (alike := [e for e in others if e.name in static]):

@@ -131,7 +131,8 @@ class Following:
         free = [not at_bound(p, values[p.name]) for p in model.bounded(inputs)]  # none can follow beyond its bound
         law = orthonormal(even(jacobian(model, inputs, values, self.record.force)[:, free]))
         self.left = left - law @ (law.T @ left)
-        self.surfaces = Surfaces(inputs, law, self.left, even)
+        one = ("speed",) if one_speed(self.record) else ()  # which is then the direction
+        self.surfaces = Surfaces(inputs, law, self.left, even, one)
         richest = self._richest()
         remainder = self.left - self.surfaces.explained(richest)
         self.variance = float(remainder @ remainder) / max(int(self.read.sum()) - self.surfaces.of(richest)[1], 1.0)

@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..fitting import Fit
+from ..fitting.carried import length_rmse
 from .strokes import Strokes
 
 Array = np.ndarray
@@ -134,7 +136,8 @@ class Diagnosis:
     `base` is the model as given, `best` with the `selected` effects (names, largest first) added. `labels` are
     the same with their forms. `follows` says what the error of `base` follows, whatever it is called, and
     `details["followed"]` how much of it in N, shape (n,), unless the record was too long to look at whole. Floors and
-    errors in N, those on held-out data `nested` where everything was chosen anew without it, else `refit`.
+    errors in N, those on held-out data `nested` where everything was chosen anew without it, else `refit`. Where a load
+    was held, `rmse_mm` and `rmse_after_mm` are the errors of the length by `base` and `best` fitted to it.
     """
 
     base: Fit
@@ -153,6 +156,8 @@ class Diagnosis:
     follows: tuple[Follows, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)
     heldout: str = "refit"
+    rmse_mm: float | None = None
+    rmse_after_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -173,6 +178,11 @@ class Rung:
     def effects(self) -> tuple[str, ...]:
         """Labels of the effects in the model."""
         return tuple(self.fit.model.labels)
+
+    @cached_property
+    def rmse_mm(self) -> float | None:
+        """Error of the length in mm rms by its model fitted to that, where a load was held; None where none was."""
+        return length_rmse(self.fit)
 
 
 @dataclass(frozen=True)

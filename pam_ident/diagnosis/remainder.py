@@ -183,11 +183,13 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     for noise with heavy tails strikes single ones. At the corners of the motion what is left is the position's,
     wherever the force is steep.
     """
-    record, inputs = selection.record, selection.record.inputs
+    record, inputs, unsure = selection.record, selection.record.inputs, selection.following.unsure
     if inputs.time is None:
         return None
     moves = inputs.direction if inputs.moving is None else inputs.direction * inputs.moving
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
+    if unsure:  # nor is known what a rest begins with, which nobody saw the muscle come to
+        corner |= unsure.unread
     size, time, level = (v[~corner] for v in (_evened(selection, fitted), inputs.time, record.level))
     window = max(WINDOW, round(MEMORIES * selection.noise.memory_samples(time)))
     count = (len(size) - 2) // window
@@ -224,7 +226,9 @@ def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
         return None
     clean = inputs.moving & ~selection.noise.outlier
-    size = _by_level(np.abs(_evened(selection, fitted))[clean], level[clean])
+    # Evened by what the noise has not, fast strokes would look calm.
+    left = _evened(selection, fitted) if selection.noise.shared else selection.view(fitted).residual
+    size = _by_level(np.abs(left)[clean], level[clean])
     speed = np.round(np.log2(np.maximum(inputs.stroke_speed[clean], 1e-9)))
     groups = [size[speed == one] for one in np.unique(speed)]
     found = [(len(one), float(np.median(one)) ** 2) for one in groups if len(one) >= 2 * WINDOW]

@@ -127,7 +127,8 @@ class Selection:
         others = [e for e in self.candidates if tried is not None and e.name not in tried]
         self.candidates = [e for e in self.candidates if e not in others]
         names, possible = {e.name for e in self.candidates}, self.following.possible
-        alike = [e for e in others if e.special_case_of in names or possible.issuperset(e.follows[:1])]
+        general, close = {e.special_case_of for e in self.candidates}, possible.issuperset
+        alike = [e for e in others if e.special_case_of in names or e.name in general or close(e.follows[:1])]
         self.rivals = [*absorbed, *alike]
         self.data = data.only([k for k, a in enumerate(regressors) if a.effect in names])
         self.empty = self._law_alone()

@@ -43,7 +43,8 @@ def sentence(
         )
         if pattern is None and best.rmse > MORE * floor:
             parts.append(
-                f"What is left beyond noise lies in {far} samples, where the motion turns or single ones are far off."
+                f"What is left beyond noise lies in {far} samples, where the motion turns, a run begins at rest or "
+                "single ones are far off."
                 if far
                 else "More than noise is left: the form is not exactly right, or something small is missing, too. Add "
                 "and diagnose again, or take the ladder, which does so."

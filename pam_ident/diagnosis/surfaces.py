@@ -1,6 +1,6 @@
 """Smooth surfaces over each driver, and how much any set of them explains."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import numpy as np
 from scipy.linalg import get_lapack_funcs, solve_triangular
@@ -21,14 +21,16 @@ class Surfaces:
     A group is a driver at one degree of detail: some of its states, times polynomials up to some orders.
     """
 
-    def __init__(self, inputs: Inputs, law: Array, left: Array, even: Callable[[Array], Array]) -> None:
+    def __init__(
+        self, inputs: Inputs, law: Array, left: Array, even: Callable[[Array], Array], without: Collection[str] = ()
+    ) -> None:
         parts: list[Array] = []
         self.names: list[str] = []
         self.columns: list[Array] = []
         begin = 0
         for driver in DRIVERS:
             states = driver.states(inputs)
-            if states is None:
+            if states is None or driver.what in without:
                 continue
             over_p, over_e = (
                 polynomials(values, max(order[k] for order in driver.orders))

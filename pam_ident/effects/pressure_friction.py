@@ -1,7 +1,8 @@
 """Dry friction in proportion to the contact pressure of the braid."""
 
 from ..core import Inputs, Param
-from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, slip
+from ._history import stop_operator
+from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, one, slip
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
 MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
@@ -15,7 +16,10 @@ GROWTH = Param(
     grid=(1.0, -2.0, 3.0),
 )
 
+P_0 = Param("p_0", "MPa", "pressure of the braid on the bladder by itself", 0.0, 1.0, start=0.2, grid=(0.1, 0.4))
 POWER = Param("n", "1", "exponent of the pressure over 0.3 MPa", 0.3, 2.5, start=1.0, grid=(0.7, 1.4))
+WIDTH = Param("x_s", "mm", "travel in which the contact bends before it slides", 0.02, 1.0, start=0.2, grid=(0.1, 0.4))
+"""A longer one is presliding, which has the same form under a name of its own."""
 
 
 def _constant(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -26,13 +30,17 @@ def _held(inputs: Inputs, values: Values, force: Array) -> Array:
     return -inputs.xp.stack(slip(inputs)).T * inputs.pressure[:, None]
 
 
-def _pressed(inputs: Inputs, values: Values, force: Array) -> Array:
-    return _held(inputs, values, force) / 0.3
+def _preloaded(inputs: Inputs, values: Values, force: Array) -> Array:
+    return -inputs.xp.stack(slip(inputs)).T * (inputs.pressure + values["p_0"])[:, None]
 
 
 def _area(inputs: Inputs, values: Values, force: Array) -> Array:
     """The bladder's area over its area at rest, to a power."""
     return _held(inputs, values, force) * bladder_area(inputs)[:, None] ** values["growth"]
+
+
+def _bending(inputs: Inputs, values: Values, force: Array) -> Array:
+    return one(-stop_operator(inputs, values["x_s"]) * (inputs.pressure + values["p_0"]))
 
 
 def _power(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -47,9 +55,19 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−μ_f p sgn(ε̇)", (MU,), _constant),
         AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
+        AddsForce("preloaded", "−μ_f (p + p_0) sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _preloaded, (P_0,)),
+        AddsForce("bending", "−μ_f (p + p_0) clip(Δx/x_s, ±1)", (MU,), _bending, (P_0, WIDTH), remembers=True),
         AddsForce("power", "−μ_f 0.3 MPa (p/0.3 MPa)^n sgn(ε̇)", (MU, MU_HOLD), _power, (POWER,)),
         AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
-        free_form("−p/0.3 MPa sgn(ε̇), and in motion alone", keeping_no_more(_pressed), 2, contraction=2, resisting=2),
+        free_form(
+            "−(p + p_0) sgn(ε̇), and in motion alone",
+            keeping_no_more(_preloaded),
+            2,
+            pressure=0,
+            contraction=2,
+            nonlinear=(P_0,),
+            resisting=2,
+        ),
     ),
     follows=("direction",),
     test="pressures over 4:1: the gap between the branches grows in proportion",

@@ -59,4 +59,5 @@ EFFECT = Effect(
     needs=("branch", "motion"),
     levers=("speed",),
     special_case_of="coulomb_friction",
+    own=F_BREAK.name,
 )

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core import Array
+from ..core import Array, PamError
 from ..model import Model
 from ..records import Record
 from ..records.notes import Notes
@@ -47,6 +47,18 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
         notes.add("weight_stands", "displacement", str(len(record)), left)
         along = replace(along, notes=(*along.notes, *notes.told()))
     return along.take(np.flatnonzero(kept))
+
+
+def length_rmse(one: Fit) -> float | None:
+    """Error of the length in mm rms that the model of a fit to a carried record leaves when it is fitted to that; None
+    for another record, and for a model that says no length, as one that remembers the way."""
+    if not one.record.carried:
+        return None
+    try:
+        errors = fit(one.model, one.record.as_measured, start=one.values, detail=False).length_errors
+    except PamError:
+        return None
+    return errors.rmse if errors else None
 
 
 class InLength(Fit):

@@ -21,6 +21,8 @@ ONE = 0.9995
 """Correlation of two errors that is printed as 1.000: with a third parameter at its bound, nothing tells them apart."""
 SWEPT = 0.15
 """Range of the pressure beside its largest from which it counts as many levels, however they are grouped."""
+WILD = 20.0
+"""Half of a 95 % interval, over the value or the parameter's usual size, from which nothing is known of it."""
 SAME = 1e-5
 """Part of a sensitivity, by its norm, that may be left over where it is called a combination of others."""
 
@@ -83,6 +85,11 @@ def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Arr
             tie = np.nan_to_num(np.abs(matrix[i]) / (spread[i] * spread))
         tie[i] = 0.0
         partner = int(np.argmax(tie)) if len(tie) > 1 else i
+        if half[i] > WILD * reference:
+            partners = (names[partner],) if tie[partner] > TOGETHER else ()
+            text = f"not determined: its 95 % interval reaches {half[i] / reference:.2g} times the value to either side"
+            found.append(Identifiability("flat", text, partners))
+            continue
         # However tied, a parameter known to a tenth of its size is of use as it is.
         if inflation[i] > INFLATION and tie[partner] > TOGETHER and half[i] > 0.1 * reference:
             text = f"traded against {names[partner]} (errors correlated {tie[partner]:.3f})"

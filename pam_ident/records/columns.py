@@ -187,7 +187,7 @@ def _column(
         what = "is empty or NaN" if found.empty[bad[0]] else f"holds {str(cell)[:40]!r}"
         more = f" (and {len(bad) - 1} more rows)" if len(bad) > 1 else ""
         mark = " with a decimal comma, as elsewhere" if table.decimal == "," else ""
-        other = ", hh:mm:ss or an ISO time, the same in all rows" if key == "time" else ""
+        other = ", hh:mm:ss, dd.mm.yyyy hh:mm:ss or an ISO time, the same in all rows" if key == "time" else ""
         raise DataError(
             f"{place_of(table, block, bad[0], source)}: {what}{more}; expected a number{mark}{other}. Fix or "
             "delete the row"

@@ -12,6 +12,7 @@ GRAVE = {
     "displacement_sign": "the displacement is counted the other way",
     "branch_sign": "the branches are named the other way about",
     "force_sign": "pull is counted as negative",
+    "force_constant": "the force does not answer what is driven",
     "force_clipped": "the load cell or its amplifier is at its limit",
     "impossible_value": "single values that no muscle reaches",
     "outlier": "single values that decide the fit",

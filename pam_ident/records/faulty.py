@@ -1,5 +1,5 @@
 """Readings that are faults: a sensor that hangs, one reading again and again, and a jump when it wakes or a muscle
-that moves meanwhile; single readings of the force that leave all others, as a loose plug or a lost bit makes them.
+that moves meanwhile; single readings that leave all others, as a loose plug or a lost bit makes them.
 """
 
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ REACH, FIFTH = 12, 5
 side by side but for a row or two, what lies between is off, too, and none may hide the other."""
 TIMES, SHARE = 4.0, 0.02
 """How many times that a reading is off (some ten standard deviations of white noise), and the share of the largest
-force that it is off: a smaller one decides nothing."""
+that it is off: a smaller one decides nothing."""
 SENSORS = ("pressure", "displacement", "contraction", "length", "force")
 LEAST = 5
 """Repeats of a reading from which it may hang."""
@@ -42,29 +42,40 @@ def impossible_rows(values: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def spike_rows(values: Mapping[str, Array]) -> dict[str, Array]:
-    """Force → mask (n,) of the rows, few, in order of time, in which the force leaves its neighbours for one reading or
-    two and comes back; empty without any.
+    """Quantity → mask (n,) of the rows, few, in order of time, in which its sensor leaves its neighbours for one
+    reading or two and comes back, for those in which any does.
 
     It is off the median about it, and off the straight lines through the two before and the two behind: a step, a turn
     of the motion and a burst are not. The first row and the last have nothing to come back to, nor has one beside a
-    step of the pressure, which another run or isobar begins with.
+    step of the pressure, which another run or isobar begins with, or of the track itself.
     """
-    force = values["force"]
-    most = _most_faults(len(force))
-    if "time" not in values or not most:
+    if "time" not in values or not _most_faults(len(values["time"])):
         return {}
-    near = _windows(force, 2)
+    found = {}
+    for key in (key for key in SENSORS if key in values):
+        x = values[key] if key == "force" else values[key] - np.median(values[key])
+        guards = [values[other] for other in {"pressure", key} - {"force"} if other in values]
+        rows = _spikes(x, np.zeros(len(x)) if key == "force" else np.abs(np.diff(x, prepend=x[0])), guards)
+        if rows.any():
+            found[key] = rows
+    return found
+
+
+def _spikes(x: Array, moves: Array, guards: Iterable[Array]) -> Array:
+    """Mask (n,) of the lone readings of a sensor, farther off than it `moves` (n,) from row to row, where it is driven;
+    none where one of the `guards` (n,) steps."""
+    most, near = _most_faults(len(x)), _windows(x, 2)
     middle = np.partition(near, 2, axis=1)[:, 2]
-    bend = np.abs(force - [2.0 * near[:, 1] - near[:, 0], 2.0 * near[:, 3] - near[:, 4]]).min(axis=0)
-    off = np.minimum(bend, np.abs(force - middle))
-    far = np.flatnonzero(off > SHARE * np.partition(np.abs(force), -most - 1)[-most - 1])
-    lone = far[off[far] > TIMES * _usual(bend, far)]
-    if "pressure" in values:
-        pressure = np.pad(values["pressure"], 1, mode="edge")
-        across = np.abs(pressure[2:] - pressure[:-2])
-        steps = np.maximum(TIMES * _usual(across, lone), SHARE * np.abs(pressure).max())
+    bend = np.abs(x - [2.0 * near[:, 1] - near[:, 0], 2.0 * near[:, 3] - near[:, 4]]).min(axis=0)
+    off = np.minimum(bend, np.abs(x - middle))
+    far = np.flatnonzero(off > SHARE * np.partition(np.abs(x), -most - 1)[-most - 1])
+    lone = far[off[far] > TIMES * _usual(np.maximum(bend, moves), far)]
+    for guard in guards:
+        ends = np.pad(guard, 1, mode="edge")
+        across = np.abs(ends[2:] - ends[:-2])
+        steps = np.maximum(TIMES * _usual(across, lone), SHARE * np.abs(guard).max())
         lone = lone[across[lone] <= steps]
-    return {"force": np.isin(np.arange(len(force)), lone)} if 0 < len(lone) <= most else {}
+    return np.isin(np.arange(len(x)), lone if len(lone) <= most else [])
 
 
 def _usual(x: Array, rows: Array) -> Array:

@@ -16,6 +16,8 @@ MOST_N = 1e6
 """Force that no muscle reaches; arithmetic with much larger ones overflows."""
 SPIKE, FEW = 5.0, 0.02
 """A force so many times the largest plausible one, in at most this share of the rows, is a fault of the reading."""
+STILL = 0.02
+"""Standard deviation of a force beside that of an ideal braid's in the same states, below which it does not answer."""
 CLIPPED_ROWS, CLIPPED_SHARE = 20, 0.02
 """Rows at the very same extreme force that make a limit, if the muscle moves meanwhile."""
 FAST, SLOW, SLOW_LOGGED = 10.0, 2.2e-4, 1e-3
@@ -50,12 +52,7 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
         yield Doubt("impossible_value", text, "force", True)
     if huge.all():
         return
-    if len(force) > 1 and not np.ptp(force):
-        text = (
-            f"the force is {newtons(force[0])} in every row: the load of a hanging weight, or a load cell that is not "
-            "connected."
-        )
-        yield Doubt("force_constant", text, "force")
+    yield from _doubt_still(record)
     force = force[~huge]
     if force.min() < -0.05 * abs(force.max()):
         text = (
@@ -65,6 +62,24 @@ def doubt_force(record: Record, wild: Array) -> Iterator[Doubt]:
         yield Doubt("force_sign", text, "force", bool(force.mean() < 0.0 and force.min() < -0.5 * np.abs(force).max()))
     for here in ends_piled_up(record.force):
         yield from _doubt_limit(record, here)
+
+
+def _doubt_still(record: Record) -> Iterator[Doubt]:
+    """A force that stays the same, whatever is driven."""
+    force, inputs = record.force, record.inputs
+    ideal = float(record.specimen.ideal_force(inputs.pressure, inputs.contraction).std())
+    if record.kind != "isotonic" and float(force.std()) < STILL * ideal:
+        text = (
+            f"the force stays at {newtons(force.mean())} within {newtons(force.std())} rms, where an ideal braid's "
+            f"varies by {newtons(ideal)} rms: a load cell that is not connected, or another column than the force."
+        )
+        yield Doubt("force_constant", text, "force", True)
+    elif len(force) > 1 and not np.ptp(force):
+        text = (
+            f"the force is {newtons(force[0])} in every row: the load of a hanging weight, or a load cell that is not "
+            "connected."
+        )
+        yield Doubt("force_constant", text, "force")
 
 
 def _doubt_limit(record: Record, here: Array) -> Iterator[Doubt]:
@@ -99,8 +114,8 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     drift = _tare_drift(record)
     if drift is not None:
         text = (
-            f"between the first and the last tare (no pressure) the force drifts by {newtons(drift)}. Tare the "
-            "load cell before each isobar, let it warm up, and keep the tares in the record."
+            f"between the first and the last tare (no pressure) the force drifts by {newtons(drift)}, unless friction "
+            "was left there. Tare the load cell before each isobar, let it warm up, and keep the tares in the record."
         )
         yield Doubt("tare_drift", text, "force")
 

@@ -24,7 +24,7 @@ WORDS = {
     "displacement": r"disp\w*|weg|\w+weg|stroke|hub|travel|pos\w*|way|lvdt|desplazamiento|d[ée]placement|x|s",
     "length": r"length|l[äa]nge|laenge|longueur|longitud|l",
     "cycle": r"cycle\w*|zyklus|zyklen|loop",
-    "time": r"t|time\w*|zeit\w*|temps|tiempo|tempo|clock|sec|seconds?",
+    "time": r"t|time\w*|zeit\w*|uhrzeit|temps|tiempo|tempo|clock|sec|seconds?",
 }
 """Words of a header that name a quantity, the narrower first."""
 ABSOLUTE = tuple(f"{unit}_abs" for unit in TO_INTERNAL["pressure"])

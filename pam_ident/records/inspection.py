@@ -8,6 +8,7 @@ import numpy as np
 from .doubt import Doubt
 from .files import Files, find_files
 from .gate import doubts_of
+from .kind import HELD_LENGTH
 from .record import Record
 
 
@@ -100,6 +101,8 @@ def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
             f"{levels} pressure level{'s' if levels > 1 else ''}: what grows with pressure cannot be told from what "
             "does not. Measure at least three, better five."
         )
+    if record.kind == "isometric" and np.ptp(inputs.contraction) < HELD_LENGTH:
+        yield "one locked length: it shows no law, and no effect is named. Lock the muscle at three lengths or more."
     if inputs.time is None:
         yield "no time column (time_s): damping, lag, creep, drift and holds cannot be seen. Log the time."
         if not inputs.has("branch"):

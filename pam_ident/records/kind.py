@@ -24,7 +24,8 @@ HELD_PRESSURE = 0.08
 VARIED = 0.15
 """Range of a driven pressure beside its largest."""
 WAY = 0.25
-"""Way of a length or a load that is held, and held elsewhere, beside the way of the pressure, both in their ranges."""
+"""Way of a length or a load that is held, and held elsewhere, beside the way of the pressure, both in their ranges; and
+of a pressure beside that of a length that does not answer it, but is driven."""
 
 SELDOM = 0.02
 """Share of the rows in which a muscle that is clamped at some lengths is moved to another."""
@@ -52,13 +53,14 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
     if driven and np.ptp(e) < HELD_LENGTH:
         return "isometric"
     blocked = abs(float(specimen.ideal_force(np.abs(p).max(), np.zeros(()))))
-    if driven and force.std() < max(HELD_FORCE * abs(force.mean()), LIGHT * blocked):
+    answers = not timed or WAY * _way(e) < _way(p)
+    if driven and answers and force.std() < max(HELD_FORCE * abs(force.mean()), LIGHT * blocked):
         return "isotonic"
     if not timed:
         return "isobaric"
     if driven and _clamped(e):
         return "isometric"
-    for held, kind in ((e, "isometric"), (force, "isotonic")):
+    for held, kind in ((e, "isometric"), (force, "isotonic"))[: 1 + answers]:
         if driven and _way(held) < WAY * _way(p):
             return kind
     switched = driven and np.count_nonzero(np.diff(level)) >= len(_turns(e))

@@ -211,16 +211,17 @@ def _doubt_isobar(record: Record, likeness: float | None) -> Iterator[Doubt]:
             "sign of the displacement (contraction is positive) or of the force."
         )
         yield Doubt("displacement_sign", text, "displacement", True)
-    elif likeness < FALLS and force.mean() > 0.0:
+    elif likeness < FALLS and force.mean() > 0.0 and record.kind != "dynamic":  # else it is no isobar
         half, free = _half(e, force), _free(record)
         slope, offset = np.polyfit(e, force, 1)
         end = float(-offset / slope)
         grave = half is not None and not HALF[0] < half / free < HALF[1]
         if grave or (likeness < -0.7 and not BEND[0] < end < BEND[1]):
-            text = (
-                f"at {level:g} MPa the force falls as if it ended at a contraction of {end:.3g}, where a braided "
-                "muscle ends at 0.15 to 0.4. Check the unit of the displacement and initial_length_mm of the specimen."
-            )
+            what = f"the force falls as if it ended at a contraction of {end:.3g}, where a muscle ends at 0.15 to 0.4"
+            if grave:
+                low, high = (share * free for share in HALF)
+                what = f"half of the force is gone within a contraction of {half:.2g}, not {low:.2g} to {high:.2g}"
+            text = f"at {level:g} MPa {what}. Check the unit of the displacement and initial_length_mm of the specimen."
             yield Doubt("displacement_scale", text, "displacement", grave)
 
 

@@ -89,11 +89,11 @@ def find_states(table: Table) -> dict[str, Source]:
 
 
 def _guessed(table: Table, found: set[str]) -> dict[str, int]:
-    """The columns of what is needed and of the time, as far as neither is `found`, of which word and unit leave no
-    choice: a unit of pressure, force or time decides where one column has it, a length or a ratio needs its word."""
+    """The columns of what is needed, of the time and the temperature, as far as none is `found`, of which word and unit
+    leave no choice: a unit of pressure, force or time decides where one column has it, others need their word."""
     names = [by_name(header) if _states(header) else "" for header in table.headers]
     guessed: dict[str, int] = {}
-    for needed in (("time",), ("pressure",), ("force",), SHAPES):
+    for needed in (("time",), ("pressure",), ("force",), SHAPES, ("temperature",)):
         at = [k for k, name in enumerate(names) if name in needed]
         if len(at) == 1 and not found & set(needed) and (needed != ("time",) or _runs_on(table, at[0])):
             guessed[names[at[0]]] = at[0]

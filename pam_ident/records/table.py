@@ -20,6 +20,8 @@ EMPTY = {"", "-", "--", "---", "na", "n/a", "nan", "nat", "none", "null", "<na>"
 """Words for a reading that is missing, in lower case."""
 DAY = 86400.0
 _CLOCK = re.compile(r"(\d{1,3}):([0-5]?\d):([0-5]?\d(?:\.\d*)?)")
+_DAY_FIRST = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})(?=[ T])")
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(\.\d{3})+,\d+")
 
 
 @dataclass(frozen=True)
@@ -67,8 +69,10 @@ def table_in_memory(
 
 
 def number_of(cell: object, decimal: str = ".") -> float:
-    """A cell as a number, NaN where it is none; a point is no decimal mark where the mark is a comma."""
+    """A cell as a number, NaN where it is none; where the decimal mark is a comma, points stand between thousands."""
     if isinstance(cell, str):
+        if decimal != "." and _THOUSANDS.fullmatch(cell.strip()):
+            cell = cell.replace(".", "")
         if "_" in cell or (decimal != "." and "." in cell):
             return np.nan
         cell = cell.replace(decimal, ".")
@@ -178,6 +182,6 @@ def _moment(cell: object) -> float | datetime | None:
         hours, minutes, seconds = found.groups()
         return 3600.0 * float(hours) + 60.0 * float(minutes) + float(seconds)
     try:
-        return datetime.fromisoformat(text)
+        return datetime.fromisoformat(_DAY_FIRST.sub(r"\3-\2-\1", text))
     except ValueError:
         return None

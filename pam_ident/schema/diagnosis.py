@@ -142,6 +142,7 @@ def diagnosis_json(
             for s in in_order(diagnosis)
         ],
         "rmse_after_N": diagnosis.best.rmse,
+        **_in_length(rmse_mm=diagnosis.rmse_mm, rmse_after_mm=diagnosis.rmse_after_mm),
         "heldout_rmse_N": diagnosis.heldout_rmse,
         "heldout_rmse_after_N": diagnosis.heldout_rmse_after,
         "heldout": diagnosis.heldout,
@@ -151,6 +152,11 @@ def diagnosis_json(
         "fit_command": command,
         "warnings": warnings_json(doubts),
     }
+
+
+def _in_length(**errors: float | None) -> Json:
+    """Errors of the length, where a load was held."""
+    return {key: error for key, error in errors.items() if error is not None}
 
 
 def _experiment(experiment: "Experiment | None") -> Json | None:
@@ -203,6 +209,7 @@ def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -
                 "rmse_N": rung.fit.rmse,
                 "heldout_rmse_N": rung.heldout_rmse,
                 "refit_rmse_N": rung.refit_rmse,
+                **_in_length(rmse_mm=rung.rmse_mm),
                 "shares_N": list(rung.fit.shares.values()),
                 "parameters": parameters(rung.fit.estimates),
                 **covariance(rung.fit),

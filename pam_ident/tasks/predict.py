@@ -155,7 +155,9 @@ class Validation(Shown):
     def sentence(self) -> str:
         """The answer in words."""
         share = probability(self.coverage)
-        known = "" if math.isnan(self.coverage) else f" {share} of the readings lie in their 95 % interval."
+        known = f" {share} of the readings lie in their 95 % interval."
+        if math.isnan(self.coverage):
+            known = " No interval of readings: the record fitted did not show how far they lie off."
         names = " and ".join(SIMPLER[name] for name in self.as_well)
         if self.coverage < HOLDS:
             known += " So it does not hold for this record."
@@ -311,6 +313,12 @@ def predict_at(saved: SavedFit, at: str | Path) -> Predicted:
     warnings = [*states.warnings, *(one.text for one in saved.doubts)]
     if frame["outside"].to_numpy().any():
         warnings.append(_beyond(saved, frame))
+    lost = np.flatnonzero(np.isnan(frame["contraction"].to_numpy()))
+    if len(lost):
+        load, pressure = (float(frame[key].to_numpy()[lost[0]]) for key in ("force_N", "pressure_MPa"))
+        rows = "1 row has" if len(lost) == 1 else f"{len(lost)} rows have"
+        state = f"{newtons(load)} at {pressure:.3g} MPa"
+        warnings.append(f"{rows} no length: the fit carries no such load there (the first is {state})")
     if "unexplained" in frame and frame["unexplained"].to_numpy().any():
         lack = "the intervals of readings are wide: the fit leaves more than noise; `diagnose` says what it lacks"
         warnings.append(lack)
@@ -333,14 +341,16 @@ def _beyond(saved: SavedFit, frame: "pd.DataFrame") -> str:
     """How many rows lie outside what was fitted, and how far."""
     spreads = [one.spread for one in saved.branches.values() if one.spread is not None]
     spans = {
-        "pressure_MPa": ("{:.3g} MPa", [p for one in spreads for p in one.pressures]),
-        "contraction": ("a contraction of {:.3g}", [e for one in spreads for e in one.contraction]),
+        "pressure_MPa": ("{} MPa", [p for one in spreads for p in one.pressures]),
+        "contraction": ("a contraction of {}", [e for one in spreads for e in one.contraction]),
     }
     far = []
     for column, (words, seen) in spans.items():
+        low, high = f"{min(seen):.3g}", f"{max(seen):.3g}"
         asked = frame[column].to_numpy(float)
-        ends = [end for end in sorted({asked.min(), asked.max()}) if end < min(seen) or end > max(seen)]
-        far += [f"{words.format(end)}, where {min(seen):.3g} to {max(seen):.3g} was fitted" for end in ends]
+        ends = {float(np.nanmin(asked)), float(np.nanmax(asked))} if np.isfinite(asked).any() else set()
+        beyond = [f"{end:.3g}" for end in sorted(ends) if end < min(seen) or end > max(seen)]
+        far += [f"{words.format(end)}, where {low} to {high} was fitted" for end in beyond if end not in (low, high)]
     count = int(frame["outside"].to_numpy().sum())
     furthest = f". Furthest: {'; '.join(far)}" if far else ""
     rows = "1 row lies" if count == 1 else f"{count} rows lie"

@@ -31,6 +31,8 @@ FIELDS = {
     "temperature": ("temperature",),
 }
 """What each need stands for in a record's inputs."""
+DRIVEN = "driven pressure"
+"""What a form alone may need, beside these."""
 LEVERS = {"speed", "pressure", "hold", "reversal", "temperature", "cycles"}
 LAW_VALUES = {"a0": -190.0, "a1": 2400.0, "b0": 1600.0, "b1": 5500.0, "c0": -9.0, "c1": 650.0, "mu": 40.0}
 LAWS: dict[str, Values] = {"chou_hannaford": {}, "exponential_law": LAW_VALUES}
@@ -64,7 +66,7 @@ def corners(params: tuple[Param, ...], most: int, start: bool = True) -> Iterato
 def showing(record: Record, form: Form) -> Record:
     """The record with what a form needs beyond its effect: waves of the pressure where that must be driven."""
     inputs = record.inputs
-    if "driven pressure" not in form.needs or inputs.time is None:
+    if DRIVEN not in form.needs or inputs.time is None:
         return record
     turn = 2.0 * np.pi / 17.0
     waves, rate = 0.05 * np.sin(turn * inputs.time), 0.05 * turn * np.cos(turn * inputs.time)
@@ -86,6 +88,8 @@ def introduces_itself(effect: Effect, record: Record) -> list[str]:
         found.append(f"two forms have the same name: {', '.join(names)}")
     if (effect.special_case_of and effect.special_case_of not in catalogue()) or effect.special_case_of == effect.name:
         found.append(f"special_case_of = {effect.special_case_of!r} is no other effect")
+    if effect.own and effect.own not in {p.name for form in effect.forms for p in form.linear}:
+        found.append(f"own = {effect.own!r} is no size of any form")
     return found
 
 
@@ -121,6 +125,8 @@ def says_what_it_is(effect: Effect, form: Form, record: Record) -> list[str]:
     }
     found = [words for words, fine in checks.items() if not fine]
     odd = [n for n in names if not n.isidentifier() or "__" in n]
+    unknown, known = set(form.needs) - {*FIELDS, DRIVEN}, ", ".join(sorted({*FIELDS, DRIVEN}))
+    found += [f"needs: unknown {need}; expected some of {known}" for need in sorted(unknown)]
     found += [f"parameter {n!r} is no Python name without a double underscore" for n in odd]
     return found + [f"parameter {p.name} says nothing about itself (doc)" for p in form.params if not p.doc]
 

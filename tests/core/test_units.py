@@ -25,6 +25,7 @@ KNOWN = [
     ("force", "mN", 500.0, 0.5),
     ("force", "lbf", 100.0, 444.82216),
     ("force", "kgf", 10.0, 98.0665),
+    ("force", "daN", 4.0, 40.0),
     ("force", "kg", 10.0, 98.0665),
     ("temperature", "C", 21.5, 21.5),
     ("temperature", "degC", 21.5, 21.5),

@@ -7,7 +7,7 @@ import pytest
 
 from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.answer import Selected, likelier_instead
-from pam_ident.diagnosis.diagnose import by_form_alone
+from pam_ident.diagnosis.diagnose import LITTLE, LITTLE_FREE, by_form_alone
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.follows import Following
 from pam_ident.diagnosis.selection import Selection
@@ -63,6 +63,17 @@ def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_expla
     little = by_form_alone(selection, both, [pressed, soft], (), "")
     said = "Without it friction that grows with pressure, in another form, could leave as little."
     assert little == {"series_compliance": (0.85, said)}
+
+
+def test_a_small_name_in_its_free_form_is_no_sure_one(hidden_effect):
+    pressed, drift = (catalogue()[name] for name in ("pressure_friction", "force_drift"))
+    large, free = Term(pressed, pressed.forms[0]), Term(drift, next(form for form in drift.forms if form.free))
+    selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [pressed, drift])
+    both = selection.refit([large, free])
+    assert LITTLE < 0.1 < LITTLE_FREE
+    selection.part = lambda fitted, term: 0.1 if term is free else 0.9
+    said = "Without it friction that grows with pressure, in another form, could leave as little."
+    assert by_form_alone(selection, both, [large, free], (), "") == {"force_drift": (0.5, said)}
 
 
 def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,6 +31,20 @@ def test_what_was_put_in_is_what_differs(found):
         assert one.difference == one.b - one.a
         assert math.isnan(one.low) or one.low < one.difference < one.high
     assert "pressure_friction" in found.sentence and "direction of motion" in found.sentence
+
+
+def test_what_one_record_cannot_tell_from_the_others_name_is_the_same(found):
+    b = found.b
+    damped = ("viscous_damping",)
+    blunt = replace(b, selected=damped, labels=damped, groups=(("viscous_damping", "pressure_friction"),))
+    for one in (against(blunt, b), against(b, blunt)):
+        assert [(each.effect, each.where) for each in one.effects] == [("pressure_friction", "both")]
+        assert [each.model.effect_names for each in one.fits] == [["pressure_friction"]] * 2
+    surely = against(replace(blunt, groups=()), b)
+    assert [(each.effect, each.where) for each in surely.effects] == [
+        ("viscous_damping", "a"),
+        ("pressure_friction", "b"),
+    ]
 
 
 def test_the_force_differs_by_the_friction_and_not_on_average(found):

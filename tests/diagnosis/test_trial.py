@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pam_ident.diagnosis.confounding import groups
+from pam_ident.diagnosis.confounding import _general, groups
 from pam_ident.diagnosis.search import beam_search
 from pam_ident.diagnosis.selection import Selection
 from pam_ident.effects import catalogue, get_effect
@@ -76,3 +76,17 @@ def test_what_the_law_nearly_follows_can_be_the_other_reading(base):
     rival = selection.refit([term("length_offset")])
     assert rival.criterion < fitted.criterion
     assert any("length_offset" in group for group in groups(selection, fitted))
+
+
+@pytest.mark.parametrize(("gain", "told"), [(0.0, False), (15.0, True)])
+def test_a_dip_that_the_record_does_not_need_is_no_stribeck_frictions_alone(base, gain, told):
+    """A friction of 20 N, with and without what it gains towards rest."""
+    inputs, rubs = base.record.inputs, term("stribeck_friction")
+    speed = np.abs(inputs.velocity)
+    friction = -(20.0 + gain * np.exp(-((speed / 6.0) ** 2))) * inputs.direction
+    noise = np.random.default_rng(12).standard_normal(len(inputs))
+    record = replace(base.record, force=base.force + friction + noise)
+    selection = Selection(fit(base.model, record, detail=False), CANDIDATES)
+    fitted = selection.refit([rubs])
+    assert (_general(selection, fitted, rubs) == ["coulomb_friction"]) is not told
+    assert all("plain" not in label for key in selection.cache for label in key), "the answer's odds do not hold it"

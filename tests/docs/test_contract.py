@@ -88,6 +88,8 @@ def written(tmp_path_factory, one_process):
     asked = [
         ("fit", weights, *law),
         ("compare", weights),
+        ("ladder", weights, *law, *few, "--heldout", "refit"),
+        ("diagnose", weights, *law, *few),
         ("validate", folder / "weights.json", weights),
         ("predict", folder / "weights.json", "--at", folder / "loads.csv"),
         ("fit", rubbing, "--method", "both"),

@@ -48,6 +48,7 @@ REMEMBER = {
     ),
     *(f"coulomb_friction:{form}" for form in ("stuck", "relaxing", "free")),
     *(f"stribeck_friction:{form}" for form in ("relaxing", "bending")),
+    "pressure_friction:bending",
     *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve", "choking", "free_lagging")),
     "mullins_softening:pseudo_elastic",
     "mullins_softening:travelled",

@@ -90,6 +90,7 @@ BREAKS = {
     "a parameter without words": ('"stroke over which it fades"', '""', "says nothing about itself"),
     "a grid out of bounds": ("grid=(4.0,", "grid=(0.1,", "0.1 in its grid"),
     "an unknown lever": ('levers=("pressure",)', 'levers=("luck",)', "unknown luck"),
+    "an unknown need of a form": ("(LENGTH,))", "(LENGTH,), needs=('tide',))", "needs: unknown tide"),
     "no lever": ('levers=("pressure",)', "levers=()", "levers is empty"),
     "a need not named": ("xp.exp(-inputs.displacement_mm", "xp.exp(-inputs.time", "uses what needs = () does not name"),
     "a size that the neutral does not undo": (

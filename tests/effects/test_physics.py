@@ -247,7 +247,7 @@ def test_coulomb_friction_opposes_the_motion_and_may_keep_another_value_in_holds
 
 @pytest.mark.parametrize(
     ("name", "shape"),
-    [("coulomb_friction", {"tau_h": 1e3}), ("pressure_friction", {}), ("stribeck_friction", {"v_s": 4.0})],
+    [("coulomb_friction", {"tau_h": 1e3}), ("pressure_friction", {"p_0": 0.2}), ("stribeck_friction", {"v_s": 4.0})],
 )
 def test_free_friction_resists_and_keeps_no_more_than_it_had(name, shape):
     """Of a stroke and the hold after it at one state, whatever its coefficients are."""
@@ -275,6 +275,17 @@ def test_friction_of_pressure_grows_with_pressure_and_the_area_of_contact():
     area = radius(0.1) / R0 * 0.9
     got = columns("pressure_friction:contact_area", moved(), growth=2.0)[:, 0]
     np.testing.assert_allclose(got, [-0.5 * area**2, 0.0, 0.5 * area**2, 0.0])
+    preloaded = columns("pressure_friction:preloaded", moved(), p_0=0.2) @ [10.0, 4.0]
+    np.testing.assert_allclose(preloaded, [-7.0, -2.8, 7.0, 2.8])
+
+
+def test_a_contact_that_bends_slides_once_it_has_bent_its_way():
+    """From sliding one way to sliding the other by twice x_s."""
+    way = np.r_[0.1, 0.1005, 0.101, 0.101 - 2e-4 * np.arange(1, 7)]  # of 200 mm
+    sign = np.r_[[1.0] * 3, [-1.0] * 6]
+    motion = {"direction": sign, "velocity": sign, "moving": [True] * 9, "stroke_speed": [1.0] * 9}
+    bent = columns("pressure_friction:bending", inputs(way, 0.5, time=np.arange(9.0), **motion), p_0=0.3, x_s=0.1)
+    np.testing.assert_allclose(bent[2:, 0], [-0.8, -0.48, -0.16, 0.16, 0.48, 0.8, 0.8], atol=1e-9)
 
 
 def test_friction_of_a_static_table_follows_its_branch():

@@ -99,6 +99,15 @@ def test_an_interval_wider_than_the_value_is_called_loose():
     assert any(e.verdict.kind in ("loose", "traded", "flat") for e in one.estimates)
 
 
+def test_a_value_that_is_all_error_is_not_determined():
+    """An initial peak that the record does not reach."""
+    e, p = (v.ravel() for v in np.meshgrid(np.linspace(0.1, 0.25, 25), (0.2, 0.3, 0.4, 0.5)))
+    force = 100.0 + 2000.0 * p - (500.0 + 6000.0 * p) * e + np.random.default_rng(2).normal(0.0, 3.0, len(e))
+    one = fit(Model.build("exponential_law"), build_record("bench", SPECIMEN, p, e, force))
+    assert verdict(one, "c0").kind == "flat" and verdict(one, "c0").text.startswith("not determined: its 95 % interval")
+    assert not one.valid and "c0" in one.problems[0]
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_verdicts_of_a_good_record_are_all_pinned(seed):
     one = fit(Model.build("modified_chou_hannaford"), isobars(seed=seed))

@@ -69,6 +69,7 @@ def test_columns_arrive_in_internal_units_with_their_origin(write):
         ("Time (min),Pressure (Pa),Displacement (um),Force (mN)", (0.25 / 60, 3e5, 2e4, 4.4e5)),
         ("time_s,pressure_psi,displacement_in,force_lbf", (0.25, 43.5113213, 20 / 25.4, 98.9159351)),
         ("time_s,pressure_mbar,contraction,Force [kgf]", (0.25, 3000, 0.1, 44.86751)),
+        ("time_s,pressure_bar,displacement_mm,force_daN", (0.25, 3, 20, 44)),
         ("time_s,pressure_MPa,contraction_pct,force_N", (0.25, 0.3, 10, 440)),
         ("time_s,pressure_MPa,Contraction [%],force_N", (0.25, 0.3, 10, 440)),
         ("time_s,pressure_MPa,length_mm,force_N", (0.25, 0.3, 180, 440)),

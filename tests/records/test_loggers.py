@@ -47,6 +47,23 @@ def test_a_clock_with_a_decimal_comma(put):
     assert_right(read_record(put(column(0, "time", cells, sep=";", decimal=","))))
 
 
+def german(number):
+    """A number with points between thousands and a decimal comma."""
+    return number.translate(str.maketrans(",.", ".,"))
+
+
+@pytest.mark.parametrize("header", ["time", "Datum/Uhrzeit"])
+def test_a_date_that_begins_with_the_day(put, header):
+    cells = [f"{cell[8:10]}.{cell[5:7]}.{cell[:4]} {german(cell[11:])}" for cell in ISO]
+    assert_right(read_record(put(column(0, header, cells, sep=";", decimal=","))))
+
+
+def test_points_between_thousands_beside_decimal_commas(put):
+    force = [german(f"{row[3]:,.2f}") for row in values()]
+    assert any("." in cell for cell in force)
+    assert_right(read_record(put(column(3, "force_N", force, sep=";", decimal=","))))
+
+
 @pytest.mark.parametrize("tick", [1.0, 0.5, 0.2])
 def test_a_clock_coarser_than_the_rows_is_made_even(put, tick):
     record = read_record(put(column(0, "time_s", np.floor((TIME + 1e-9) / tick) * tick)))
@@ -70,7 +87,7 @@ def test_a_coarse_clock_goes_on_over_the_pieces_of_a_file():
         ([*CLOCK[:8], "8", *CLOCK[9:]], ["row 10", "'8'"]),
         ([*TIME[:8], "00:00:08", *TIME[9:]], ["row 10", "'00:00:08'"]),
         (["12:30"] * ROWS, ["row 2", "'12:30'", "hh:mm:ss"]),
-        (["28.02.2024 12:00:00"] * ROWS, ["row 2", "ISO time"]),
+        (["02/28/2024 12:00:00"] * ROWS, ["row 2", "ISO time"]),
         (TIME, ["'time'", "no unit given"]),
     ],
 )

@@ -112,8 +112,23 @@ def test_a_reading_between_two_isobars_is_no_spike():
     assert not spike_rows({"time": TIME, "force": force, "pressure": pressure})
     force[300] += 900.0
     pressure[300] += 0.2  # what spoils both is none of a valve's
-    (found,) = spike_rows({"time": TIME, "force": force, "pressure": pressure}).values()
-    assert np.flatnonzero(found).tolist() == [300]
+    found = spike_rows({"time": TIME, "force": force, "pressure": pressure})
+    assert {key: np.flatnonzero(rows).tolist() for key, rows in found.items()} == {"force": [300], "pressure": [300]}
+
+
+@pytest.mark.parametrize("column", ["pressure_MPa", "displacement_mm"])
+@pytest.mark.parametrize("reads", ["nothing", "far"])
+def test_a_loose_plug_of_any_sensor_costs_its_rows_and_nothing_else(clean, column, reads):
+    table = pd.read_csv(HOME)
+    at = np.flatnonzero(table["displacement_mm"].between(*table["displacement_mm"].quantile([0.4, 0.6])))[
+        [9, 99, 399, 699]
+    ]
+    broken = table.astype({column: float})
+    broken.loc[at, column] = 0.0 if reads == "nothing" else 3.0 * table[column].max()
+    found, expected = (record_from_frame(one, clean.record.specimen) for one in (broken, table.drop(index=at)))
+    (note,) = [note for note in found.notes if note.code == "spike"]
+    assert (note.rows, note.column) == (4, column)
+    assert np.array_equal(found.level, expected.level) and np.array_equal(found.stroke, expected.stroke)
 
 
 @pytest.mark.parametrize("apart", [(2,), (3,), (4,), (6, 11), (1, 11), (12, 24)])

@@ -187,10 +187,24 @@ def test_a_doubt_names_the_column_as_the_file_does():
     assert turned.column == "Force (kN)"
 
 
-def test_a_force_that_never_changes_is_told(fine):
-    still = replace(fine, force=np.full(len(fine), 100.0))
-    told = [[doubt.code for doubt in doubts_of(record)] for record in (still, fine)]
-    assert "force_constant" in told[0] and "force_constant" not in told[1]
+def test_a_force_that_answers_nothing_is_grave(fine):
+    noise = np.random.default_rng(2).normal(100.0, 1.0, len(fine))
+    for force in (np.full(len(fine), 100.0), noise):
+        with pytest.raises(GraveDoubt, match="force_constant"):
+            may_name(replace(fine, force=force), SETUP.model)
+    assert "force_constant" not in [doubt.code for doubt in doubts_of(fine)]
+
+
+def test_a_length_that_is_driven_at_one_load_is_no_dead_weight_test():
+    time = np.arange(0.0, 200.0, 0.1)
+    pressure, turns = np.repeat([0.1, 0.2, 0.3, 0.4], 500), np.cos(time * 0.6)
+    force = np.random.default_rng(4).normal(100.0, 1.0, len(time))
+    asked = {"driven": 20.0 + 20.0 * turns, "answering": 40.0 * pressure / 0.4 + 0.1 * turns}
+    kinds = {}
+    for name, length in asked.items():
+        columns = {"time_s": time, "pressure_MPa": pressure, "displacement_mm": length, "force_N": force}
+        kinds[name] = record_from_frame(pd.DataFrame(columns), MUSCLE).kind
+    assert kinds == {"driven": "isobaric", "answering": "isotonic"}
 
 
 def test_a_law_that_explains_nothing_is_said_first(fine):

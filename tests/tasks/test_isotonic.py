@@ -10,11 +10,12 @@ import pytest
 from pam_ident.batch.record import answer
 from pam_ident.batch.request import BatchRequest, plan
 from pam_ident.core import DataError, Specimen, UsageError
+from pam_ident.core.digits import millimetres
 from pam_ident.fitting import fit
-from pam_ident.fitting.carried import driven
+from pam_ident.fitting.carried import driven, length_rmse
 from pam_ident.records import build_record, read_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
-from pam_ident.schema.diagnosis import comparison_json
+from pam_ident.schema.diagnosis import comparison_json, diagnosis_json
 from pam_ident.schema.fit import fit_json
 from pam_ident.schema.prediction import law_choice_json, validation_json
 from pam_ident.tasks.add import add_effects
@@ -163,6 +164,22 @@ def test_a_ladder_and_an_addition_are_of_the_same_force(tmp_path):
     assert [rung.fit.model.effect_names for rung in found.rungs] == [[], ["creep"]]
     assert added.before.rmse == pytest.approx(found.rungs[0].fit.rmse, rel=1e-6)
     assert added.after.rmse < 0.6 * added.before.rmse
+
+
+def test_errors_of_the_length_stand_beside_those_of_the_force(tmp_path):
+    hidden = (Secret("coulomb_friction", "sticking", 3.0),)
+    write_case(tmp_path, make_record(Plan(11, protocol="weight_ramps", secrets=hidden)))
+    record = read_record(tmp_path / "record.csv")
+    ladder = climb_ladder(record, replace(SETUP, heldout="refit"))
+    first = ladder.first
+    before, after = (fit(one.model, record).length_errors.rmse for one in (first.base, first.best))
+    assert [rung.rmse_mm for rung in ladder.rungs] == pytest.approx([before, after], rel=1e-3)
+    told = diagnosis_json("r", first, ())
+    assert [told["rmse_mm"], told["rmse_after_mm"]] == pytest.approx([before, after], rel=1e-3)
+    words = f"fitted to the length, the model errs by {millimetres(before)} → {millimetres(after)}"
+    assert after < 0.8 * before and words in first.sentence
+    creeping = fit(replace(SETUP, effects=("creep",)).model, driven(SETUP.model, record))
+    assert length_rmse(creeping) is None  # it remembers the way that it should say
 
 
 def test_a_slip_of_the_lengths_unit_stops_naming(cases, tmp_path):
