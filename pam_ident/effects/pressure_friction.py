@@ -1,4 +1,4 @@
-"""Dry friction in proportion to the contact pressure of the braid."""
+"""Dry friction that grows with the contact pressure of the braid."""
 
 from ..core import Inputs, Param
 from ._history import stop_operator
@@ -70,7 +70,7 @@ EFFECT = Effect(
         ),
     ),
     follows=("direction",),
-    test="pressures over 4:1: the gap between the branches grows in proportion",
+    test="pressures over 4:1: the gap between the branches grows with them",
     needs=("branch",),
     levers=("pressure",),
 )

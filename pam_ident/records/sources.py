@@ -93,9 +93,11 @@ def _guessed(table: Table, found: set[str]) -> dict[str, int]:
     leave no choice: a unit of pressure, force or time decides where one column has it, others need their word."""
     names = [by_name(header) if _states(header) else "" for header in table.headers]
     guessed: dict[str, int] = {}
+    doubtful = {"time": _runs_on, "temperature": _filled}
     for needed in (("time",), ("pressure",), ("force",), SHAPES, ("temperature",)):
         at = [k for k, name in enumerate(names) if name in needed]
-        if len(at) == 1 and not found & set(needed) and (needed != ("time",) or _runs_on(table, at[0])):
+        is_it = doubtful.get(needed[0])
+        if len(at) == 1 and not found & set(needed) and (is_it is None or is_it(table, at[0])):
             guessed[names[at[0]]] = at[0]
     masses = [k for k, header in enumerate(table.headers) if _is_mass(header)]
     if len(masses) == 1 and "force" not in found and "force" not in names:
@@ -115,6 +117,11 @@ def _states(header: str) -> bool:
 
 def _is_mass(header: str) -> bool:
     return header.strip().lower() in MASSES
+
+
+def _filled(table: Table, position: int) -> bool:
+    """Whether a column that may be left out has a number in each of its first rows: its empty cells would cost rows."""
+    return bool(np.isfinite(numbers_of(table, [position])[0]).all())
 
 
 def _runs_on(table: Table, position: int) -> bool:

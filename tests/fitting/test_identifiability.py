@@ -106,6 +106,8 @@ def test_a_value_that_is_all_error_is_not_determined():
     one = fit(Model.build("exponential_law"), build_record("bench", SPECIMEN, p, e, force))
     assert verdict(one, "c0").kind == "flat" and verdict(one, "c0").text.startswith("not determined: its 95 % interval")
     assert not one.valid and "c0" in one.problems[0]
+    wide = [e for e in one.estimates if e.verdict.kind == "traded" and e.high - e.low > 2.0 * abs(e.value)]
+    assert wide and all("and not pinned" in e.verdict.text for e in wide)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -28,6 +28,17 @@ def read(folder, headers, mark=",", rows=ROWS):
     return read_record(written(folder, headers, mark, rows), MUSCLE)
 
 
+@pytest.mark.parametrize(("every", "read_too"), [(1, True), (5, False)])
+def test_a_temperature_is_taken_by_its_word_where_each_row_has_one(tmp_path, every, read_too):
+    """A slow thermocouple's empty cells would cost the rows."""
+    cells = [f"{20.0 + 0.1 * k:.1f}" if k % every == 0 else "" for k in range(len(ROWS))]
+    lines = [",".join([*(f"{v:.4f}" for v in row), cell]) for row, cell in zip(ROWS, cells, strict=True)]
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join([",".join([*NAMED, "Temperatur [°C]"]), *lines]) + "\n", encoding="utf-8")
+    found = read_record(path, MUSCLE)
+    assert len(found) == len(ROWS) and (found.inputs.temperature is not None) is read_too
+
+
 @pytest.mark.parametrize(
     ("mark", "headers"),
     [
