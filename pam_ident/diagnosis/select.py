@@ -68,9 +68,9 @@ def investigate(
     if not selection.noise.coloured and (not doubtful or _sure(selection, fitted)):
         return selection, fitted
     if selection.record.inputs.time is not None and not may_be_noise:
-        least, *_ = _compared([(selection, fitted)])[0]
+        least, _, likeliest = _compared([(selection, fitted)])[0]
         if FreeModel.of(selection).criterion + EQUAL < least:
-            return selection, fitted
+            return selection, selection.refit(likeliest.terms, likeliest.values)
     selections = [(selection, fitted)]
 
     def select_again(noise: Noise) -> None:
