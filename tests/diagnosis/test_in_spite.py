@@ -18,7 +18,7 @@ def nothing() -> Record:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("size", "rough", "stands"), [(80.0, 0.2, False), (150.0, 0.1, True)])
+@pytest.mark.parametrize(("size", "rough", "stands"), [(80.0, 0.2, False), (150.0, 0.05, True)])
 def test_friction_that_no_form_reaches_keeps_its_name_if_it_explains_nearly_all(
     nothing: Record, size: float, rough: float, stands: bool
 ) -> None:

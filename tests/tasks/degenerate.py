@@ -159,6 +159,6 @@ KINDS: dict[str, Callable] = {
 NAMELESS = set(KINDS) - {
     "two strokes", "one pressure", "one pressure, one cycle", "two pressures almost alike", "a stroke",
     "20 rows from all", "a pressure that rises all the time", "a saw of every third row", "a clock that stands",
-    "a force that only drifts",
+    "a force that only drifts", "one jump of the length",
 }  # fmt: skip
 """Of these nothing may be named; of the others something true may be."""
