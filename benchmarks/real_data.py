@@ -97,7 +97,7 @@ def cylinder_in_numbers(record: Record) -> list[str]:
     """The area, the friction by pressure, and the error at 5 bar by a fit to the others."""
     lines = []
     for label in ("pressure_friction", "coulomb_friction", "pressure_friction:preloaded"):
-        model = Model("polynomial", label.split(" + "))
+        model = Model("polynomial", [label])
         with computing(record):
             one = fit(model, record)
             five = next(mask for mask in masks_of(record, "pressure") if abs(record.level[mask][0] - 0.5) < 0.05)

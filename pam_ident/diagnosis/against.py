@@ -17,6 +17,7 @@ from .drivers import DRIVERS
 from .nouns import Diagnosis
 
 Array = np.ndarray
+Untold = tuple[dict[str, str], dict[str, str]]
 SURE = 0.01
 """Probability by chance, of all parameters together, below which a difference counts."""
 SHARE = 0.05
@@ -112,13 +113,14 @@ def against(a: Diagnosis, b: Diagnosis) -> Against:
         >>> print([(one.effect, one.where) for one in against(a, b).effects])
         [('pressure_friction', 'b')]
     """
-    fits = _fits(a, b)
+    untold = _untold(a, b)
+    fits = _fits(a, b, untold)
     parameters = _parameters(*fits)
-    effects, force = _effects(a, b), _force(*fits)
+    effects, force = _effects(a, b, untold), _force(*fits)
     return Against(a, b, fits, parameters, effects, force, _sentence(a, b, parameters, effects, force))
 
 
-def _untold(a: Diagnosis, b: Diagnosis) -> tuple[dict[str, str], dict[str, str]]:
+def _untold(a: Diagnosis, b: Diagnosis) -> Untold:
     """Names of each record that it cannot tell from one of the other's, and that: it is the same, which only the other
     tells."""
 
@@ -130,10 +132,10 @@ def _untold(a: Diagnosis, b: Diagnosis) -> tuple[dict[str, str], dict[str, str]]
     return of_a, {name: named for name, named in found(b, a).items() if name not in of_a.values()}
 
 
-def _fits(a: Diagnosis, b: Diagnosis) -> tuple[Fit, Fit]:
+def _fits(a: Diagnosis, b: Diagnosis, untold: Untold) -> tuple[Fit, Fit]:
     """One model fitted to both; to each without an effect that it cannot hold."""
     base, extra = a.base.model, tuple(t.effect for t in (*a.best.model.terms, *b.best.model.terms))
-    pairs = zip((a, b), _untold(a, b), strict=True)
+    pairs = zip((a, b), untold, strict=True)
     told = [label for one, same in pairs for n, label in zip(one.selected, one.labels, strict=True) if n not in same]
     named = [as_term(label, extra) for label in told]
     terms = list({term.effect.name: term for term in named}.values())
@@ -182,10 +184,9 @@ def _holm(chances: list[float]) -> list[float]:
     return found
 
 
-def _effects(a: Diagnosis, b: Diagnosis) -> tuple[EffectDifference, ...]:
+def _effects(a: Diagnosis, b: Diagnosis, untold: Untold) -> tuple[EffectDifference, ...]:
     chances = [{s.effect: s.probability if s.status == "candidate" else None for s in one.ranking} for one in (a, b)]
-    same = _untold(a, b)
-    there = [{other.get(n, n) for n in one.selected} for one, other in zip((a, b), same, strict=True)]
+    there = [{same.get(n, n) for n in one.selected} for one, same in zip((a, b), untold, strict=True)]
     where = {(True, True): "both", (True, False): "a", (False, True): "b"}
     names = [n for n in dict.fromkeys((*a.selected, *b.selected)) if n in there[0] | there[1]]
     return tuple(

@@ -1,7 +1,6 @@
 """The answer to a record by the effects that are tried, and which of its names stand where it is incomplete."""
 
 from collections.abc import Mapping
-from copy import copy
 from dataclasses import dataclass, replace
 
 from ..effects import Effect
@@ -54,8 +53,7 @@ def likelier_instead(answer: Selected, others: list[Effect]) -> list[str]:
     written = [replace(effect, forms=effect.written) for effect in others if effect.written]
     if not written:
         return []
-    aside = copy(selection)
-    aside.cache, aside.known = dict(selection.cache), dict(selection.known)  # they count for no odds of what was tried
+    aside = selection.aside()
     most, found = fitted.criterion, set()
     smaller = dict.fromkeys([(), *(tuple(fitted.without(term)) for term in fitted.terms)])  # each once, in order
     for fewer in smaller:

@@ -1,6 +1,5 @@
 """What a record cannot tell apart."""
 
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -57,9 +56,7 @@ def _general(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
 
     linear = tuple(form.linear[k] for k in kept)
     plain = Term(effect, replace(form, name=f"{form.name}_plain", linear=linear, columns=columns))
-    aside = copy(selection)
-    aside.cache = dict(selection.cache)  # it counts for no odds of what was tried
-    fewer = aside.refit([*fitted.without(term), plain], fitted.values)
+    fewer = selection.aside().refit([*fitted.without(term), plain], fitted.values)
     return [effect.special_case_of] if fewer.squares < fitted.squares + CLOSE else []
 
 

@@ -191,10 +191,11 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
-    off = (length_rmse(base), length_rmse(best))
+    off = length_rmse(base)
+    off_after = off if best is base else length_rmse(best)
     if record.carried:
         said += " A load was held and the length answered: errors are those of the force at the measured length"
-        told = " → ".join(millimetres(one) for one in dict.fromkeys(off) if one is not None)
+        told = " → ".join(millimetres(one) for one in dict.fromkeys((off, off_after)) if one is not None)
         said += f"; fitted to the length, the model errs by {told}." if told else "."
     if worse:
         said += " Less sure: with what is named, held-out data are predicted worse than without."
@@ -215,8 +216,8 @@ def diagnosing(
         said,
         follows,
         {"followed": following.newtons_followed} if len(steady) == len(record) else {},
-        rmse_mm=off[0],
-        rmse_after_mm=off[1],
+        rmse_mm=off,
+        rmse_after_mm=off_after,
     )
     yield found
     if pattern:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import groupby
@@ -166,6 +167,12 @@ class Selection:
             found = solve(law, self.record.inputs, self.record.force, self.noise.whiten, quick=True)
             alone = max(alone, self.squares(law, found.values))
         return max(alone - len(self.record), 0.0)
+
+    def aside(self) -> "Selection":
+        """The same, where what is fitted counts for no odds of what was tried."""
+        other = copy(self)
+        other.cache, other.known = dict(self.cache), dict(self.known)
+        return other
 
     def residual(self, model: Model, values: Mapping[str, float]) -> Array:
         """What a model leaves, in N (n,)."""

@@ -85,14 +85,13 @@ def verdicts(params: Sequence[Param], values: Values, cov: Covariance, half: Arr
             tie = np.nan_to_num(np.abs(matrix[i]) / (spread[i] * spread))
         tie[i] = 0.0
         partner = int(np.argmax(tie)) if len(tie) > 1 else i
+        wide = half[i] > reference or half[i] > 0.5 * (p.upper - p.lower)
         if half[i] > WILD * reference:
             partners = (names[partner],) if tie[partner] > TOGETHER else ()
             text = f"not determined: its 95 % interval reaches {half[i] / reference:.2g} times the value to either side"
             found.append(Identifiability("flat", text, partners))
-            continue
-        wide = half[i] > reference or half[i] > 0.5 * (p.upper - p.lower)
         # However tied, a parameter known to a tenth of its size is of use as it is.
-        if inflation[i] > INFLATION and tie[partner] > TOGETHER and half[i] > 0.1 * reference:
+        elif inflation[i] > INFLATION and tie[partner] > TOGETHER and half[i] > 0.1 * reference:
             text = f"traded against {names[partner]} (errors correlated {tie[partner]:.3f})"
             text += ", and not pinned: its interval is wider than the value itself" if wide else ""
             found.append(Identifiability("traded", text, (names[partner],), float(tie[partner])))

@@ -53,16 +53,18 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
     if driven and np.ptp(e) < HELD_LENGTH:
         return "isometric"
     blocked = abs(float(specimen.ideal_force(np.abs(p).max(), np.zeros(()))))
-    answers = not timed or WAY * _way(e) < _way(p)
+    length_way, pressure_way = (_way(e), _way(p)) if driven and timed else (0.0, 0.0)
+    answers = not timed or WAY * length_way < pressure_way
     if driven and answers and force.std() < max(HELD_FORCE * abs(force.mean()), LIGHT * blocked):
         return "isotonic"
     if not timed:
         return "isobaric"
     if driven and _clamped(e):
         return "isometric"
-    for held, kind in ((e, "isometric"), (force, "isotonic"))[: 1 + answers]:
-        if driven and _way(held) < WAY * _way(p):
-            return kind
+    if driven and length_way < WAY * pressure_way:
+        return "isometric"
+    if driven and answers and _way(force) < WAY * pressure_way:
+        return "isotonic"
     switched = driven and np.count_nonzero(np.diff(level)) >= len(_turns(e))
     off = (p - level) / np.maximum(np.abs(level), 0.05)
     return "dynamic" if switched or np.sqrt(np.mean(off**2)) > HELD_PRESSURE else "isobaric"

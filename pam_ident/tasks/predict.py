@@ -156,7 +156,9 @@ class Validation(Shown):
         """The answer in words."""
         share = probability(self.coverage)
         known = f" {share} of the readings lie in their 95 % interval."
-        if math.isnan(self.coverage):
+        if self.saved.without_readings:  # of which the doubts tell
+            known = ""
+        elif math.isnan(self.coverage):
             known = " No interval of readings: the record fitted did not show how far they lie off."
         names = " and ".join(SIMPLER[name] for name in self.as_well)
         if self.coverage < HOLDS:

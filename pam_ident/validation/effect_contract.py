@@ -74,13 +74,16 @@ def showing(record: Record, form: Form) -> Record:
     return replace(record, inputs=inputs, steady=inputs)
 
 
+def _unknown(key: str, given: tuple[str, ...], known: set[str]) -> list[str]:
+    """What is wrong with words that were `given`, where not all are `known`."""
+    unknown = set(given) - known
+    return [f"{key}: unknown {', '.join(sorted(unknown))}; expected some of {', '.join(sorted(known))}"] * bool(unknown)
+
+
 def introduces_itself(effect: Effect, record: Record) -> list[str]:
     """Title, source, test, and needs and levers that exist."""
     found = [f"{key} is empty" for key in ("title", "source", "test") if not getattr(effect, key).strip()]
-    for key, known in (("needs", set(FIELDS)), ("levers", LEVERS)):
-        unknown = set(getattr(effect, key)) - known
-        if unknown:
-            found.append(f"{key}: unknown {', '.join(sorted(unknown))}; expected some of {', '.join(sorted(known))}")
+    found += _unknown("needs", effect.needs, {*FIELDS}) + _unknown("levers", effect.levers, LEVERS)
     if not effect.levers:
         found.append("levers is empty: say what must be varied on the rig to see the effect")
     names = [form.name for form in effect.forms]
@@ -125,8 +128,7 @@ def says_what_it_is(effect: Effect, form: Form, record: Record) -> list[str]:
     }
     found = [words for words, fine in checks.items() if not fine]
     odd = [n for n in names if not n.isidentifier() or "__" in n]
-    unknown, known = set(form.needs) - {*FIELDS, DRIVEN}, ", ".join(sorted({*FIELDS, DRIVEN}))
-    found += [f"needs: unknown {need}; expected some of {known}" for need in sorted(unknown)]
+    found += _unknown("needs", form.needs, {*FIELDS, DRIVEN})
     found += [f"parameter {n!r} is no Python name without a double underscore" for n in odd]
     return found + [f"parameter {p.name} says nothing about itself (doc)" for p in form.params if not p.doc]
 
