@@ -156,6 +156,7 @@ def test_nothing_measured_of_the_length_enters_what_explains_it(cases):
     assert driven(SETUP.model, along) is along
 
 
+@pytest.mark.long
 def test_a_ladder_and_an_addition_are_of_the_same_force(tmp_path):
     write_case(tmp_path, make_record(Plan(11, protocol="weight_stairs", secrets=(Secret("creep", "textbook", 3.0),))))
     record = read_record(tmp_path / "record.csv")
@@ -225,6 +226,7 @@ def test_a_sandbag_says_that_one_weight_is_not_enough(realdata, name):
     assert (answer.fits["together"].lengths.limit.sum() > 1800) == (name == "182351")
 
 
+@pytest.mark.long
 def test_a_batch_keeps_the_error_of_the_length(cases, tmp_path):
     question = BatchRequest(SETUP, diagnose=True)
     items = plan(cases["weight_ramps"].parent.parent, question, tmp_path).items
