@@ -103,6 +103,7 @@ def diagnosing(
     odds: Mapping[str, float] | None = None,
     also: tuple[str, ...] = (),
     noise_N: float = math.inf,
+    along: bool = False,
 ) -> Iterator[Diagnosis]:
     """What `diagnose` finds without its details, and then the same with them.
 
@@ -133,6 +134,10 @@ def diagnosing(
             wider = answer_of(alone, candidates, known, following, tried + further, odds)
             answer = answer if wider.lacking else wider
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
+    if record.carried and not along and (static := selection.best_static).terms:
+        nearer = driven(model.adding(*static.terms), record.as_measured, static.values)
+        yield from diagnosing(model, nearer, extra, without, only, odds, also, noise_N, along=True)
+        return
     if lacking:
         selection, lacking = standing(answer, candidates, lacking)
         fitted = lacking.fitted
@@ -254,7 +259,7 @@ def by_form_alone(
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
-    known = {effect.name for effect in selection.candidates if effect.follows == ("map",)}
+    known = {effect.name for effect in selection.candidates if effect.static}
     static = known.union(*(group for group in classes if not known.isdisjoint(group)))
     for term in named:
         name = term.effect.name

@@ -223,6 +223,12 @@ class Selection:
         """The best set of the same names that was fitted."""
         return min((v for v in self.cache.values() if v.names == fitted.names), key=lambda v: v.criterion)
 
+    @property
+    def best_static(self) -> FittedSet:
+        """The best set of effects that follow pressure and contraction alone, of those that were fitted."""
+        known = [v for v in self.cache.values() if all(t.effect.candidate and t.effect.static for t in v.terms)]
+        return min(known, key=lambda v: v.criterion)
+
     def weight(self, fitted: FittedSet, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
         clean = ~self.noise.outlier
