@@ -14,6 +14,7 @@ from ..core.progress import steps, tell
 from ..effects import Effect, Form
 from ..fitting import Fit
 from ..fitting.descent import GIVEN_UP
+from ..fitting.estimate import at_bound
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
@@ -210,6 +211,8 @@ class Selection:
         solution = solve(model, inputs, force, self.noise.whiten, begin, quick=True, enough=enough)
         squares = self.squares(model, solution.values)
         beyond = math.inf if solution.message != GIVEN_UP else best
+        if any(_at_its_limits(term, solution.values) for term in terms):
+            penalty = math.inf
         fitted = FittedSet(tuple(terms), solution.values, squares, squares + penalty, beyond)
         known = self.cache.get(key)
         if known is not None and known.squares < squares:  # another start led further
@@ -398,6 +401,13 @@ class View:
                 kept[label] = block
             blocks.append(block)
         return Compressed.singly(blocks, self.frame(noise))
+
+
+def _at_its_limits(term: Term, values: Mapping[str, float]) -> bool:
+    """Whether a free form has every curved parameter at a bound: a softening that hardly fades, times a free surface,
+    is that surface, and could follow any static error."""
+    curved = term.form.nonlinear if term.form.free else ()
+    return bool(curved) and all(at_bound(p, values[f"{term.effect.name}.{p.name}"]) for p in curved)
 
 
 def _free_curves(record: Record) -> Array:
