@@ -134,10 +134,6 @@ def diagnosing(
             wider = answer_of(alone, candidates, known, following, tried + further, odds)
             answer = answer if wider.lacking else wider
     selection, fitted, lacking = answer.selection, answer.fitted, answer.lacking
-    if record.carried and not along and (static := selection.best_static).terms:
-        nearer = driven(model.adding(*static.terms), record.as_measured, static.values)
-        yield from diagnosing(model, nearer, extra, without, only, odds, also, noise_N, along=True)
-        return
     if lacking:
         selection, lacking = standing(answer, candidates, lacking)
         fitted = lacking.fitted
@@ -147,6 +143,14 @@ def diagnosing(
         return not lacking and not any(following.outweighs(t.effect, known) for t in one.terms)
 
     fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, instead)
+    if record.carried and not along and (static := answer.selection.best_static).terms:
+        nearer = driven(model.adding(*static.terms), record.as_measured, static.values)
+        again = diagnosing(model, nearer, extra, without, only, odds, also, noise_N, along=True)
+        found = next(again)
+        if found.best.rmse**2 < (1.0 + selection.noise.too_small) * best.rmse**2:
+            yield found
+            yield from again
+            return
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     patterns = [t for t in fitted.terms if not t.effect.candidate]
     if lacking and not patterns:

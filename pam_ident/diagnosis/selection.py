@@ -9,12 +9,12 @@ from itertools import groupby
 
 import numpy as np
 
+from ..core import Inputs
 from ..core.digits import percent
 from ..core.progress import steps, tell
 from ..effects import Effect, Form
 from ..fitting import Fit
 from ..fitting.descent import GIVEN_UP
-from ..fitting.estimate import at_bound
 from ..fitting.solve import jacobian, solve
 from ..model import Model, Term
 from ..records import Record
@@ -32,6 +32,8 @@ MOST_TOLERANCE = 0.5
 OTHER_SIZE = 1.0 / 3.0
 """Share by which the variance of what is left exceeds that of the noise it is taken for, from which it is not that
 noise: 0.27 at most in 262 records without anything hidden."""
+LEAST_CHANGE = 1.0 / 3.0
+"""Share of its largest by which what a free form follows must change, lest the form be a surface over the map."""
 HOPELESS = 60.0
 """Cost beyond the best at which a set counts for nothing, not even for the probabilities."""
 TOO_FLAT, UNSEEN = 0.02, 1.0
@@ -211,7 +213,7 @@ class Selection:
         solution = solve(model, inputs, force, self.noise.whiten, begin, quick=True, enough=enough)
         squares = self.squares(model, solution.values)
         beyond = math.inf if solution.message != GIVEN_UP else best
-        if any(_at_its_limits(term, solution.values) for term in terms):
+        if any(_stands(term, inputs, solution.values) for term in terms):
             penalty = math.inf
         fitted = FittedSet(tuple(terms), solution.values, squares, squares + penalty, beyond)
         known = self.cache.get(key)
@@ -403,11 +405,13 @@ class View:
         return Compressed.singly(blocks, self.frame(noise))
 
 
-def _at_its_limits(term: Term, values: Mapping[str, float]) -> bool:
-    """Whether a free form has every curved parameter at a bound: a softening that hardly fades, times a free surface,
-    is that surface, and could follow any static error."""
-    curved = term.form.nonlinear if term.form.free else ()
-    return bool(curved) and all(at_bound(p, values[f"{term.effect.name}.{p.name}"]) for p in curved)
+def _stands(term: Term, inputs: Inputs, values: Mapping[str, float]) -> bool:
+    """Whether what a free form follows hardly changes in a record: a softening that does not fade, times a free
+    surface, is that surface, and could follow any static error."""
+    if not term.form.free or not term.form.nonlinear or term.effect.static or term.form.uses_force:
+        return False
+    state = term.columns(inputs, values, np.zeros(len(inputs)))[:, 0]
+    return float(np.ptp(state)) < LEAST_CHANGE * float(np.max(np.abs(state)))
 
 
 def _free_curves(record: Record) -> Array:
