@@ -213,7 +213,7 @@ class Selection:
         solution = solve(model, inputs, force, self.noise.whiten, begin, quick=True, enough=enough)
         squares = self.squares(model, solution.values)
         beyond = math.inf if solution.message != GIVEN_UP else best
-        if any(_stands(term, inputs, solution.values) for term in terms):
+        if any(stands(term, inputs, solution.values) for term in terms):
             penalty = math.inf
         fitted = FittedSet(tuple(terms), solution.values, squares, squares + penalty, beyond)
         known = self.cache.get(key)
@@ -405,7 +405,7 @@ class View:
         return Compressed.singly(blocks, self.frame(noise))
 
 
-def _stands(term: Term, inputs: Inputs, values: Mapping[str, float]) -> bool:
+def stands(term: Term, inputs: Inputs, values: Mapping[str, float]) -> bool:
     """Whether what a free form follows hardly changes in a record: a softening that does not fade, times a free
     surface, is that surface, and could follow any static error."""
     if not term.form.free or not term.form.nonlinear or term.effect.static or term.form.uses_force:

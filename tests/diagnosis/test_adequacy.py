@@ -10,10 +10,10 @@ from pam_ident.diagnosis.answer import Selected, likelier_instead
 from pam_ident.diagnosis.diagnose import LITTLE, LITTLE_FREE, by_form_alone
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.follows import Following
-from pam_ident.diagnosis.selection import Selection
+from pam_ident.diagnosis.selection import Selection, stands
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
-from pam_ident.model import Model, Term
+from pam_ident.model import Model, Term, as_term
 from pam_ident.records import read_record
 from pam_ident.records.datasets import dataset_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
@@ -74,6 +74,13 @@ def test_a_small_name_in_its_free_form_is_no_sure_one(hidden_effect):
     selection.part = lambda fitted, term: 0.1 if term is free else 0.9
     said = "Without it friction that grows with pressure, in another form, could leave as little."
     assert by_form_alone(selection, both, [large, free], (), "") == {"force_drift": (0.5, said)}
+
+
+@pytest.mark.parametrize(("way_mm", "still"), [(60.0, False), (1e4, True)])
+def test_a_softening_that_does_not_fade_is_a_free_surface_and_no_softening(hidden_effect, way_mm, still):
+    values = {"mullins_softening.s_0": way_mm, "mullins_softening.q": 5.0}
+    assert stands(as_term("mullins_softening:free_travelled"), hidden_effect.inputs, values) == still
+    assert not stands(as_term("mullins_softening:travelled"), hidden_effect.inputs, values)  # no free surface
 
 
 def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):

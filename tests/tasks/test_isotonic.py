@@ -11,6 +11,7 @@ from pam_ident.batch.record import answer
 from pam_ident.batch.request import BatchRequest, plan
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.core.digits import millimetres
+from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.fitting.carried import driven, length_rmse
 from pam_ident.records import build_record, read_record
@@ -139,6 +140,17 @@ def test_what_is_hidden_under_weights_is_named_less_surely(tmp_path, effect, for
     assert all(one.probability < 0.9 for one in found.ranking)
     assert "errors are those of the force at the measured length" in found.sentence
     assert found.best.rmse < 1.1 * found.noise_floor
+
+
+@pytest.mark.long
+def test_a_static_effect_brings_nothing_along_where_the_law_predicts_other_lengths(tmp_path):
+    """Along the law's own lengths two static effects had been a softening and a free form, and a group of four."""
+    law, hidden = "modified_chou_hannaford", (Secret("bladder_elasticity", "mooney_rivlin", 8.0),)
+    write_case(tmp_path, make_record(Plan(5, law, hidden, protocol="weight_ramps")))
+    found = diagnose_record(read_record(tmp_path / "record.csv"), Setup(law))
+    assert "bladder_elasticity" in found.selected and all(catalogue()[name].static for name in found.selected)
+    assert found.best.rmse < 1.1 * found.noise_floor and found.rmse_after_mm < 0.1 * found.rmse_mm
+    assert found.base.record is found.best.record
 
 
 def test_nothing_measured_of_the_length_enters_what_explains_it(cases):
