@@ -29,7 +29,7 @@ from .probability import DOUBTFUL, LAPSE, probabilities
 from .remainder import pattern_of, unlike_noise
 from .repeats import rounding, step_of
 from .select import EXACT
-from .selection import FittedSet, Selection
+from .selection import OTHER_SIZE, FittedSet, Selection
 from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
@@ -147,7 +147,7 @@ def diagnosing(
         nearer = driven(model.adding(*static.terms), record.as_measured, static.values)
         again = diagnosing(model, nearer, extra, without, only, odds, also, noise_N, along=True)
         found = next(again)
-        if found.best.rmse**2 < (1.0 + selection.noise.too_small) * best.rmse**2:
+        if found.best.rmse**2 < (1.0 + OTHER_SIZE) * best.rmse**2:
             yield found
             yield from again
             return
