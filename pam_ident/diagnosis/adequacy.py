@@ -144,12 +144,23 @@ class Adequacy:
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
 
-        What they follow must be likely, and no other name may follow it; and they must explain nearly all.
+        What they follow must be likely, and no other name may follow it; and they must explain nearly all. Where
+        several follow the same, one of them may by itself.
         """
-        kept = self._following(self.selection.following.likely)
-        names = sum(t.effect.candidate for t in kept.fitted.terms)
-        enough = kept.unexplained[1] < MAY_LEAVE[min(max(names, 1), len(MAY_LEAVE)) - 1]
-        return kept if enough else self._following(frozenset())
+        likely = self.selection.following.likely
+        kept = self._following(likely)
+        if kept._nearly_all:
+            return kept
+        named = [t for t in self.fitted.terms if t.effect.candidate and likely.issuperset(t.effect.follows[:1])]
+        single = [replace(self, fitted=self.selection.refit([term], self.fitted.values)) for term in named]
+        enough = [one for one in single if one._nearly_all]
+        return min(enough, key=lambda one: one.fitted.criterion, default=self._following(frozenset()))
+
+    @property
+    def _nearly_all(self) -> bool:
+        """Whether the names explain as much as so many must that stand beside something unknown."""
+        names = sum(t.effect.candidate for t in self.fitted.terms)
+        return self.unexplained[1] < MAY_LEAVE[min(max(names, 1), len(MAY_LEAVE)) - 1]
 
     def _following(self, drivers: frozenset[str]) -> "Adequacy":
         """The same with the names that are the only ones to follow theirs, first one of some drivers."""

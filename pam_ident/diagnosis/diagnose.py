@@ -29,7 +29,7 @@ from .probability import DOUBTFUL, LAPSE, probabilities
 from .remainder import pattern_of, unlike_noise
 from .repeats import rounding, step_of
 from .select import EXACT
-from .selection import FittedSet, Selection
+from .selection import OTHER_SIZE, FittedSet, Selection
 from .sentence import MORE, as_slow_noise, could_be_tried, reservations, sentence
 
 Array = np.ndarray
@@ -103,6 +103,7 @@ def diagnosing(
     odds: Mapping[str, float] | None = None,
     also: tuple[str, ...] = (),
     noise_N: float = math.inf,
+    along: bool = False,
 ) -> Iterator[Diagnosis]:
     """What `diagnose` finds without its details, and then the same with them.
 
@@ -142,6 +143,14 @@ def diagnosing(
         return not lacking and not any(following.outweighs(t.effect, known) for t in one.terms)
 
     fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, instead)
+    if record.carried and not along and (static := answer.selection.best_static).terms:
+        nearer = driven(model.adding(*static.terms), record.as_measured, static.values)
+        again = diagnosing(model, nearer, extra, without, only, odds, also, noise_N, along=True)
+        found = next(again)
+        if found.best.rmse**2 < (1.0 + OTHER_SIZE) * best.rmse**2:
+            yield found
+            yield from again
+            return
     rivals = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
     patterns = [t for t in fitted.terms if not t.effect.candidate]
     if lacking and not patterns:
@@ -254,7 +263,7 @@ def by_form_alone(
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
-    known = {effect.name for effect in selection.candidates if effect.follows == ("map",)}
+    known = {effect.name for effect in selection.candidates if effect.static}
     static = known.union(*(group for group in classes if not known.isdisjoint(group)))
     for term in named:
         name = term.effect.name

@@ -70,11 +70,20 @@ def climb(
         with part(f"step {len(rungs)}"):
             found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, also, detail, noise)
         noise = found.noise_floor
+        if record.carried and found.base.record is not record:  # it lies nearer to the lengths as measured
+            record = found.base.record
+            rungs = [_along(rung, record) for rung in rungs]
         terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
         new = _rungs(rungs[-1], terms, model, found) if terms and len(rungs) <= MOST_RUNGS else []
         if not new:
             return Ladder(tuple(rungs), found.noise_floor, found)
         rungs += new
+
+
+def _along(rung: Rung, record: Record) -> Rung:
+    """A rung, fitted to another record."""
+    one = fit(rung.fit.model, record, start=rung.fit.values)
+    return replace(rung, fit=one, heldout_rmse=heldout_rmse(one.model, record, one))
 
 
 def _rungs(below: Rung, terms: list[Term], lowest: Model, found: Diagnosis) -> list[Rung]:

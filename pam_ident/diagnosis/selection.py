@@ -9,6 +9,7 @@ from itertools import groupby
 
 import numpy as np
 
+from ..core import Inputs
 from ..core.digits import percent
 from ..core.progress import steps, tell
 from ..effects import Effect, Form
@@ -31,6 +32,8 @@ MOST_TOLERANCE = 0.5
 OTHER_SIZE = 1.0 / 3.0
 """Share by which the variance of what is left exceeds that of the noise it is taken for, from which it is not that
 noise: 0.27 at most in 262 records without anything hidden."""
+LEAST_CHANGE = 1.0 / 3.0
+"""Share of its largest by which what a free form follows must change, lest the form be a surface over the map."""
 HOPELESS = 60.0
 """Cost beyond the best at which a set counts for nothing, not even for the probabilities."""
 TOO_FLAT, UNSEEN = 0.02, 1.0
@@ -210,6 +213,8 @@ class Selection:
         solution = solve(model, inputs, force, self.noise.whiten, begin, quick=True, enough=enough)
         squares = self.squares(model, solution.values)
         beyond = math.inf if solution.message != GIVEN_UP else best
+        if any(stands(term, inputs, solution.values) for term in terms):
+            penalty = math.inf
         fitted = FittedSet(tuple(terms), solution.values, squares, squares + penalty, beyond)
         known = self.cache.get(key)
         if known is not None and known.squares < squares:  # another start led further
@@ -222,6 +227,12 @@ class Selection:
     def in_best_forms(self, fitted: FittedSet) -> FittedSet:
         """The best set of the same names that was fitted."""
         return min((v for v in self.cache.values() if v.names == fitted.names), key=lambda v: v.criterion)
+
+    @property
+    def best_static(self) -> FittedSet:
+        """The best set of effects that follow pressure and contraction alone, of those that were fitted."""
+        known = [v for v in self.cache.values() if all(t.effect.candidate and t.effect.static for t in v.terms)]
+        return min(known, key=lambda v: v.criterion)
 
     def weight(self, fitted: FittedSet, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
@@ -392,6 +403,15 @@ class View:
                 kept[label] = block
             blocks.append(block)
         return Compressed.singly(blocks, self.frame(noise))
+
+
+def stands(term: Term, inputs: Inputs, values: Mapping[str, float]) -> bool:
+    """Whether what a free form follows hardly changes in a record: a softening that does not fade, times a free
+    surface, is that surface, and could follow any static error."""
+    if not term.form.free or not term.form.nonlinear or term.effect.static or term.form.uses_force:
+        return False
+    state = term.columns(inputs, values, np.zeros(len(inputs)))[:, 0]
+    return float(np.ptp(state)) < LEAST_CHANGE * float(np.max(np.abs(state)))
 
 
 def _free_curves(record: Record) -> Array:

@@ -134,6 +134,11 @@ class Effect(Shown):
         forms = tuple(form for form in known if all(inputs.has(need) for need in form.needs))
         return self if forms == self.forms else replace(self, forms=forms)
 
+    @property
+    def static(self) -> bool:
+        """Whether it follows pressure and contraction alone."""
+        return self.follows == ("map",)
+
     def missing(self, inputs: Inputs) -> list[str]:
         """What the record lacks for this effect to be computed at all."""
         return [need for need in self.needs if not inputs.has(need)]

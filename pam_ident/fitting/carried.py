@@ -4,7 +4,8 @@ ask it there, too; and a fit to one with its residual of the length.
 Held against a force that hardly changes, any law of slope 0 fits to the last digit. So nothing measured of the length
 may enter what explains it: the muscle is taken along the lengths ε̂ at which a model carries the weights, where its
 force is, to first order, F(ε̂) = F + F_θ(ε̂) − F_θ(ε), F and ε as measured. What the model leaves of it is its error of
-the force at the measured length. Where its own error changes much between ε and ε̂ the sum is off by that change.
+the force at the measured length. Where its own error changes between ε and ε̂ the sum is off by that change, and a lag
+or a damping seems to be there: so a static effect that is found shifts ε̂ to where it says, and all is asked again.
 
 While the pressure changes and the length stands, a weight sticks, and friction may be anything up to its level. These
 rows tell nothing, and nor do those at the mechanical limit, and those at which no length is stable.
@@ -47,6 +48,16 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
         notes.add("weight_stands", "displacement", str(len(record)), left)
         along = replace(along, notes=(*along.notes, *notes.told()))
     return along.take(np.flatnonzero(kept))
+
+
+def nearer(model: Model, record: Record, values: Mapping[str, float]) -> Record:
+    """A carried record along the lengths that the law and the static effects of a model with `values` predict, which
+    are nearer to those measured than the law's; any other record, or one of a model without these, as it is.
+
+    Raises FitError or DataError as `driven` does.
+    """
+    static = tuple(term for term in model.terms if term.effect.static)
+    return driven(replace(model, terms=static), record.as_measured, values) if record.carried and static else record
 
 
 def length_rmse(one: Fit) -> float | None:

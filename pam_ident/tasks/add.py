@@ -6,7 +6,7 @@ from ..core import UsageError
 from ..diagnosis import heldout_rmse
 from ..diagnosis.nested import masks_of
 from ..fitting import Fit, fit
-from ..fitting.carried import driven
+from ..fitting.carried import driven, nearer
 from ..records import Record
 from ..records.doubt import Doubt
 from .gate import admit, computing, warnings_of
@@ -35,6 +35,7 @@ def add_effects(record: Record, setup: Setup) -> Addition:
     model, alone = setup.model, setup.law_alone
     with computing(record):
         record = driven(alone, record)
+        record = nearer(model, record, fit(model, record, detail=False).values)
         after = fit(model, record)
         before = fit(alone, record)
         masks = masks_of(record, setup.held_out) if setup.held_out else None

@@ -206,7 +206,7 @@ def test_a_law_of_the_user_s_own_comes_by_its_file(ask, write_record, tmp_path):
     result = ask("fit", record, "--law", own, "--json", tmp_path / "own.json")
     assert result.exit_code == 0 and "plane: F = p (f0 + f1 ε) + f2 ε" in result.stdout
     assert ask("validate", tmp_path / "own.json", record).exit_code == 0
-    found = ask("ladder", record, "--law", own)
+    found = ask("ladder", record, "--law", own, "--only", "bladder_elasticity", "--heldout", "refit")
     assert found.exit_code == 0 and "plane of mine" in found.stdout
     (tmp_path / "none.py").write_text("EFFECT = 1", encoding="utf-8")
     refused = ask("fit", record, "--law", tmp_path / "none.py")

@@ -10,10 +10,10 @@ from pam_ident.diagnosis.answer import Selected, likelier_instead
 from pam_ident.diagnosis.diagnose import LITTLE, LITTLE_FREE, by_form_alone
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.follows import Following
-from pam_ident.diagnosis.selection import Selection
+from pam_ident.diagnosis.selection import Selection, stands
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
-from pam_ident.model import Model, Term
+from pam_ident.model import Model, Term, as_term
 from pam_ident.records import read_record
 from pam_ident.records.datasets import dataset_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
@@ -76,6 +76,13 @@ def test_a_small_name_in_its_free_form_is_no_sure_one(hidden_effect):
     assert by_form_alone(selection, both, [large, free], (), "") == {"force_drift": (0.5, said)}
 
 
+@pytest.mark.parametrize(("way_mm", "still"), [(60.0, False), (1e4, True)])
+def test_a_softening_that_does_not_fade_is_a_free_surface_and_no_softening(hidden_effect, way_mm, still):
+    values = {"mullins_softening.s_0": way_mm, "mullins_softening.q": 5.0}
+    assert stands(as_term("mullins_softening:free_travelled"), hidden_effect.inputs, values) == still
+    assert not stands(as_term("mullins_softening:travelled"), hidden_effect.inputs, values)  # no free surface
+
+
 def test_a_driver_beside_others_at_odds_as_good_is_one_of_them(tmp_path):
     """Once the speed alone was seen here, because its surfaces come near to what the direction does."""
     secrets = (Secret("viscous_damping", "textbook", 1.446), Secret("coulomb_friction", "textbook", 0.8204))
@@ -133,6 +140,7 @@ def test_a_form_that_the_catalogue_lacks_does_not_change_the_name(tmp_path, name
     assert answer.selected == (name,) and answer.labels[0] not in left
 
 
+@pytest.mark.long
 def test_two_static_names_are_never_sure(tmp_path):
     """A fixture that yields as a contact does is threads that stretch and ends that taper, where it is left out."""
     secret = Secret("series_compliance", "contact", 4.643)
@@ -208,6 +216,7 @@ def test_noise_of_the_length_sensor_is_followed_by_nothing(tmp_path):
     assert Following.of(found).chosen == set()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, 3])
 def test_sticking_and_letting_go_is_more_than_dry_friction(seed, tmp_path):
     """No repeats: the pressure is switched within each stroke. Both were Coulomb friction alone, or refused."""
@@ -218,6 +227,7 @@ def test_sticking_and_letting_go_is_more_than_dry_friction(seed, tmp_path):
     assert (found.pattern.kind, found.pattern.coordinate) == ("periodic", "the way since a reversal")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("seed", "noise", "what"), [(2, "slow", "the clock"), (1, "white", "")])
 def test_what_is_taken_for_slow_noise_is_said_to_be_that(tmp_path, seed, noise, what):
     """Else nothing is missing, and yet a fifth of the error follows the clock."""
@@ -254,6 +264,7 @@ def test_two_names_in_free_forms_of_one_driver_are_no_answer(tmp_path):
     assert found.pattern and "follows the speed" in found.pattern.text
 
 
+@pytest.mark.long
 def test_a_special_case_that_was_not_tried_is_not_told_apart(tmp_path):
     secrets = (Secret("stribeck_friction", "textbook", 1.0222521531470088),)
     plan = Plan(6147000075, "modified_chou_hannaford", secrets, protocol="crossed_sines", noise="ar1",
@@ -261,18 +272,21 @@ def test_a_special_case_that_was_not_tried_is_not_told_apart(tmp_path):
     assert ("coulomb_friction", "stribeck_friction") in answered(tmp_path, plan).groups
 
 
+@pytest.mark.long
 def test_a_damping_that_grows_with_pressure_is_no_lag(tmp_path):
     secrets = (Secret("viscous_damping", "pressure", 2.9930729731749697),)
     plan = Plan(6147000058, EXPONENTIAL, secrets, protocol="sines", sigma_N=4.0, fault="lost_rows", tier=2)
     assert answered(tmp_path, plan).selected == ("viscous_damping",)
 
 
+@pytest.mark.long
 def test_a_level_of_a_hold_that_is_a_little_off_is_no_jump(tmp_path):
     """Noise of the position makes six times as much of the force as the load cell's."""
     plan = Plan(1, EXPONENTIAL, protocol="one_cycle", sigma_N=0.25, gauges="noisy_length")
     assert answered(tmp_path, plan).verdict == "adequate"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("step", "noise"), [(4.0, 0.4), (9.0, 0.8)])
 def test_what_rounds_is_no_unknown_effect(step, noise):
     """Rounding comes back with every stroke where the noise is far below a step: it was a force in one place."""

@@ -50,6 +50,7 @@ def test_a_mass_is_named_and_found_where_it_is_asked_for(weighted):
     assert found.best.rmse < 1.15 * found.noise_floor and "--also" not in found.sentence
 
 
+@pytest.mark.long
 def test_a_soft_stop_of_the_rig_is_named_with_its_place_and_stiffness(tmp_path):
     law = Model.build("exponential_law")
     made = make_record(Plan(44, law.law.name, unknown=Secret("rub", "end_stop", 3.0)))

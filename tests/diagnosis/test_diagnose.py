@@ -74,6 +74,7 @@ def test_a_contact_that_bends_and_weakens_with_speed_is_presliding(tmp_path):
     assert diagnose(Model.build(EXPONENTIAL), record).selected == ("presliding_hysteresis",)
 
 
+@pytest.mark.long
 def test_where_its_travel_is_that_of_either_it_has_two_names(tmp_path):
     record = rig_record(tmp_path, seed=61, law=CHOU)
     level = 8.0 * (1.0 + 0.6 * np.exp(-((np.abs(record.inputs.velocity) / 4.0) ** 2)))
@@ -226,6 +227,7 @@ def with_force(record: Record, added) -> Record:
     return replace(record, force=record.force + added)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("radius", "verdict"), [(0.97, "unknown_effect"), (0.0, "adequate")])
 def test_a_swing_whose_phase_wanders_is_no_noise_and_slow_noise_of_its_size_is(tmp_path, radius, verdict):
     """A process of the second order that swings in 5.5 samples, beside one of the first."""
@@ -319,6 +321,7 @@ def test_a_softening_over_the_way_beside_friction_has_its_name(tmp_path, seed, f
     assert set(answer.selected) == {friction.name, "mullins_softening"} and answer.noise_floor < 1.5
 
 
+@pytest.mark.long
 def test_a_stop_hit_hard_is_no_stiffening_bladder(tmp_path):
     """A bladder follows all but 2 % of it, which is more than twice the noise."""
     record = rig_record(tmp_path, seed=63, law=EXPONENTIAL, sigma_N=4.0)
@@ -350,6 +353,7 @@ def test_one_speed_cannot_tell_friction_from_damping(tmp_path, effect):
     assert answer.next_experiment is not None and "speed" in answer.next_experiment.vary
 
 
+@pytest.mark.long
 def test_what_the_law_absorbs_and_what_the_record_lacks_is_marked(tmp_path):
     record = rig_record(tmp_path, seed=43, law=EXPONENTIAL)
     status = {s.effect: s.status for s in diagnose(Model.build(EXPONENTIAL), record).ranking}
@@ -414,6 +418,7 @@ def test_the_ladder_on_the_measured_map_falls_below_15_N_with_named_effects():
     assert ladder.rungs[-1].effects[0].startswith("bladder_elasticity")
 
 
+@pytest.mark.long
 def test_no_larger_noise_is_told_than_was_before():
     model, hidden_effect = Model.build(EXPONENTIAL), read_record(dataset_record("hidden_effect"))
     first = diagnose(model, hidden_effect, detail=False)

@@ -146,6 +146,7 @@ def test_what_no_run_separates_is_said_with_the_test_that_would(rubbing):
     assert "No run of strokes" in found.text and get_effect("stribeck_friction")[0].test in found.text
 
 
+@pytest.mark.long
 def test_an_unknown_pattern_brings_a_run_to_look_at_it_with(tmp_path):
     record = rig_record(tmp_path, Plan(44, EXPONENTIAL, unknown=Secret("screw_ripple", "textbook", 2.0)))
     answer = diagnose(Model.build(EXPONENTIAL), record)

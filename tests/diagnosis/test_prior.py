@@ -24,7 +24,7 @@ def test_odds_of_ten_are_worth_their_logarithm_as_a_probability_counts_it():
 def test_odds_in_a_file_reach_the_diagnosis(tmp_path):
     file = tmp_path / "prior.toml"
     file.write_text("pressure_friction = 1e-300\n")
-    record = thinned(read_record(dataset_record("hidden_effect")), 1000)
+    record = thinned(read_record(dataset_record("hidden_effect")), 500)
     model = Model.build("exponential_law")
     assert diagnose(model, record).selected == ("pressure_friction",)
     assert (

@@ -10,6 +10,8 @@ from pam_ident.diagnosis import diagnose
 from pam_ident.model import Model
 from pam_ident.records.record import build_record
 
+pytestmark = pytest.mark.long
+
 SPECIMEN = Specimen("made", 200.0, 10.0, 25.0)
 LAW, TRUE = Model.build("modified_chou_hannaford"), {"k0": 0.9, "k1": 1.2, "k2": 5.0}
 RUN, HOLD, STROKE_MM = 30, 6, 40.0
@@ -163,7 +165,7 @@ def test_what_is_larger_in_slow_strokes_is_no_noise():
     assert found.pattern is not None and found.pattern.coordinate == "speed"
 
 
-@pytest.mark.parametrize("size", [4.0, pytest.param(8.0, marks=pytest.mark.long), 16.0])
+@pytest.mark.parametrize("size", [4.0, 8.0, 16.0])
 def test_what_is_there_in_motion_alone_and_of_one_sign_is_no_friction(size):
     """The current of a drive disturbs the load cell. Friction would have to keep more in holds than it had."""
     found = diagnose(LAW, strokes(lambda p, e, side, v: size * (v != 0.0)))
@@ -185,7 +187,7 @@ def yielding(time, force, temperature):
     return force - 0.1 * np.array([0.4, 0.3, 0.3]) @ yielded
 
 
-@pytest.mark.parametrize("cell", [creeping, pytest.param(yielding, marks=pytest.mark.long)])
+@pytest.mark.parametrize("cell", [creeping, yielding])
 def test_creep_may_follow_the_tension_by_any_kernel(cell):
     found = diagnose(LAW, strokes(NOTHING, cell=cell))
     assert found.selected == ("creep",) and found.pattern is None, found.sentence
@@ -334,7 +336,6 @@ def test_noise_is_foretold_by_its_colour_and_no_further_with_a_name_and_without(
     assert "it swings with a period of about" in found.sentence
 
 
-@pytest.mark.long
 def test_parts_of_a_drift_may_be_larger_than_nature_allows_the_whole():
     """A parabola in time is the difference of a slow settling and a line, each of thousands of newtons."""
     record = strokes(lambda p, x, side, v: -4.0 * side, cell=lambda t, f, T: f + 60.0 * (t / t[-1]) ** 2)

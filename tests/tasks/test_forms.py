@@ -9,7 +9,7 @@ from pam_ident.tasks.forms import in_best_forms
 from pam_ident.tasks.ladder import climb_ladder
 from pam_ident.tasks.setup import Setup
 
-BARE = Setup("exponential_law", ("creep",))
+BARE = Setup("exponential_law", ("creep",), heldout="refit")
 SAID = Setup("exponential_law", ("creep:textbook",))
 
 

@@ -11,6 +11,7 @@ from pam_ident.batch.record import answer
 from pam_ident.batch.request import BatchRequest, plan
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.core.digits import millimetres
+from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.fitting.carried import driven, length_rmse
 from pam_ident.records import build_record, read_record
@@ -141,6 +142,17 @@ def test_what_is_hidden_under_weights_is_named_less_surely(tmp_path, effect, for
     assert found.best.rmse < 1.1 * found.noise_floor
 
 
+@pytest.mark.long
+def test_a_static_effect_brings_nothing_along_where_the_law_predicts_other_lengths(tmp_path):
+    """Along the law's own lengths two static effects had been a softening and a free form, and a group of four."""
+    law, hidden = "modified_chou_hannaford", (Secret("bladder_elasticity", "mooney_rivlin", 8.0),)
+    write_case(tmp_path, make_record(Plan(5, law, hidden, protocol="weight_ramps")))
+    found = diagnose_record(read_record(tmp_path / "record.csv"), Setup(law))
+    assert "bladder_elasticity" in found.selected and all(catalogue()[name].static for name in found.selected)
+    assert found.best.rmse < 1.1 * found.noise_floor and found.rmse_after_mm < 0.1 * found.rmse_mm
+    assert found.base.record is found.best.record
+
+
 def test_nothing_measured_of_the_length_enters_what_explains_it(cases):
     record = read_record(cases["weight_ramps"])
     along = driven(SETUP.model, record)
@@ -156,6 +168,7 @@ def test_nothing_measured_of_the_length_enters_what_explains_it(cases):
     assert driven(SETUP.model, along) is along
 
 
+@pytest.mark.long
 def test_a_ladder_and_an_addition_are_of_the_same_force(tmp_path):
     write_case(tmp_path, make_record(Plan(11, protocol="weight_stairs", secrets=(Secret("creep", "textbook", 3.0),))))
     record = read_record(tmp_path / "record.csv")
@@ -225,6 +238,7 @@ def test_a_sandbag_says_that_one_weight_is_not_enough(realdata, name):
     assert (answer.fits["together"].lengths.limit.sum() > 1800) == (name == "182351")
 
 
+@pytest.mark.long
 def test_a_batch_keeps_the_error_of_the_length(cases, tmp_path):
     question = BatchRequest(SETUP, diagnose=True)
     items = plan(cases["weight_ramps"].parent.parent, question, tmp_path).items
