@@ -12,7 +12,7 @@ from ..core.digits import millimetres, newtons
 from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
-from ..fitting.carried import driven, length_rmse
+from ..fitting.carried import driven, length_rmse, nearer
 from ..fitting.problem import all_rows
 from ..fitting.solve import solve
 from ..model import Model, Term
@@ -144,8 +144,8 @@ def diagnosing(
 
     fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, instead)
     if record.carried and not along and (static := answer.selection.best_static).terms:
-        nearer = driven(model.adding(*static.terms), record.as_measured, static.values)
-        again = diagnosing(model, nearer, extra, without, only, odds, also, noise_N, along=True)
+        shifted = nearer(model.adding(*static.terms), record, static.values)
+        again = diagnosing(model, shifted, extra, without, only, odds, also, noise_N, along=True)
         found = next(again)
         if found.best.rmse**2 < (1.0 + OTHER_SIZE) * best.rmse**2:
             yield found

@@ -213,12 +213,12 @@ class Selection:
         solution = solve(model, inputs, force, self.noise.whiten, begin, quick=True, enough=enough)
         squares = self.squares(model, solution.values)
         beyond = math.inf if solution.message != GIVEN_UP else best
-        if any(stands(term, inputs, solution.values) for term in terms):
-            penalty = math.inf
         fitted = FittedSet(tuple(terms), solution.values, squares, squares + penalty, beyond)
         known = self.cache.get(key)
         if known is not None and known.squares < squares:  # another start led further
             fitted = replace(known, criterion=known.squares + penalty)
+        if any(stands(term, inputs, fitted.values) for term in terms):
+            fitted = replace(fitted, criterion=math.inf)
         self.cache[key] = fitted
         if beyond == math.inf:
             self.known.setdefault(key, fitted)

@@ -35,8 +35,9 @@ def add_effects(record: Record, setup: Setup) -> Addition:
     model, alone = setup.model, setup.law_alone
     with computing(record):
         record = driven(alone, record)
-        record = nearer(model, record, fit(model, record, detail=False).values)
         after = fit(model, record)
+        if (shifted := nearer(model, record, after.values)) is not record:
+            record, after = shifted, fit(model, shifted)
         before = fit(alone, record)
         masks = masks_of(record, setup.held_out) if setup.held_out else None
         errors = [heldout_rmse(one, record, masks=masks) for one in (alone, model)]

@@ -127,10 +127,11 @@ class Bench:
         """
         if self.held:
             raise UsageError("nothing is named while a parameter is held by hand; release it first")
+        bench = self
         for found in diagnosing_record(self.record, self.setup):
-            bench, record = self, found.base.record
-            if record.carried and record is not self.record:  # it lies nearer to the lengths as measured
-                bench = replace(self, record=record, rungs=ladder_by_hand(record, self.setup, {}, self.diagnosis))
+            record = found.base.record
+            if record.carried and record is not bench.record:  # it lies nearer to the lengths as measured
+                bench = replace(bench, record=record, rungs=ladder_by_hand(record, self.setup, {}, self.diagnosis))
             yield replace(bench, diagnosis=found, first=self.first if self.fit.model.terms else found)
 
     def diagnosed(self) -> "Bench":
