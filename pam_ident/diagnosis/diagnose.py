@@ -165,7 +165,8 @@ def diagnosing(
     classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
     timed = bool(selected) and record.inputs.time is not None
     slow = timed and not pattern and Adequacy(selection, fitted, FreeModel.of(selection)).wanders
-    lapse = DOUBTFUL if pattern or slow else LAPSE
+    unfollowed = following.uncovered(known, [one.what for one in follows if one.what in following.chosen])
+    lapse = DOUBTFUL if pattern or slow or (timed and unfollowed) else LAPSE
     chance = probabilities(selection, classes, selected, lapse)
     if lacking:
         kept = set(selected).union(*classes)
@@ -200,6 +201,9 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
+    elif timed and unfollowed and not pattern:
+        too = " and ".join(one.text for one in follows if one.what in unfollowed)
+        said += f" Less sure: the error follows {too}, too, and no effect that was tried does."
     off = length_rmse(base)
     off_after = off if best is base else length_rmse(best)
     if record.carried:

@@ -316,12 +316,13 @@ class Following:
             return ()
         return tuple(name for name, (loss, _) in self._instead.items() if loss > self._least)
 
-    def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
-        """Drivers that must be there and that none of some effects follows; none where one may follow anything."""
+    def uncovered(self, effects: Collection[Effect], among: Iterable[str] | None = None) -> tuple[str, ...]:
+        """Drivers that must be there, or `among` some, that none of some effects follows; none where one may follow
+        anything."""
         if any(not effect.follows for effect in effects):
             return ()
         covered = {name for effect in effects for name in effect.follows}
-        return tuple(name for name in self.needed if name not in covered)
+        return tuple(name for name in (self.needed if among is None else among) if name not in covered)
 
     def enough(self, drivers: Collection[str], without: str) -> bool:
         """Whether some drivers explain as much as the likeliest do, without a certain one."""
