@@ -261,9 +261,9 @@ def by_form_alone(
     asked, in a sentence.
 
     With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
-    and the error rather `follows` another; and where it is static beside another that is, or is not told from one that
+    and the error rather `follows` another; where it is static beside another that is, or is not told from one that
     is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
-    temperature, of which nobody knows from where it counts.
+    temperature, of which nobody knows from where it counts; and where it follows the clock in more than one way.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -286,6 +286,8 @@ def by_form_alone(
         elif timed and name in known and term.form.free:
             why = "No written form of it fits, and its free form could follow nearly any static error."
             found[name] = 1.0 - DOUBTFUL, why
+        elif term.effect.follows == ("clock",) and len(term.form.params) > 1:
+            found[name] = 1.0 - DOUBTFUL, "Noise that wanders as slowly as the test lasts could look the same."
     return found
 
 
