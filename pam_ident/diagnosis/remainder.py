@@ -46,6 +46,8 @@ nothing hidden."""
 LAGS, FORETOLD = 16, 0.07
 """Samples before that are looked at, and the share of the noise's innovations that they may foretell: 0.04 at most in
 the same records."""
+ONE_IN_100 = 2.58
+"""Standard deviations that normal numbers exceed once in a hundred times."""
 APART, NORMAL, GAP = 20, 0.455, 5.0
 """Samples on either side of a moment between whose means what is left jumps; the median square over the mean square of
 what is normal; and the usual times between samples from which a longer one is a break."""
@@ -168,7 +170,10 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
         enough |= alike & (np.count_nonzero(alike) >= WINDOW * APART // 2)
         far[alike] /= np.median(far[alike])
     at, far = at[enough], far[enough]
-    if not len(far) or far.mean() * NORMAL < JUMPING:
+    if not len(far):
+        return None
+    chance = math.exp(ONE_IN_100 * MEDIAN * math.sqrt(APART / len(far)))
+    if far.mean() * NORMAL < max(JUMPING, chance):
         return None
     share = 1.0 - 1.0 / (NORMAL * float(far.mean()))
     worst = float(time[at[int(np.argmax(far))]])
