@@ -119,7 +119,7 @@ def diagnosing(
     model = base.model
     fresh = [e for e in allowed if e.candidate and e.name not in model.effect_names]
     candidates = [effect.shown_by(record.inputs) for effect in fresh]
-    if record.inputs.slide is not None:
+    if record.inputs.locked:
         candidates = [_one_a_driver(effect) for effect in candidates]
     steady, unsure = steadied(record, model, base.values)
     alone = fit(model, steady, start=base.values, detail=False)
@@ -263,7 +263,8 @@ def by_form_alone(
     With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
     and the error rather `follows` another; where it is static beside another that is, or is not told from one that
     is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
-    temperature, of which nobody knows from where it counts; and where it follows the clock in more than one way.
+    temperature, of which nobody knows from where it counts; where it follows a way that the braid slides and nobody
+    measured; and where it follows the clock in more than one way.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -286,7 +287,10 @@ def by_form_alone(
         elif timed and name in known and term.form.free:
             why = "No written form of it fits, and its free form could follow nearly any static error."
             found[name] = 1.0 - DOUBTFUL, why
-        elif term.effect.follows == ("clock",) and len(term.form.params) > 1:
+        elif selection.record.inputs.slid_by_pressure and term.effect.follows[:1] == ("way",):
+            why = "How far the braid slides while the pressure alone changes is not measured."
+            found[name] = 1.0 - DOUBTFUL, why
+        elif term.effect.follows == ("clock",) and len(term.form.linear) > 1:
             found[name] = 1.0 - DOUBTFUL, "Noise that wanders as slowly as the test lasts could look the same."
     return found
 

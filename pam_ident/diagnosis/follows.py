@@ -306,7 +306,7 @@ class Following:
         """Drivers with those that are one with them in this record, or may be a part of them."""
         one = [{"speed", "pressure_rate"}] if "pressure_rate" in self.surfaces.names else []  # a lag follows both
         one += [{"speed", "direction"}] if one_speed(self.record) else []
-        one += [{"way", "rest"}] if self.record.inputs.slide is not None else []
+        one += [{"way", "rest"}] if self.record.inputs.locked else []
         return found.union(*(same for same in one if found & same))
 
     @cached_property

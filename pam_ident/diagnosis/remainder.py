@@ -172,7 +172,8 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
     at, far = at[enough], far[enough]
     if not len(far):
         return None
-    chance = math.exp(ONE_IN_100 * MEDIAN * math.sqrt(APART / len(far)))
+    alone = len(far) / (2.0 * APART)  # moments that share no sample
+    chance = math.exp(ONE_IN_100 * MEDIAN / math.sqrt(alone))
     if far.mean() * NORMAL < max(JUMPING, chance):
         return None
     share = 1.0 - 1.0 / (NORMAL * float(far.mean()))
