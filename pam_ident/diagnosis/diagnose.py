@@ -188,8 +188,8 @@ def diagnosing(
     if lacking:  # the names that are not all there are do not touch it
         between = [seen.sigma for one in (base, best) if (seen := repeat_noise(one))]
         floor = min(*(between or [floor]), _as_measured(lacking.free.noise.whole, best), best.rmse)
-    elif pattern and not patterns:
-        floor *= math.sqrt(1.0 - pattern.share)
+    elif pattern and not fitted.terms:  # noise follows nothing
+        floor = min(floor, math.sqrt(follows[-1].share) * base.rmse)
     extra = (*extra, *model.own)
     floor = min(floor, noise_N)
     rounded = bool(pattern) and not named and _may_round(selection, base.rmse, floor)

@@ -189,8 +189,8 @@ def build_record(
         states = Inputs(pressure, contraction, specimen, unknown, temperature=temperature)
         return _table(name, states, force, level, origin)
     kind = said_kind or find_kind(specimen, pressure, contraction, force, level, timed=True)
-    slide, driven = None, None
-    if kind == "isometric":
+    slide, driven, locked = None, None, kind == "isometric"
+    if locked:
         held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
         driven = find_motion(time, KPA * pressure, held, force)
         per_kpa = _per_kpa(specimen, held)
@@ -221,13 +221,12 @@ def build_record(
         temperature=temperature,
         segment=segment,
         slide=slide,
-        locked=kind == "isometric",
+        locked=locked,
         pressure_rate=None if driven is None else driven.velocity / KPA,
     )
     _, number = np.unique(cycle.astype(int), return_inverse=True)
     _, block = np.unique(segment * (number.max() + 1) + number, return_inverse=True)
     run = np.cumsum((np.diff(motion.stroke, prepend=0) != 0) | np.diff(motion.moving, prepend=False))
-    locked = kind == "isometric"
     smooth = motion.position / specimen.initial_length_mm + (held if locked else 0.0)
     steady = calmed(pressure, segment, time, run) if driven is None else driven.position / KPA
     slid = smooth if locked else _slid(specimen, smooth, steady) if slide is not None else None
