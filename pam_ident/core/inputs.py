@@ -112,8 +112,9 @@ class Inputs:
     extension, 0 where a static table knows no branch; a hold keeps the direction of the motion before
     it and has `moving` False. `stroke_speed` is the median speed of the stroke a sample belongs to.
     `segment` numbers the runs between changes of what is held or gaps in time. `slide` is the contraction of the braid
-    alone, of which velocity and direction are, where that is another; `pressure_rate`, in MPa/s, that of a driven one.
-    Fields that a record lacks are None. With `live` the samples are no record, but n muscles at one instant.
+    alone, of which velocity and direction are, where that is another; `pressure_rate`, in MPa/s, that of a driven one;
+    `locked` whether it alone is driven. Fields that a record lacks are None. With `live` the samples are no record, but
+    n muscles at one instant.
     """
 
     pressure: Array
@@ -129,6 +130,7 @@ class Inputs:
     segment: Array | None = None
     slide: Array | None = None
     pressure_rate: Array | None = None
+    locked: bool = False
     live: Live | None = None
 
     def __len__(self) -> int:
@@ -154,6 +156,11 @@ class Inputs:
         """The same in mm, shape (n,)."""
         return self.displacement_mm if self.slide is None else self.slide * self.specimen.initial_length_mm
 
+    @property
+    def slid_by_pressure(self) -> bool:
+        """Whether the braid slides by a length and by a pressure that are both driven."""
+        return self.slide is not None and not self.locked
+
     @cached_property
     def reach_mm(self) -> float:
         """The longest way in mm without a break of the test."""
@@ -165,7 +172,7 @@ class Inputs:
         if need == "branch":
             return bool(np.any(self.direction != 0))
         if need == "driven pressure":
-            return self.pressure_rate is not None and self.slide is None
+            return self.pressure_rate is not None and not self.locked
         field = {"motion": self.velocity, "time": self.time, "cycle": self.cycle, "temperature": self.temperature}
         return field[need] is not None
 

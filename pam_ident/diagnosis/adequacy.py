@@ -16,7 +16,7 @@ from ..effects import Effect
 from .follows import EQUAL, Following
 from .noise import Noise
 from .nouns import Pattern
-from .remainder import OF_ALL
+from .remainder import OF_ALL, ONE_IN_100
 from .repeats import comes_back
 from .selection import OTHER_SIZE, FittedSet, Selection
 
@@ -25,8 +25,6 @@ PATTERN_MARGIN = 20.0
 INEXACT, EXACT = 0.005, 0.001
 """Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
 that forms may leave which follow the same, because together they can come near to much."""
-ONE_IN_100 = 2.58
-"""Standard deviations that normal numbers exceed once in a hundred times."""
 MAY_LEAVE = (0.1, 0.05, 0.02)
 """Share of what is to be explained that one, two, or three names may leave, and stand beside something unknown: the
 more names, the more they imitate. Of 15 single names that left less than a tenth one was false; three were at 0.02."""

@@ -26,7 +26,7 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
         twins = [*_same_form(selection, term), *_general(selection, fitted, term)]
         twins += [n for n in _close(selection, fitted, rest, term.effect) if n not in twins]
         twins += [n for n in _fitted(selection, fitted, term.effect) if n not in twins]
-        if selection.record.inputs.slide is not None:
+        if selection.record.inputs.locked:
             twins += [n for n in _same_when_locked(selection, term.effect) if n not in twins]
         if one_speed(selection.record):
             twins += [n for n in _same_at_one_speed(selection, rest, term.effect) if n not in twins]

@@ -119,7 +119,7 @@ def diagnosing(
     model = base.model
     fresh = [e for e in allowed if e.candidate and e.name not in model.effect_names]
     candidates = [effect.shown_by(record.inputs) for effect in fresh]
-    if record.inputs.slide is not None:
+    if record.inputs.locked:
         candidates = [_one_a_driver(effect) for effect in candidates]
     steady, unsure = steadied(record, model, base.values)
     alone = fit(model, steady, start=base.values, detail=False)
@@ -165,7 +165,8 @@ def diagnosing(
     classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
     timed = bool(selected) and record.inputs.time is not None
     slow = timed and not pattern and Adequacy(selection, fitted, FreeModel.of(selection)).wanders
-    lapse = DOUBTFUL if pattern or slow else LAPSE
+    unfollowed = following.uncovered(known, [one.what for one in follows if one.what in following.chosen])
+    lapse = DOUBTFUL if pattern or slow or (timed and unfollowed) else LAPSE
     chance = probabilities(selection, classes, selected, lapse)
     if lacking:
         kept = set(selected).union(*classes)
@@ -187,6 +188,8 @@ def diagnosing(
     if lacking:  # the names that are not all there are do not touch it
         between = [seen.sigma for one in (base, best) if (seen := repeat_noise(one))]
         floor = min(*(between or [floor]), _as_measured(lacking.free.noise.whole, best), best.rmse)
+    elif pattern and not fitted.terms:  # noise follows nothing
+        floor = min(floor, math.sqrt(follows[-1].share) * base.rmse)
     extra = (*extra, *model.own)
     floor = min(floor, noise_N)
     rounded = bool(pattern) and not named and _may_round(selection, base.rmse, floor)
@@ -200,6 +203,9 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
+    elif timed and unfollowed and not pattern:
+        too = " and ".join(one.text for one in follows if one.what in unfollowed)
+        said += f" Less sure: the error follows {too}, too, and no effect that was tried does."
     off = length_rmse(base)
     off_after = off if best is base else length_rmse(best)
     if record.carried:
@@ -257,9 +263,10 @@ def by_form_alone(
     asked, in a sentence.
 
     With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
-    and the error rather `follows` another; and where it is static beside another that is, or is not told from one that
+    and the error rather `follows` another; where it is static beside another that is, or is not told from one that
     is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
-    temperature, of which nobody knows from where it counts.
+    temperature, of which nobody knows from where it counts; where it follows a way that the braid slides and nobody
+    measured; and where it follows the clock in more than one way.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -282,6 +289,11 @@ def by_form_alone(
         elif timed and name in known and term.form.free:
             why = "No written form of it fits, and its free form could follow nearly any static error."
             found[name] = 1.0 - DOUBTFUL, why
+        elif selection.record.inputs.slid_by_pressure and term.effect.follows[:1] == ("way",):
+            why = "How far the braid slides while the pressure alone changes is not measured."
+            found[name] = 1.0 - DOUBTFUL, why
+        elif term.effect.follows == ("clock",) and len(term.form.linear) > 1:
+            found[name] = 1.0 - DOUBTFUL, "Noise that wanders as slowly as the test lasts could look the same."
     return found
 
 

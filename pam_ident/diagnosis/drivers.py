@@ -54,7 +54,7 @@ def _speed(inputs: Inputs) -> Array | None:
 
 
 def _pressure_rate(inputs: Inputs) -> Array | None:
-    if inputs.pressure_rate is None or inputs.slide is not None:  # in a locked muscle it is the speed of the braid
+    if inputs.pressure_rate is None or inputs.locked:  # in a locked muscle it is the speed of the braid
         return None
     return _rates(np.abs(inputs.pressure_rate), np.sign(inputs.pressure_rate))
 

@@ -306,7 +306,7 @@ class Following:
         """Drivers with those that are one with them in this record, or may be a part of them."""
         one = [{"speed", "pressure_rate"}] if "pressure_rate" in self.surfaces.names else []  # a lag follows both
         one += [{"speed", "direction"}] if one_speed(self.record) else []
-        one += [{"way", "rest"}] if self.record.inputs.slide is not None else []
+        one += [{"way", "rest"}] if self.record.inputs.locked else []
         return found.union(*(same for same in one if found & same))
 
     @cached_property
@@ -316,12 +316,13 @@ class Following:
             return ()
         return tuple(name for name, (loss, _) in self._instead.items() if loss > self._least)
 
-    def uncovered(self, effects: Iterable[Effect]) -> tuple[str, ...]:
-        """Drivers that must be there and that none of some effects follows; none where one may follow anything."""
+    def uncovered(self, effects: Collection[Effect], among: Iterable[str] | None = None) -> tuple[str, ...]:
+        """Drivers that must be there, or `among` some, that none of some effects follows; none where one may follow
+        anything."""
         if any(not effect.follows for effect in effects):
             return ()
         covered = {name for effect in effects for name in effect.follows}
-        return tuple(name for name in self.needed if name not in covered)
+        return tuple(name for name in (self.needed if among is None else among) if name not in covered)
 
     def enough(self, drivers: Collection[str], without: str) -> bool:
         """Whether some drivers explain as much as the likeliest do, without a certain one."""

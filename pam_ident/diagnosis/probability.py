@@ -39,7 +39,7 @@ def probabilities(
     sets = [(v.names, math.exp(-(v.criterion - least) / (2.0 * TEMPER))) for v in fitted]
     total = sum(weight for _, weight in sets)
     chance, names = {}, len(answer or ())
-    locked = selection.record.inputs.slide is not None or selection.record.carried
+    locked = selection.record.inputs.locked or selection.record.carried
     kinds = {PAIR: names == 2, THREE: names > 2, LOCKED: locked}
     lapse = max([lapse, *(misled for misled, holds in kinds.items() if holds)])
     rivals = (e for e in selection.rivals if any(e.name in group for group in groups))

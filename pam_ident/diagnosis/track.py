@@ -123,7 +123,7 @@ class TrackError:
     @classmethod
     def of(cls, record: Record, whole: Record) -> "TrackError | None":
         """That of a record in time, thinned from the `whole`, with its steady inputs; None without motion."""
-        raw, locked = record.inputs, record.inputs.slide is not None
+        raw, locked = record.inputs, record.inputs.locked
         if raw.time is None or raw.moving is None:
             return None
         track, calm = ((one.pressure if locked else one.displacement_mm) for one in (raw, record.steady))

@@ -35,7 +35,7 @@ def _widening(inputs: Inputs) -> Array:
     """V̇/V of the braid's cylinder in 1/s, shape (n,); where the pressure is driven, gas flows for ṗ/p_abs, too."""
     assert inputs.velocity is not None
     stroke_rate = inputs.velocity / inputs.specimen.initial_length_mm
-    if inputs.slide is not None and inputs.pressure_rate is not None:
+    if inputs.locked and inputs.pressure_rate is not None:
         return inputs.pressure_rate / _absolute(inputs)
     widening = inputs.specimen.log_volume_slope(inputs.contraction) * stroke_rate
     return widening if inputs.pressure_rate is None else widening + inputs.pressure_rate / _absolute(inputs)

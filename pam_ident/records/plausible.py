@@ -103,7 +103,9 @@ def pull_at(record: Record, begin: float = 0.0) -> Pull | None:
     level = float(force[high].mean() / ideal[high].mean())
     if p.max() < 1.5 * p.min():
         return Pull(None, level, np.nan)
-    slope, offset = np.polyfit(p - p.mean(), force, 1)
+    # Where pressure and length are driven together, a friction would tilt the line.
+    columns = np.column_stack([p - p.mean(), np.ones_like(p), record.inputs.direction[near]])
+    slope, offset, _ = np.linalg.lstsq(columns, force)[0]
     expected = np.polyfit(p - p.mean(), ideal, 1)[0]
     if slope == 0.0 or expected <= 0.0:
         return None

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core import Array, DataError, Inputs, Specimen
 from .kind import find_kind
-from .motion import find_motion
+from .motion import Motion, find_motion
 from .notes import Note
 from .smoothing import calmed
 
@@ -189,21 +189,24 @@ def build_record(
         states = Inputs(pressure, contraction, specimen, unknown, temperature=temperature)
         return _table(name, states, force, level, origin)
     kind = said_kind or find_kind(specimen, pressure, contraction, force, level, timed=True)
-    slide, driven = None, None
-    if kind == "isometric":
+    slide, driven, locked = None, None, kind == "isometric"
+    if locked:
         held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
         driven = find_motion(time, KPA * pressure, held, force)
-        pull = specimen.ideal_force(np.ones(len(held)), held)  # N/MPa; by the specimen, for states have no force
-        per_kpa = 1e-3 * GIVE_MM_KN / KPA * np.maximum(pull, SLIGHT * pull.max())
+        per_kpa = _per_kpa(specimen, held)
         parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}
         motion = replace(driven, **parts)
-        slide = held + per_kpa * KPA * pressure / specimen.initial_length_mm
+        slide = _slid(specimen, held, pressure)
     else:
         loaded = kind in ("isotonic", "dynamic")
         held = np.zeros(len(level)) if loaded else level
         driven = find_motion(time, KPA * pressure, held) if loaded else None
         x = contraction * specimen.initial_length_mm
         motion = find_motion(time, x, held, None if kind == "isotonic" else force)
+        if kind == "dynamic":
+            assert driven is not None
+            motion = _of_the_braid(motion, driven, _per_kpa(specimen, contraction))
+            slide = _slid(specimen, contraction, pressure)
     segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
     inputs = Inputs(
         pressure=pressure,
@@ -218,19 +221,42 @@ def build_record(
         temperature=temperature,
         segment=segment,
         slide=slide,
+        locked=locked,
         pressure_rate=None if driven is None else driven.velocity / KPA,
     )
     _, number = np.unique(cycle.astype(int), return_inverse=True)
     _, block = np.unique(segment * (number.max() + 1) + number, return_inverse=True)
     run = np.cumsum((np.diff(motion.stroke, prepend=0) != 0) | np.diff(motion.moving, prepend=False))
-    smooth = motion.position / specimen.initial_length_mm + (0.0 if slide is None else held)
-    calm = replace(
-        inputs,
-        pressure=calmed(pressure, segment, time, run) if driven is None else driven.position / KPA,
-        contraction=smooth if slide is None else held,
-        slide=None if slide is None else smooth,
-    )
+    smooth = motion.position / specimen.initial_length_mm + (held if locked else 0.0)
+    steady = calmed(pressure, segment, time, run) if driven is None else driven.position / KPA
+    slid = smooth if locked else _slid(specimen, smooth, steady) if slide is not None else None
+    calm = replace(inputs, pressure=steady, contraction=held if locked else smooth, slide=slid)
     return Record(name, inputs, force, level, motion.stroke, block, calm, **origin)  # type: ignore[arg-type]
+
+
+def _per_kpa(specimen: Specimen, contraction: Array) -> Array:
+    """How far the braid slides by the pressure in mm/kPa at contractions, each (n,)."""
+    pull = specimen.ideal_force(np.ones(len(contraction)), contraction)  # N/MPa; of the specimen: states have no force
+    return 1e-3 * GIVE_MM_KN / KPA * np.maximum(pull, SLIGHT * pull.max())
+
+
+def _slid(specimen: Specimen, contraction: Array, pressure: Array) -> Array:
+    """Contraction of the braid where ends and threads give, at contractions and pressures in MPa, each (n,)."""
+    return contraction + _per_kpa(specimen, contraction) * KPA * pressure / specimen.initial_length_mm
+
+
+def _of_the_braid(motion: Motion, driven: Motion, per_kpa: Array) -> Motion:
+    """The motion of a braid that slides with the length or, where that rests, with the pressure, by mm/kPa (n,).
+
+    Where both drive it, how far the pressure does is too unsure to say that it wins; strokes are the length's."""
+    only, rows = driven.moving & ~motion.moving, np.arange(len(per_kpa))
+    moving = motion.moving | only
+    last = np.maximum.accumulate(np.where(moving, rows, 0))  # a rest keeps the direction before it
+    last = np.where(moving[last] & (motion.segment[last] == motion.segment), last, rows)
+    direction = np.where(only, driven.direction, motion.direction)[last]
+    velocity = np.where(only, per_kpa * driven.velocity, motion.velocity)
+    speed = np.where(only, per_kpa * driven.stroke_speed, motion.stroke_speed)
+    return replace(motion, moving=moving, direction=direction, velocity=velocity, stroke_speed=speed)
 
 
 def rebuilt(record: Record, specimen: Specimen, said_kind: str = "") -> Record:

@@ -34,6 +34,28 @@ def case(folder, law, name, form, seed=7, ratio=3.0):
     return hidden
 
 
+@pytest.mark.parametrize(
+    ("name", "form", "driver", "doubted"),
+    [
+        ("force_drift", "settling", "clock", ""),
+        ("force_drift", "settling_on", "clock", "Noise that wanders as slowly as the test lasts"),
+        ("presliding_hysteresis", "textbook", "way", "How far the braid slides while the pressure alone changes"),
+    ],
+)
+def test_a_name_is_doubtful_that_noise_may_look_like_or_whose_way_nobody_measured(
+    hidden_effect, name, form, driver, doubted
+):
+    inputs = replace(hidden_effect.inputs, slide=hidden_effect.inputs.contraction)
+    record = replace(hidden_effect, inputs=inputs, steady=inputs)
+    term = as_term(f"{name}:{form}")
+    selection = Selection(fit(Model.build(EXPONENTIAL), record), [term.effect])
+    selection.following.likely = frozenset({driver})
+    found = by_form_alone(selection, selection.refit([term]), [term], (), "")
+    assert bool(found) == bool(doubted)
+    for chance, why in found.values():
+        assert chance == 0.85 and why.startswith(doubted)
+
+
 def test_every_candidate_says_what_it_follows():
     words = {driver.what for driver in DRIVERS}
     for effect in catalogue().values():
@@ -98,6 +120,7 @@ def test_a_driver_that_no_effect_follows_is_uncovered(hidden_effect):
     assert following.uncovered(known) == ()
     left = [effect for effect in known if "direction" not in effect.follows]
     assert following.uncovered(left) == ("direction",)
+    assert following.uncovered(left, ["map", "direction"]) == ("direction",), "of those that are asked for"
     assert following.uncovered([*left, replace(left[0], follows=())]) == ()
 
 

@@ -10,7 +10,7 @@ from pam_ident.diagnosis.probability import DOUBTFUL, LAPSE, LOCKED, MISSED, PAI
 from pam_ident.validation.calibration import reliability
 
 
-def selection(criteria, names=("a", "b", "c", "d"), slide=None, carried=False):
+def selection(criteria, names=("a", "b", "c", "d"), locked=False, carried=False):
     return SimpleNamespace(
         cache={
             names: SimpleNamespace(names=frozenset(names), candidates=frozenset(names), criterion=criterion)
@@ -18,7 +18,7 @@ def selection(criteria, names=("a", "b", "c", "d"), slide=None, carried=False):
         },
         candidates=[SimpleNamespace(name=name) for name in names],
         rivals=[],
-        record=SimpleNamespace(inputs=SimpleNamespace(slide=slide), carried=carried),
+        record=SimpleNamespace(inputs=SimpleNamespace(locked=locked), carried=carried),
     )
 
 
@@ -60,7 +60,7 @@ def test_the_more_names_and_what_is_unknown_beside_them_the_less_sure_they_are()
 
 def test_no_name_is_near_certain_in_a_locked_muscle():
     """Of whose braid nobody measures how far it slides."""
-    found = probabilities(selection({(): 5000.0, ("a",): 0.0}, slide=np.zeros(3)), ())
+    found = probabilities(selection({(): 5000.0, ("a",): 0.0}, locked=True), ())
     assert found["a"] == pytest.approx(1.0 - LOCKED) and found["a"] < 0.92
 
 

@@ -213,12 +213,12 @@ def test_a_value_beyond_natures_end_is_none_where_one_within_does_as_well():
     assert found.base.rmse > 1.5 * NOISE_N
 
 
-def slow(time, force, temperature):
+def slow(time, force, temperature, size_N=1.5):
     """A load cell whose amplifier wanders: noise that forgets in 60 s."""
     rng, wander, kept = np.random.default_rng(8), np.zeros(len(time)), np.exp(-np.diff(time) / 60.0)
     for k in range(len(time) - 1):
         wander[k + 1] = kept[k] * wander[k] + np.sqrt(1.0 - kept[k] ** 2) * rng.standard_normal()
-    return force + 4.0 * wander
+    return force + size_N * wander
 
 
 def test_what_nature_does_not_allow_gives_way_to_what_the_record_does_not_tell_from_it():
@@ -264,13 +264,18 @@ def telegraph(time, force, temperature):
     return force + 6.0 * (np.searchsorted(jumps, time) % 2)
 
 
-@pytest.mark.parametrize("cell", [telegraph, slow])
-def test_slow_noise_wanders_all_the_time(cell):
+def slower(time, force, temperature):
+    """The same, but that it is most of what is left."""
+    return slow(time, force, temperature, 4.0)
+
+
+@pytest.mark.parametrize("cell", [telegraph, slow, slower])
+def test_slow_noise_wanders_all_the_time_and_is_not_most_of_what_is_left(cell):
     found = diagnose(LAW, strokes(NOTHING, cell=cell))
-    jumps = cell is telegraph
-    assert (found.verdict, found.selected) == ("unknown_effect" if jumps else "adequate", ()), found.sentence
-    assert ("jumps" in found.sentence) == jumps
-    assert found.base.rmse > 2.0 * NOISE_N
+    assert (found.verdict, found.selected) == ("adequate" if cell is slow else "unknown_effect", ()), found.sentence
+    assert ("jumps" in found.sentence) == (cell is telegraph)
+    assert ("of the squared error follows what was recorded" in found.sentence) == (cell is slower)
+    assert found.base.rmse > (1.2 if cell is slow else 2.0) * NOISE_N
 
 
 def stroke_number(v):

@@ -5,10 +5,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from pam_ident.core import Specimen
 from pam_ident.effects import get_effect
 from pam_ident.fitting.floor import repeats
 from pam_ident.records import read_record
 from pam_ident.records.motion import find_motion
+from pam_ident.records.record import build_record
 from pam_ident.rig import Plan, make_record, write_case
 
 
@@ -52,6 +54,25 @@ def test_a_pressure_that_is_switched_within_strokes_cuts_none(tmp_path):
     clear = (moving != 0) & record.inputs.moving
     assert clear.sum() > 1000
     assert np.mean(record.inputs.direction[clear] == moving[clear]) > 0.99  # but at a turn itself
+
+
+def test_while_the_length_rests_the_braid_slides_with_the_pressure():
+    """Ends and threads give, so it slides as in a locked muscle, and keeps its direction while nothing is driven."""
+    pieces = [(20.0, 0.2), (20.0, 0.2), (20.0, 0.5), (20.0, 0.5), (20.0, 0.3), (0.0, 0.3), (0.0, 0.4), (0.0, 0.4)]
+    course = [np.linspace(one, other, 100, endpoint=False) for one, other in pairwise([(0.0, 0.2), *pieces])]
+    x, pressure = np.concatenate(course).T
+    muscle = Specimen(initial_length_mm=200.0, initial_radius_mm=10.0, braid_angle_deg=25.0)
+    force = muscle.ideal_force(pressure, x / 200.0)
+    time = 0.05 * np.arange(len(x))
+    inputs = build_record("both", muscle, pressure, x / 200.0, force, time=time, said_kind="dynamic").inputs
+    middle = slice(20, 80)  # of each piece
+    for k, (direction, moves) in enumerate([(1, 1), (1, 0), (1, 1), (1, 0), (-1, 1), (-1, 1), (1, 1), (1, 0)]):
+        part = inputs.take(slice(100 * k, 100 * (k + 1)))
+        assert np.all(part.direction[middle] == direction) and np.all(part.moving[middle] == moves), k
+        assert np.all(np.sign(part.velocity[middle]) == direction * moves), k
+        assert moves or np.ptp(part.way_mm[middle]) < 1e-6
+    np.testing.assert_allclose(inputs.slide - inputs.contraction, 1.5e-3 * force / 200.0, atol=0.1 * 1.5e-3 * 5.0)
+    assert inputs.slid_by_pressure and not inputs.locked and inputs.has("driven pressure")
 
 
 def test_strokes_repeat_each_other_where_pressure_and_length_run_the_same_course(tmp_path):
