@@ -188,7 +188,7 @@ def diagnosing(
     if lacking:  # the names that are not all there are do not touch it
         between = [seen.sigma for one in (base, best) if (seen := repeat_noise(one))]
         floor = min(*(between or [floor]), _as_measured(lacking.free.noise.whole, best), best.rmse)
-    elif pattern and not fitted.terms:  # noise follows nothing
+    elif pattern and not fitted.terms and record.inputs.time is not None:  # noise follows nothing
         floor = min(floor, math.sqrt(follows[-1].share) * base.rmse)
     extra = (*extra, *model.own)
     floor = min(floor, noise_N)
