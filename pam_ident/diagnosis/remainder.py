@@ -26,7 +26,7 @@ FORMS = {
 }
 """Forms of patterns whose names say too little."""
 MOSTLY = 0.5
-"""Share of what is left that follows something, from which it is no noise: 0.47 at most in 100 records without anything
+"""Share of what is left that follows something, from which it is no noise: 0.47 at most in 79 records without anything
 hidden, of noise of all colours."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
