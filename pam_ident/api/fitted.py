@@ -18,7 +18,8 @@ from ..schema.prediction import law_choice_json
 from ..tasks.export import export_answer
 from ..tasks.fit import FitAnswer
 from ..tasks.law_choice import LawChoice
-from ..tasks.predict import SavedFit, Validation, validate_fit
+from ..tasks.predict import SavedFit
+from ..tasks.validate import Validation, validate_fit
 from .asking import ObjectSetup, codes
 from .record import ShownRecord, axes_of, read
 from .saved import Predicting, parameter_table

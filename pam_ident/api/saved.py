@@ -13,8 +13,9 @@ from ..fitting.prediction import Predictor
 from ..leg.fit_file import what_is_written
 from ..records import Record
 from ..tasks.export import export_fit
-from ..tasks.predict import SavedFit, Validation, asked, read_fit, validate_fit
+from ..tasks.predict import SavedFit, asked, read_fit
 from ..tasks.states import States, inputs_of, read_states
+from ..tasks.validate import Validation, validate_fit
 from .record import read
 from .working import worked
 

@@ -29,8 +29,9 @@ def validate(
     Tells its errors, and how many readings lie in its intervals.
     """
     from ..schema.prediction import validation_json
-    from ..tasks.predict import SIMPLER, read_fit, validate_fit
+    from ..tasks.predict import read_fit
     from ..tasks.setup import load
+    from ..tasks.validate import SIMPLER, validate_fit
 
     saved = read_fit(fit, tuple(effect_file or ()))
     measured = load(record, specimen, where)

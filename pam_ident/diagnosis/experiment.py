@@ -22,7 +22,8 @@ from .dictionary import Regressor, closer, regressors_at
 from .noise import Noise, filter_gains
 from .nouns import Experiment, Pattern, Separation
 from .possible_runs import PossibleRun, possible_runs
-from .selection import FittedSet, Selection, View
+from .selection import FittedSet, Selection
+from .view import View
 
 Array = np.ndarray
 STEADIEST = 0.9999

@@ -4,24 +4,23 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from itertools import groupby
+from functools import lru_cache
 
 import numpy as np
 
 from ..core import Inputs
 from ..core.digits import percent
 from ..core.progress import steps, tell
-from ..effects import Effect, Form
+from ..effects import Effect
 from ..fitting import Fit
 from ..fitting.descent import GIVEN_UP
-from ..fitting.solve import jacobian, solve
+from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record
-from .dictionary import Regressor, Slopes, grid, regressors_at, same_around_any, slopes
 from .follows import Following
 from .noise import Noise, estimate_noise
-from .search import Choice, Compressed, FormBlock, Frame, Penalty, remainder
+from .search import Choice, Compressed, FormBlock, Penalty, remainder
+from .view import View
 
 Array = np.ndarray
 NAME_MARGIN = 12.0
@@ -280,7 +279,7 @@ class Selection:
         return view.singly(regressors, self.noise, self.blocks if record is None else None)
 
     @lru_cache(maxsize=4)  # noqa: B019 - a selection lives as long as one diagnosis
-    def view(self, fitted: FittedSet) -> "View":
+    def view(self, fitted: FittedSet) -> View:
         """A set's model with its slopes."""
         return View(self.record, self.base.model.adding(*fitted.terms), fitted.values, self.law.kept)
 
@@ -291,7 +290,7 @@ class Selection:
             self.noises[fitted] = self.noise_in(view.residual, view, len(fitted.values), self.noise.outlier)
         return self.noises[fitted]
 
-    def _noise(self, view: "View") -> Noise:
+    def _noise(self, view: View) -> Noise:
         """Noise is what the law, surfaces over all drivers and free curves over contraction still leave.
 
         What an unsure track makes of the force they follow, too. So it is looked for in what surfaces over the
@@ -321,7 +320,7 @@ class Selection:
         return self.of_best[0]
 
     def noise_in(
-        self, left: Array, view: "View", taken: float, outlier: Array | None = None, white: bool = False
+        self, left: Array, view: View, taken: float, outlier: Array | None = None, white: bool = False
     ) -> Noise:
         """Noise in what (n,) a model of `taken` parameters leaves, in N, where the force is as steep as in a view."""
         unsure, specimen = self.following.unsure, self.record.specimen
@@ -346,63 +345,6 @@ class Selection:
                     "absorbed_by_law",
                     f"the {self.base.model.law.title} follows it to {percent(1 - left)}",
                 )
-
-
-class View:
-    """A fitted model with its slopes: the place around which signatures are taken.
-
-    Views of one record share what is `kept`: regressors that are the same around any model.
-    """
-
-    def __init__(
-        self, record: Record, model: Model, values: Mapping[str, float], kept: dict[str, list[Regressor]] | None = None
-    ) -> None:
-        self.record, self.model, self.values = record, model, values
-        self.around: Slopes = slopes(model, record.inputs, values)
-        self.residual = record.force - self.around.force
-        self.kept = {} if kept is None else kept
-
-    @cached_property
-    def law(self) -> Array:
-        """Slopes of the force over the model's parameters, shape (n, k)."""
-        return jacobian(self.model, self.record.inputs, self.values, self.record.force)
-
-    def regressors(self, effect: Effect) -> list[Regressor]:
-        """Signatures of all forms of an effect."""
-        return [a for form in effect.forms for a in self._regressors_in(effect, form)]
-
-    def _regressors_in(self, effect: Effect, form: Form) -> list[Regressor]:
-        if not same_around_any(form):
-            return regressors_at(effect, form, grid(form), self.record.inputs, self.around)
-        key = f"{effect.name}:{form.name}"
-        if key not in self.kept:
-            self.kept[key] = regressors_at(effect, form, grid(form), self.record.inputs, self.around)
-        return self.kept[key]
-
-    def frame(self, noise: Noise) -> Frame:
-        """What the model can follow and what it leaves, whitened."""
-        return Frame(noise.whiten(self.law), noise.whiten(self.residual))
-
-    def compress(self, regressors: Sequence[Regressor], noise: Noise) -> Compressed:
-        """Whitened Gram matrix of some regressors, free of what the model itself can follow."""
-        matrix = np.hstack([np.empty((len(self.residual), 0)), *[a.columns for a in regressors]])
-        return Compressed.together(regressors, noise.whiten(matrix), self.frame(noise))
-
-    def singly(
-        self, regressors: Sequence[Regressor], noise: Noise, kept: dict[str, FormBlock] | None = None
-    ) -> Compressed:
-        """The same for regressors, those of a form in a row, that are looked at one by one.
-
-        Blocks that are the same around any model are taken from those `kept`, or added to them.
-        """
-        kept = {} if kept is None else kept
-        blocks = []
-        for label, run in groupby(regressors, key=lambda a: a.term.label):
-            block = kept.get(label) or FormBlock(list(run), noise)
-            if same_around_any(block.regressors[0].term.form):
-                kept[label] = block
-            blocks.append(block)
-        return Compressed.singly(blocks, self.frame(noise))
 
 
 def stands(term: Term, inputs: Inputs, values: Mapping[str, float]) -> bool:

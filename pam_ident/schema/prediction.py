@@ -9,7 +9,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ..tasks.law_choice import LawChoice, LawTrial
-    from ..tasks.predict import ErrorsThere, SavedFit, Validation
+    from ..tasks.predict import SavedFit
+    from ..tasks.validate import ErrorsThere, Validation
 
 
 def law_choice_json(choice: "LawChoice | None") -> Json:

@@ -26,9 +26,10 @@ from pam_ident.tasks.fit import FitOptions, fit_record
 from pam_ident.tasks.gate import GraveDoubt, Refused
 from pam_ident.tasks.ladder import climb_ladder
 from pam_ident.tasks.law_choice import choose_for_all, settle
-from pam_ident.tasks.predict import predict_at, read_fit, validate_fit
+from pam_ident.tasks.predict import predict_at, read_fit
 from pam_ident.tasks.report import report_record
 from pam_ident.tasks.setup import AUTO, Setup
+from pam_ident.tasks.validate import validate_fit
 from pam_ident.workbench.bench import Bench
 
 SETUP = Setup("exponential_law")
