@@ -164,9 +164,12 @@ def diagnosing(
     selected = tuple(t.effect.name for t in named)
     classes = tuple(group for group in groups(selection, fitted) if group[0] in selected)
     timed = bool(selected) and record.inputs.time is not None
-    slow = timed and not pattern and Adequacy(selection, fitted, FreeModel.of(selection)).wanders
-    unfollowed = following.uncovered(known, [one.what for one in follows if one.what in following.chosen])
-    lapse = DOUBTFUL if pattern or slow or (timed and unfollowed) else LAPSE
+    slow = False
+    unfollowed: tuple[str, ...] = ()
+    if timed and not pattern:
+        slow = Adequacy(selection, fitted, FreeModel.of(selection)).wanders
+        unfollowed = following.uncovered(known, [one.what for one in follows if one.what in following.chosen])
+    lapse = DOUBTFUL if pattern or slow or unfollowed else LAPSE
     chance = probabilities(selection, classes, selected, lapse)
     if lacking:
         kept = set(selected).union(*classes)
@@ -203,7 +206,7 @@ def diagnosing(
         said += as_slow_noise(follows)
     if slow:
         said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
-    elif timed and unfollowed and not pattern:
+    elif unfollowed:
         too = " and ".join(one.text for one in follows if one.what in unfollowed)
         said += f" Less sure: the error follows {too}, too, and no effect that was tried does."
     off = length_rmse(base)
