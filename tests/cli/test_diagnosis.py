@@ -131,6 +131,7 @@ def test_adding_what_the_law_has_absorbed_is_not_valid(answer, clean):
     assert [one["identified"] for one in bias] == [False] and bias[0]["stderr"] is None
 
 
+@pytest.mark.long
 def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     result, found = answer("ladder", rubbing, *LAW)
     assert result.exit_code == 0

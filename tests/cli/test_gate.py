@@ -88,6 +88,7 @@ def test_a_kind_is_said_by_columns(answer, clean, write_record):
     assert answer("fit", told, *LAW, "--chunked")[0].exit_code == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("verb", ["diagnose", "ladder", "report"])
 @pytest.mark.parametrize(("what", "expected"), [("kind", 4), ("too_little", 3)])
 @pytest.mark.parametrize("law", [LAW, ()])

@@ -35,6 +35,7 @@ def weighted(tmp_path_factory):
     return read_record(folder / "record.csv"), mass
 
 
+@pytest.mark.long
 def test_a_mass_is_unknown_by_itself_and_the_answer_says_what_could_be_tried(weighted):
     found = diagnose(LAW, weighted[0])
     assert found.verdict == "unknown_effect" and found.selected == ()
@@ -116,6 +117,7 @@ def test_a_ladder_climbs_to_it(weighted):
     assert rungs[-1].effects == ("moving_mass",)
 
 
+@pytest.mark.long
 def test_what_is_asked_for_leaves_another_answer_as_it_is():
     record = thinned(read_record(dataset_record("hidden_effect")), 1500)
     law = Model.build("exponential_law")

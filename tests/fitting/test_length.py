@@ -69,6 +69,7 @@ def test_weights_and_isobars_give_one_muscle_the_same_parameters(seed):
     assert rms_mm(LAW, isobars.values, record(seed)) < SENSORS_MM
 
 
+@pytest.mark.long
 def test_records_of_one_weight_each_are_fitted_together_as_one_of_all():
     whole = fit(LAW, record(3))
     for one in fit_together(LAW, [under(record(3), k) for k in range(3)], LAW.names):
@@ -78,6 +79,7 @@ def test_records_of_one_weight_each_are_fitted_together_as_one_of_all():
             assert mine.stderr == pytest.approx(its.stderr, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_weight_and_isobars_are_fitted_together_each_by_what_answered():
     records, truth = [record(3, "standard"), under(record(3), 1)], rig(3).muscle.law
     isobars, weight = fit_together(LAW, records, LAW.names)
@@ -90,6 +92,7 @@ def test_a_weight_and_isobars_are_fitted_together_each_by_what_answered():
             assert (mine.value, mine.stderr) == pytest.approx((its.value, its.stderr), rel=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", ["exponential_law", "modified_chou_hannaford", "hildebrandt", "martens_boblan"])
 def test_one_weight_leaves_the_scale_of_a_law_open(law):
     one = fit(Model(law), under(record(3), 1))
@@ -104,6 +107,7 @@ def test_what_wiggles_of_one_load_would_tell_is_no_second_weight():
     assert not one.valid and len(np.unique(weights_of(one.record))) == 1
 
 
+@pytest.mark.long
 def test_a_law_that_does_not_fall_predicts_no_length_and_does_not_win():
     whole = under(record(3), 1)
     load = load_of(whole)

@@ -112,6 +112,7 @@ def test_of_very_many_rows_both_ways_end_at_one_minimum(many, law, monkeypatch):
                 assert a.value == pytest.approx(b.value, rel=1e-9, abs=1e-12), (name, a.name)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "effects", [("coulomb_friction",), ("viscous_damping", "force_drift"), ("thermal_softening",), ("pressure_lag",)]
 )

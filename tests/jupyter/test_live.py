@@ -38,6 +38,7 @@ def html(kernel, shown, diagnosis):
     return found
 
 
+@pytest.mark.long
 def test_one_cell_brings_bokeh_for_all_and_again_when_it_is_run_again(kernel, shown, diagnosis):
     told = []
     for cell in ("a", "b", "a", None):

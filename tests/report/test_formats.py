@@ -35,6 +35,7 @@ def quick(story, monkeypatch):
     return Read("modified_chou_hannaford")
 
 
+@pytest.mark.long
 def test_markdown_holds_the_same_parts_in_the_same_order(story):
     text, figures = render_markdown(story, "here")
     page = render(story)

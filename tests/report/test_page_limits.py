@@ -66,6 +66,7 @@ def _policy(page):
     return page.partition('http-equiv="Content-Security-Policy" content="')[2].partition('"')[0].split("; ")
 
 
+@pytest.mark.long
 def test_without_bokeh_or_where_nobody_wants_it_there_is_no_script(long, monkeypatch):
     story = Story("x", (replace(long, ladder=None),))
     page = render(story, live=False)

@@ -281,6 +281,7 @@ def test_tables_and_figures_can_be_read_aloud(parsed):
     assert all(a["role"] == "img" and a["aria-label"] for a in svgs)
 
 
+@pytest.mark.long
 def test_hostile_names_stay_text(section, diagnosis):
     bad = "<script>alert(1)</script>"
     candidate = replace(diagnosis.ranking[0], label=bad, why=bad)

@@ -114,6 +114,7 @@ def test_the_error_of_a_step_on_5000_rows_takes_a_second_of_a_processor_and_wait
     assert shown.fit.rmse != before.fit.rmse and shown.diagnosis is None
 
 
+@pytest.mark.long
 def test_a_pinned_model_is_compared_and_what_was_done_outlives_the_page(page):
     click(page, "Pin this model")
     page.side.law.value = "sarosi"
@@ -123,6 +124,7 @@ def test_a_pinned_model_is_compared_and_what_was_done_outlives_the_page(page):
     assert again.bench is page.bench and again.side.law.value == "sarosi" and again.work is None
 
 
+@pytest.mark.long
 def test_what_is_drawn_is_the_record_also_without_a_clock(page):
     drawn = page.view.points.data
     assert list(drawn["error"]) == list(page.bench.fit.residual) and set(drawn["branch"]) == {
