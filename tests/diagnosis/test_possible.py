@@ -13,6 +13,7 @@ from pam_ident.diagnosis.ladder import _alive
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.fitting.fit import Estimate
+from pam_ident.laws import listed
 from pam_ident.model import Model
 from pam_ident.records import build_record
 from pam_ident.schema.diagnosis import diagnosis_json
@@ -21,7 +22,8 @@ from pam_ident.tasks.gate import warnings_of
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.0, 1.5)
 LAW = Model.build("chou_hannaford")
-RANGED = [p for e in catalogue().values() for form in e.forms for p in form.params if p.range is not None]
+FORMS = [form for effect in catalogue().values() for form in effect.forms]
+RANGED = [p for one in (*FORMS, *listed()) for p in one.params if p.range is not None]
 
 
 def record_with(bias):
@@ -81,6 +83,15 @@ def test_a_model_with_an_impossible_value_of_its_own_is_never_adequate():
     last = found.rungs[0].fit
     assert [doubt.code for doubt in warnings_of(last) if not doubt.grave] == ["impossible_parameter"]
     assert parameters(last.estimates)["force_bias.F_b"]["possible"] is False
+
+
+@pytest.mark.parametrize("law", ["exponential_law", "sarosi"])
+def test_a_peak_that_no_muscle_has_is_impossible(law):
+    e, p = (grid.ravel() for grid in np.meshgrid(np.linspace(0.08, 0.2, 121), np.linspace(0.1, 0.6, 6)))
+    bump = (30.0 + 100.0 * p) * np.exp(-800.0 * (e - 0.08))  # 1e29 N at rest length
+    force = 3000.0 * p - 9000.0 * p * e + bump + np.random.default_rng(5).standard_normal(len(e))
+    codes = {doubt.code for doubt in warnings_of(fit(Model.build(law), build_record("t", MUSCLE, p, e, force)))}
+    assert "impossible_parameter" in codes
 
 
 def test_what_an_effect_makes_is_its_force():

@@ -147,6 +147,15 @@ def test_what_is_under_the_wrong_header_is_told_and_stops_naming(slip):
         diagnose_record(record, SETUP)
 
 
+@pytest.mark.parametrize(("course", "told"), [(lambda t: t, True), (lambda t: -t, True), (np.sqrt, False)])
+def test_a_temperature_that_goes_with_the_clock_is_told(course, told):
+    table = frame(good(np.random.default_rng(3)))
+    warm = 25.0 + 8.0 * course(table.time_s / table.time_s.max())
+    record = record_from_frame(table.assign(temperature_C=warm), MUSCLE)
+    found = [(doubt.code, doubt.grave) for doubt in fit_record(record, SETUP).warnings]
+    assert (("temperature_clock", False) in found) is told
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(("name", "found"), [("nothing_hidden", ()), ("hidden_effect", ("pressure_friction",))])
 def test_a_clock_of_whole_seconds_hides_nothing_and_adds_nothing(name, found):
