@@ -164,8 +164,8 @@ def doubt_temperature(record: Record) -> Iterator[Doubt]:
         alike = float(np.corrcoef(found, time)[0, 1])
         if abs(alike) > AS_THE_CLOCK:
             text = (
-                f"the temperature goes evenly with the time (correlation {alike:.4f}): what drifts with the one is hard "
-                "to tell from what follows the other. Let the muscle cool in between, or test it at another temperature."
+                f"the temperature goes evenly with the time (correlation {alike:.4f}): what drifts with the one is "
+                "hard to tell from what follows the other. Let the muscle cool in between, or test it warm and cold."
             )
             yield Doubt("temperature_clock", text, "temperature")
     if found is not None and not (WARM_C[0] < found.min() and found.max() < WARM_C[1]):
