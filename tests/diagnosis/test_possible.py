@@ -1,20 +1,22 @@
 """What nature does not allow: no name rests on it, and every answer says so."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from pam_ident.core import Param, Specimen
 from pam_ident.core.param import Range
-from pam_ident.diagnosis import climb, diagnose
-from pam_ident.diagnosis.confirmed import _as_nature_allows
+from pam_ident.diagnosis import climb, confirmed, diagnose
+from pam_ident.diagnosis.confirmed import _as_nature_allows, allowed_by_nature
 from pam_ident.diagnosis.ladder import _alive
+from pam_ident.diagnosis.selection import FittedSet
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.fitting.fit import Estimate
 from pam_ident.laws import listed
-from pam_ident.model import Model
+from pam_ident.model import Model, as_term
 from pam_ident.records import build_record
 from pam_ident.schema.diagnosis import diagnosis_json
 from pam_ident.schema.fit import parameters
@@ -109,3 +111,37 @@ def test_an_effect_that_has_become_nothing_is_taken_out_but_not_what_was_asked_f
 
 def test_a_param_says_nothing_about_nature_unless_told():
     assert Param("a", "N", "").range is None
+
+
+def test_a_free_form_stands_for_what_is_impossible_though_a_slight_name_goes(monkeypatch):
+    """Neither the set itself is looked at again nor another with the same value."""
+    lag, free, creep, drift = map(as_term, ("pressure_lag", "pressure_lag:free_lagging", "creep", "force_drift"))
+    kappa = Estimate(
+        "pressure_lag.kappa", "1", "", 0.1, 0.01, False, True, 0.08, 0.12, range=Range(0.3, 1.7, "this test")
+    )
+    values = {"pressure_lag.kappa": 0.1}
+    first = FittedSet((lag, creep, drift), values, 10.0, 10.0)
+    alike = FittedSet((lag, creep), values, 11.0, 11.0)
+    other = FittedSet((free, creep, drift), {}, 12.0, 12.0)
+    asked = []
+
+    def possible(base, heldout, named, fitted, least):
+        asked.append(fitted)
+        kept = [t for t in named if t is not drift and t is not lag]
+        return (
+            SimpleNamespace(),
+            1.0,
+            kept,
+            {"pressure_lag": SimpleNamespace(impossible=(kappa,))} if lag in named else {},
+        )
+
+    selection = SimpleNamespace(
+        noise=SimpleNamespace(too_small=0.05, whole=1.0),
+        cache={1: first, 2: alike},
+        weight=lambda fitted, term: 1.0,
+        refit=lambda terms, start: other if free in terms else replace(other, squares=1e9),
+    )
+    monkeypatch.setattr(confirmed, "_possible", possible)
+    found, (_, _, named, ruled_out) = allowed_by_nature(SimpleNamespace(), 1.0, selection, first, lambda one: True)
+    assert found is other and named == [free, creep] and not ruled_out
+    assert asked == [first, other]
