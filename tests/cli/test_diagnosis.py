@@ -155,6 +155,7 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     assert "step" in result.stdout and "verdict: adequate" in result.stdout
 
 
+@pytest.mark.long
 def test_the_ladder_of_a_good_law_has_one_rung(one_process, answer, clean):
     _, found = answer("ladder", clean, *LAW)
     assert found["verdict"] == "adequate" and [one["effects"] for one in found["rungs"]] == [[]]

@@ -96,6 +96,7 @@ def test_json_to_stdout_is_alone_there(ask, clean):
     assert [json.loads(line)["verdict"] for line in several.stdout.splitlines()] == ["adequate"] * 2
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
 def test_on_a_terminal_progress_appears_and_is_gone_at_the_end(root, rubbing, tmp_path):
     import pty

@@ -43,6 +43,7 @@ def test_a_mass_is_unknown_by_itself_and_the_answer_says_what_could_be_tried(wei
     assert "moving_mass" not in {one.effect for one in found.ranking}
 
 
+@pytest.mark.long
 def test_a_mass_is_named_and_found_where_it_is_asked_for(weighted):
     record, mass = weighted
     found = diagnose(LAW, record, also=("moving_mass",))
@@ -94,12 +95,13 @@ def stiff_rubber(record):
     return 60.0 * pull / np.abs(pull).max()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("added", "name", "values"),
     [
         (lonely_stroke, "first_cycle", {"F_1": 25.0}),
-        pytest.param(minor_loops, "nonlocal_hysteresis", {"r": 8.0, "q": 5.0, "W_2": 10.0}, marks=pytest.mark.long),
-        pytest.param(stiff_rubber, "ogden_bladder", {"alpha": 7.0}, marks=pytest.mark.long),
+        (minor_loops, "nonlocal_hysteresis", {"r": 8.0, "q": 5.0, "W_2": 10.0}),
+        (stiff_rubber, "ogden_bladder", {"alpha": 7.0}),
     ],
 )
 def test_what_was_added_by_hand_is_named_where_it_is_asked_for(tmp_path, added, name, values):

@@ -389,6 +389,7 @@ def test_what_stands_beside_a_candidate_is_what_adding_it_leaves():
         assert one.heldout_rmse_after == pytest.approx(heldout_rmse(added.model, record, added), rel=0.01)
 
 
+@pytest.mark.long
 def test_a_user_s_own_effect_is_a_candidate(tmp_path):
     plain = rig_record(tmp_path, seed=44, law=EXPONENTIAL)
     wave = 2.0 * np.pi / 5.0

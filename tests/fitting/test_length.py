@@ -48,6 +48,7 @@ def rms_mm(model, values, part: Record) -> float:
     return float(np.sqrt(np.mean(Lengths.of(model, part, values).residual ** 2)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [3, 4])
 def test_two_weights_predict_the_length_under_a_third_to_about_the_sensors_noise(seed):
     whole = record(seed)
@@ -57,6 +58,7 @@ def test_two_weights_predict_the_length_under_a_third_to_about_the_sensors_noise
         assert rms_mm(LAW, one.values, under(whole, third)) < 1.3 * SENSORS_MM
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 5])
 def test_weights_and_isobars_give_one_muscle_the_same_parameters(seed):
     weights, isobars = fit(LAW, record(seed)), fit(LAW, record(seed, "standard"))
@@ -127,6 +129,7 @@ def test_the_length_predicted_knows_nothing_of_the_length_measured():
     np.testing.assert_array_equal(there, here)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", ["exponential_law", "modified_chou_hannaford", "sarosi"])
 def test_slopes_of_the_length_are_those_of_differences(law):
     model, whole = Model(law), record(3)

@@ -126,6 +126,7 @@ def run_in_python(code: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.long
 def test_results_import_neither_matplotlib_nor_jinja_nor_ipython():
     heavy = "[name for name in ('matplotlib', 'jinja2', 'IPython') if name in sys.modules]"
     code = (

@@ -275,6 +275,7 @@ print(" ".join(float(x).hex() for x in numbers))
 """
 
 
+@pytest.mark.long
 def test_numbers_do_not_hang_on_the_callers_threads():
     told = []
     for threads in ("1", "2"):

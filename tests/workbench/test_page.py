@@ -207,6 +207,7 @@ def foreign(folder):
     return ("\n".join(made) + "\n").encode()
 
 
+@pytest.mark.long
 def test_a_file_of_unknown_headings_without_a_specimen_is_opened_by_what_is_said_of_it(folder, tmp_path):
     page = Workbench()
     page.side.drop.param.update(filename=["run.csv"], value=[foreign(folder)])
@@ -267,6 +268,7 @@ def test_nothing_is_told_of_a_record_before_there_is_one(page):
     assert page.right.visible and "<h2>What the error follows</h2>" in page.follows.object
 
 
+@pytest.mark.long
 def test_examples_are_records():
     page = Workbench()
     assert {"hidden_effect", "dmsp20_300"} <= set(page.side.example.options.values())
