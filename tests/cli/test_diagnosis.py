@@ -161,6 +161,7 @@ def test_the_ladder_of_a_good_law_has_one_rung(one_process, answer, clean):
     assert found["verdict"] == "adequate" and [one["effects"] for one in found["rungs"]] == [[]]
 
 
+@pytest.mark.long
 def test_an_effect_is_tried_that_is_asked_for(answer, rubbing, ask):
     result, found = answer("diagnose", rubbing, *LAW, "--also", "end_contact")
     assert result.exit_code == 0 and "end_contact" in {one["effect"] for one in found["ranking"]}

@@ -154,6 +154,7 @@ def test_help_names_an_argument_once_and_what_may_be_left_out_in_one_pair_of_bra
     assert "Default: 1." in ask("fit", "--help").output and "for fit" not in ask("batch", "--help").output
 
 
+@pytest.mark.long
 def test_verbs_that_take_a_record_share_their_options(ask, answer, rubbing):
     several = ("inspect", "fit", "compare", "diagnose", "add", "ladder", "report", "validate", "workbench", "against")
     for verb in (*several, "pack", "export"):

@@ -55,6 +55,7 @@ def test_one_hidden_effect_is_named_alone_and_its_error_removed(tmp_path, law, s
     assert answer.ranking[0].effect == answer.selected[0] and answer.ranking[0].probability > 0.8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "secret", [None, Secret("viscous_damping", "textbook", 3.0), Secret("mullins_softening", "rested", 3.0)]
 )

@@ -102,6 +102,7 @@ def test_one_weight_leaves_the_scale_of_a_law_open(law):
     assert [e for e in one.estimates if not e.identified]
 
 
+@pytest.mark.long
 def test_what_wiggles_of_one_load_would_tell_is_no_second_weight():
     whole = under(record(3), 1)
     wiggles = 10.0 * np.sin(0.8 * whole.inputs.time)
@@ -153,6 +154,7 @@ def on_a_stop(seed: int):
     return read(made, table), rests
 
 
+@pytest.mark.long
 def test_rows_on_a_stop_are_left_out_and_counted():
     whole, rests = on_a_stop(3)
     limit = at_limit(whole)

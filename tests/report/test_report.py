@@ -313,6 +313,7 @@ def test_size_and_several_records(section, text):
     assert page.heads.count(1) == 1
 
 
+@pytest.mark.long
 def test_adequate_record_needs_no_second_model(section, diagnosis):
     plain = Section(
         section.record,

@@ -179,6 +179,7 @@ def test_another_law_and_another_effect_by_name(page):
     assert page.bench.fit.model.free_geometry and page.bench.fit.model.labels == []
 
 
+@pytest.mark.long
 def test_files_that_are_dropped_take_the_place_of_the_record(page, folder):
     names = ["other.csv", "specimen.toml"]
     contents = [(folder / "record.csv").read_bytes(), (folder / "specimen.toml").read_bytes()]
