@@ -167,27 +167,23 @@ def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, na
     assert answer.verdict == ("missing_effect" if named else "adequate")
 
 
+@LONG
 @pytest.mark.parametrize(
     ("unknown", "form", "kind"),
     [
         ("rub", "fold", "local"),
-        *(
-            pytest.param(*case, marks=LONG)
-            for case in (
-                ("screw_ripple", "textbook", "periodic"),  # in test_experiment.py, too
-                ("screw_ripple", "hum", "periodic"),
-                ("rub", "textbook", "local"),
-                ("rub", "leaned_on", "local"),
-                ("rub", "two_places", "other"),
-                ("mount_slip", "textbook", "step"),
-                ("mount_slip", "gauge", "step"),
-                ("wandering_sensor", "length", "trend"),
-                ("wandering_sensor", "textbook", "trend"),
-                ("wandering_sensor", "gain", "trend"),
-                ("wandering_sensor", "cell", "trend"),
-                ("wandering_sensor", "tiring", "trend"),
-            )
-        ),
+        ("screw_ripple", "textbook", "periodic"),  # in test_experiment.py, too
+        ("screw_ripple", "hum", "periodic"),
+        ("rub", "textbook", "local"),
+        ("rub", "leaned_on", "local"),
+        ("rub", "two_places", "other"),
+        ("mount_slip", "textbook", "step"),
+        ("mount_slip", "gauge", "step"),
+        ("wandering_sensor", "length", "trend"),
+        ("wandering_sensor", "textbook", "trend"),
+        ("wandering_sensor", "gain", "trend"),
+        ("wandering_sensor", "cell", "trend"),
+        ("wandering_sensor", "tiring", "trend"),
     ],
 )
 def test_what_no_known_effect_explains_is_described_not_named(tmp_path, unknown, form, kind):
