@@ -94,11 +94,9 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'pam_ident' has no attribute {name!r}; use {_INSTEAD[name]}")
     if name.startswith("_"):
         raise AttributeError(f"module 'pam_ident' has no attribute {name!r}")
-    from .core.nearest import nearest
+    from .core.nearest import no_attribute
 
-    near = nearest(name, _HOME)
-    hint = f"; did you mean {' or '.join(near)}?" if near else f"; it offers {', '.join(__all__)}"
-    raise AttributeError(f"module 'pam_ident' has no attribute {name!r}{hint}")
+    raise AttributeError(no_attribute("module 'pam_ident'", name, dict.fromkeys(__all__, "")))
 
 
 def __dir__() -> list[str]:

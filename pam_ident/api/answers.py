@@ -19,6 +19,7 @@ from ..tasks.gate import warnings_of
 from ..tasks.law_choice import LawChoice
 from .asking import ObjectSetup
 from .fitted import FitResult
+from .hints import Hinting
 from .record import axes_of
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def lines_of(*said: str) -> list[str]:
     return [line for one in said for line in textwrap.wrap(one, WIDTH, break_long_words=False)]
 
 
-class ShownAnswer(ABC):
+class ShownAnswer(Hinting, ABC):
     """What all of these share. `details` is the noun itself."""
 
     details: Any
@@ -242,8 +243,8 @@ class DiagnosisResult(RecordAnswer):
 
     @property
     def candidates(self) -> "pd.DataFrame":
-        """The effects that may be missing, the most probable first, with the errors in N that they leave; none where
-        nothing is missing."""
+        """The effects that may be missing, the most probable first, with probability and the errors in N that they
+        leave; none where nothing is missing."""
         import pandas as pd
 
         rows = [(s.effect, s.probability, s.rmse_after, s.heldout_rmse_after) for s in candidates(self.details)]

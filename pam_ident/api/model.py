@@ -3,13 +3,14 @@
 from typing import TYPE_CHECKING, Any
 
 from ..model import Model
+from .hints import Hinting
 from .working import check_call
 
 if TYPE_CHECKING:
     from .fitted import FitResult
 
 
-class ShownModel(Model):
+class ShownModel(Hinting, Model):
     """One law and effects, as `pam.Model` gives it: a `pam_ident.model.Model` that has a `fit`.
 
     Example:

@@ -12,6 +12,8 @@ from ..records import Record, read_record, record_from_frame
 from ..records.kind import check_kind
 from ..records.record import rebuilt
 from ..records.specimen_file import read_kind
+from ..records.where import rows_where
+from .hints import Hinting
 from .working import worked
 
 if TYPE_CHECKING:
@@ -32,7 +34,7 @@ def axes_of(draw: "Callable[..., Figure]", *what: Any) -> "Axes":
         return draw(*what).axes[0]
 
 
-class ShownRecord(Record):
+class ShownRecord(Hinting, Record):
     """A measured record, as `pam.read` gives it.
 
     It is a `pam_ident.records.Record` (force, inputs, levels, specimen, `take`, `branch_rows`) that shows itself.
@@ -64,7 +66,7 @@ class ShownRecord(Record):
         return "\n".join([*lines, *(f"- {one}" for one in found.advice)])
 
     def to_frame(self) -> "pd.DataFrame":
-        """A row a sample; `pam.read(frame, specimen=record.specimen)` reads it back."""
+        """A DataFrame (`df`), a row a sample; `pam.read(frame, specimen=record.specimen)` reads it back."""
         from ..export.frames import samples
 
         return samples(self)
@@ -94,6 +96,7 @@ def read(
     columns: "str | os.PathLike[str] | None" = None,
     name: str = "",
     kind: str = "",
+    where: str = "",
 ) -> ShownRecord:
     """A record from a file, a folder, a pattern, a data set's name, a table of pandas, a Dataset of xarray or a
     dictionary of arrays.
@@ -106,10 +109,11 @@ def read(
         columns: a `columns.toml` that says which column of a file is what.
         name: of a record that is no file.
         kind: of the test (isobaric, isometric, isotonic, dynamic); by default as the specimen's file or the data say.
+        where: a condition on the rows that are taken, such as `pressure_MPa > 0.1`.
 
     Raises:
         DataError: for what cannot be read, naming file, row and column.
-        UsageError: for a table without a specimen, or an unknown key of one.
+        UsageError: for a table without a specimen, an unknown key of one, or a condition that is none.
 
     Example:
         >>> import pam_ident as pam
@@ -120,7 +124,8 @@ def read(
     if not said and isinstance(specimen, str | os.PathLike):
         said = read_kind(Path(specimen))
     found = _read(source, specimen, columns, name)
-    return ShownRecord.of(rebuilt(found, found.specimen, said) if said else found)
+    found = rebuilt(found, found.specimen, said) if said else found
+    return ShownRecord.of(rows_where(found, where) if where else found)
 
 
 def _read(source: Any, specimen: Any, columns: Any, name: str) -> Record:

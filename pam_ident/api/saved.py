@@ -16,6 +16,7 @@ from ..tasks.export import export_fit
 from ..tasks.predict import SavedFit, asked, read_fit
 from ..tasks.states import States, inputs_of, read_states
 from ..tasks.validate import Validation, validate_fit
+from .hints import Hinting
 from .record import read
 from .working import worked
 
@@ -36,7 +37,7 @@ def parameter_table(rows: Mapping[tuple[str, str], tuple[Any, ...]], branches: i
     return frame.droplevel("branch") if branches == 1 else frame
 
 
-class Predicting(ABC):
+class Predicting(Hinting, ABC):
     """What every fitted model can be asked: its force elsewhere, and how it does on another record."""
 
     specimen: Specimen

@@ -10,12 +10,13 @@ from ..schema.fit import shared_json
 from ..tasks.fit import FitAnswer
 from .asking import ObjectSetup
 from .fitted import FitResult, told
+from .hints import Hinting
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-class SharedFitResult:
+class SharedFitResult(Hinting):
     """A fit to several records at once. `pam.fit(records, law, shared=[...])` makes it.
 
     `muscles` are the fits of each record, in order; `shared` names the parameters that have one value for all.

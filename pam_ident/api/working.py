@@ -18,8 +18,8 @@ P = ParamSpec("P")
 Result = TypeVar("Result")
 OF_COMMANDS = re.compile(
     r"`pam-ident (?P<list>laws|effects)`|(?P<command>`[^`]*`)|"
-    r"--(?P<option>assume|branch|gait|heldout|intervals|law|loss|method|specimen|to|weights)\b"
-    r"(?: (?P<value>'[^']*'|\w+))?"
+    r"--(?P<option>assume|branch|gait|heldout|intervals|law|loss|method|specimen|to|weights|where)\b"
+    r"""(?: (?P<value>'[^']*'|"[^"]*"|\w+))?"""
 )
 """What errors call the lists of what is known, a whole command, which stays as it is, and an option with its value."""
 PATIENCE, PAUSE = 1.0, 0.3
@@ -82,7 +82,8 @@ def in_python(said: str) -> str:
     def argument(found: "re.Match[str]") -> str:
         if found["option"] is None:
             return found["command"] or f"pam.{found['list']}"
-        return f"{found['option']}=" + (repr(found["value"].strip("'")) if found["value"] else "")
+        value = found["value"] or ""
+        return f"{found['option']}=" + (repr(value) if value.isidentifier() else value)
 
     return OF_COMMANDS.sub(argument, said)
 

@@ -111,8 +111,8 @@ def _first_rows(name: str, head: tuple[str, ...], rows: list[Any], text: str, li
 def _spread_part(branch: str, mine: Sequence[Spread]) -> Part:
     panels = [batch_spread.data(s.quantity, s.unit, s.value, s.stderr, s.outlier) for s in mine[:MOST_PANELS]]
     caption = (
-        "Share of the muscles up to each value, with bars of one standard error. The line is the median. "
-        "Triangles stand apart: more than 3.5 robust standard deviations from it."
+        "Share of the muscles below each value, its own counted half, with bars of one standard error. The line is "
+        "the median. Triangles stand apart: more than 3.5 robust standard deviations from it."
     )
     picture = Easel(branch, 0).hang(batch_spread.draw(panels), "spread of each parameter over the muscles", caption)
     rows = tuple(

@@ -71,9 +71,6 @@ def show(
     for form in effect.forms:
         text.say("", f"form {form.name}: {form.formula}")
         text.say(*text.meanings(form.params))
-        for p in form.params:
-            if p.range is not None:
-                text.say(f"  {p.name}: possible {p.range.low:g} to {p.range.high:g}, by {p.range.source}")
 
 
 @app.command(cls=Command)

@@ -178,9 +178,11 @@ def bounds(param: "Param") -> str:
 
 
 def meanings(params: "Sequence[Param]") -> list[str]:
-    """A table of what parameters mean, with their bounds."""
+    """A table of what parameters mean, with their bounds, and where nature ends."""
     rows = [(named(p), p.unit, bounds(p), p.doc) for p in params]
-    return table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3))
+    ends = [(p.name, p.range) for p in params if p.range is not None]
+    said = [f"{INDENT}{name}: possible {end.low:g} to {end.high:g}, by {end.source}" for name, end in ends]
+    return [*table(("parameter", "unit", "bounds", "meaning"), rows, left=(0, 1, 2, 3)), *said]
 
 
 def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:

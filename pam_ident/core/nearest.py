@@ -1,6 +1,7 @@
 """What is said of a name that nobody knows: the names that look like it, and where all of them are listed."""
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 
 from .prose import capital
@@ -27,3 +28,11 @@ def unknown(what: str, name: object, known: Iterable[str], where: str = "") -> s
     if near:
         return f"{head}; did you mean {' or '.join(near)}? {listed if where else capital(there)}"
     return f"{head}; {listed if where and len(names) > SHORT else there}"
+
+
+def no_attribute(what: str, name: str, known: Mapping[str, str]) -> str:
+    """The message of an attribute that `what` lacks: the `known` ones, by name with what is said of each, that it may
+    have meant, else all of them."""
+    near = nearest(name, known) or [one for one, said in known.items() if re.search(rf"\b{re.escape(name)}", said)]
+    hint = f"did you mean {' or '.join(near[:3])}?" if near else f"it offers {', '.join(known)}"
+    return f"{what} has no attribute {name!r}; {hint}"

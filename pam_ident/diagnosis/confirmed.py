@@ -3,12 +3,15 @@
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
+from operator import itemgetter
 
 from ..core.param import Param, Range
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
 from ..model import Model, Term
-from .heldout import heldout_rmse, in_best_forms
+from ..records import thinned
+from .follows import ROWS
+from .heldout import fit_quickly, heldout_rmse, in_best_forms
 from .nouns import Pattern
 from .search import CLOSE
 from .select import EXACT, RIVALS
@@ -19,7 +22,8 @@ def allowed_by_nature(
     base: Fit, heldout: float, selection: Selection, fitted: FittedSet, instead: Callable[[FittedSet], bool]
 ) -> tuple[FittedSet, tuple[Fit, float, list[Term], dict[str, Fit]]]:
     """A set, and what `_possible` finds of it. In place of one with a value that nature does not allow it is the best
-    without, of those that may stand `instead` and that the record does not tell from it, all its names confirmed."""
+    without, of those that may stand `instead` and that the record does not tell from it, all its names confirmed but
+    those that are too small in the first, too."""
     least = selection.noise.too_small * selection.noise.whole**2
 
     def found(one: FittedSet) -> tuple[Fit, float, list[Term], dict[str, Fit]]:
@@ -28,16 +32,23 @@ def allowed_by_nature(
         return _possible(base, heldout, named, one, least)
 
     first = found(fitted)
-    if first[-1]:
-        close = [
-            v for v in selection.cache.values() if v.terms and v.criterion < fitted.criterion + CLOSE and instead(v)
-        ]
-        for one in [*sorted(close, key=lambda v: v.criterion)[:RIVALS], *_in_free_forms(selection, fitted, first[-1])]:
+    _, _, stand, ruled_out = first
+    if ruled_out:
+        wrong = _ruled_out(ruled_out, fitted)
+        near = [v for v in selection.cache.values() if v.terms and v.criterion < fitted.criterion + CLOSE]
+        close = [v for v in near if instead(v) and not any(_outside(e, v.values) for e in wrong)]
+        small = fitted.candidates.difference(ruled_out, (t.effect.name for t in stand))
+        for one in [*sorted(close, key=lambda v: v.criterion)[:RIVALS], *_in_free_forms(selection, fitted, ruled_out)]:
             other = found(one)
-            _, _, named, ruled_out = other
-            if not ruled_out and len(named) == sum(t.effect.candidate for t in one.terms):
+            if not other[-1] and one.candidates <= small.union(t.effect.name for t in other[-2]):
                 return one, other
     return fitted, first
+
+
+def _outside(estimate: Estimate, values: Mapping[str, float]) -> bool:
+    """Whether nature does not allow an estimate's value among others."""
+    end = estimate.range
+    return end is not None and not end.low <= values.get(estimate.name, end.low) <= end.high
 
 
 def _in_free_forms(selection: Selection, fitted: FittedSet, wrong: Collection[str]) -> list[FittedSet]:
@@ -98,17 +109,20 @@ def _within(term: Term, ranges: Mapping[str, Range]) -> Term:
 
 def _beyond_nature(fit: Fit, fitted: FittedSet) -> list[Estimate]:
     """Estimates that nature does not allow, nor their value by the steady inputs: a noisy gauge bends an estimate."""
-    steady = fitted.values
-    return [e for e in fit.impossible if e.range and not e.range.low <= steady.get(e.name, math.inf) <= e.range.high]
+    return [e for e in fit.impossible if e.name not in fitted.values or _outside(e, fitted.values)]
+
+
+def _ruled_out(ruled_out: Mapping[str, Fit], fitted: FittedSet) -> list[Estimate]:
+    """The estimates of effects that nature does not allow, by name with the fit that holds them."""
+    found = ((name, e) for name, one in ruled_out.items() for e in _beyond_nature(one, fitted))
+    return [e for name, e in found if e.name.startswith(f"{name}.")]
 
 
 def impossible_alone(base: Fit, best: Fit, fitted: FittedSet, ruled_out: Mapping[str, Fit]) -> Pattern | None:
     """What only values that nature does not allow would explain, and those of the model itself."""
-    said = {e.name: impossible(e) for e in _beyond_nature(best, fitted)}
-    share = 0.0
-    for name, one in ruled_out.items():
-        said |= {e.name: impossible(e) for e in _beyond_nature(one, fitted) if e.name.startswith(f"{name}.")}
-        share = max(share, (best.rmse**2 - one.rmse**2) / max(base.rmse**2, 1e-18))
+    wrong = [*_beyond_nature(best, fitted), *_ruled_out(ruled_out, fitted)]
+    said = {e.name: impossible(e) for e in wrong}
+    share = max([0.0, *((best.rmse**2 - one.rmse**2) / max(base.rmse**2, 1e-18) for one in ruled_out.values())])
     return Pattern("other", "contraction", None, "", share, "; ".join(said.values())) if said else None
 
 
@@ -129,16 +143,21 @@ def _confirmed(
         found = _onto(base, terms, fitted)
         return heldout_rmse(found.model, base.record, found), found, terms
 
+    record = thinned(base.record, ROWS)
+
+    def left(terms: list[Term]) -> float:
+        return fit_quickly(base.model.adding(*terms), record, base.values | _start(fitted, terms))[1] ** 2
+
+    whole = left(named)
+    while named and not table:
+        error, gone = min(((left([t for t in named if t is not one]), one) for one in named), key=itemgetter(0))
+        if error - whole >= least:
+            break
+        whole, named = error, [t for t in named if t is not gone]
     after, best, named = attempt(named)
     while named and table and not after < heldout:
         attempts = [attempt([t for t in named if t is not gone]) for gone in named]
-        after, best, named = min(attempts, key=lambda item: item[0])
-    while named and not table:
-        fewer = [(_onto(base, [t for t in named if t is not gone], fitted).rmse, gone) for gone in named]
-        error, slightest = min(fewer, key=lambda item: item[0])
-        if error**2 - best.rmse**2 >= least:
-            break
-        after, best, named = attempt([t for t in named if t is not slightest])
+        after, best, named = min(attempts, key=itemgetter(0))
     return best, after, named
 
 

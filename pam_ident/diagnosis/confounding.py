@@ -38,8 +38,7 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
 
 def _same_form(selection: Selection, term: Term) -> list[str]:
     """The special case that goes by the name of the selected form: the same formula, so no record tells them apart."""
-    known = (*selection.candidates, *selection.rivals)
-    cases = [e.name for e in known if e.special_case_of == term.effect.name]
+    cases = [e.name for e in selection.weighed if e.special_case_of == term.effect.name]
     return [name for name in cases if name.startswith(term.form.name.partition("_")[0])]
 
 
@@ -47,8 +46,7 @@ def _general(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
     """The effect that this one is a special case of, where the record does not need the size that makes it one."""
     effect, form = term.effect, term.form
     kept = [k for k, p in enumerate(form.linear) if p.name != effect.own]
-    known = {e.name for e in (*selection.candidates, *selection.rivals)}
-    if effect.special_case_of not in known or len(kept) == len(form.linear):
+    if effect.special_case_of not in {e.name for e in selection.weighed} or len(kept) == len(form.linear):
         return []
 
     def columns(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -65,7 +63,7 @@ def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Eff
 
     Not its own special cases: with more parameters they can always do the same.
     """
-    others = [e for e in (*selection.candidates, *selection.rivals) if e.special_case_of != effect.name]
+    others = [e for e in selection.weighed if e.special_case_of != effect.name]
     return [e for e in others if e.name == effect.name or e.name not in fitted.names]
 
 
@@ -96,8 +94,7 @@ def _near(selection: Selection, effect: Effect) -> dict[str, float]:
         likelier = chosen.isdisjoint(first) and not chosen.isdisjoint(other.follows[:1])
         return bool(first) and (other.follows[:1] == first or likelier)
 
-    others = (*selection.candidates, *selection.rivals)
-    return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in others}
+    return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in selection.weighed}
 
 
 def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:

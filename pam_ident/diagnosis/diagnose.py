@@ -13,8 +13,6 @@ from ..core.threads import one_blas_thread
 from ..effects import Effect, catalogue, get_effect
 from ..fitting import Fit, fit, repeat_noise
 from ..fitting.carried import driven, length_rmse, nearer
-from ..fitting.problem import all_rows
-from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record, thinned
 from .adequacy import Adequacy, FreeModel
@@ -23,7 +21,7 @@ from .confirmed import allowed_by_nature, impossible_alone
 from .confounding import groups
 from .experiment import after_pattern, next_experiment
 from .follows import ROWS, Following, steadied
-from .heldout import heldout_nearby, heldout_rmse
+from .heldout import fit_quickly, heldout_nearby, heldout_rmse
 from .nouns import Candidate, Diagnosis
 from .probability import DOUBTFUL, LAPSE, probabilities
 from .remainder import pattern_of, unlike_noise
@@ -359,7 +357,7 @@ def _ranking(
     best = selection.seen.best_of_each(selection.penalty)
     terms = {term.effect.name: term for term in named}
     record = thinned(base.record, ROWS)
-    most = ENDED_BADLY * _left(base.model, record, base.values) if errors else 0.0
+    most = ENDED_BADLY * fit_quickly(base.model, record, base.values)[1] if errors else 0.0
     found = []
     for effect in candidates:
         if effect.name in selection.excluded:
@@ -386,10 +384,5 @@ def _alone(model: Model, record: Record, start: Mapping[str, float]) -> tuple[fl
     if len(record) <= EXACT:
         whole = fit(model, record, detail=False)
         return whole.rmse, heldout_rmse(model, record, whole)
-    values = solve(model, record.inputs, record.force, all_rows, start, quick=True).values
-    return _left(model, record, values), heldout_nearby(model, record, values)
-
-
-def _left(model: Model, record: Record, values: Mapping[str, float]) -> float:
-    """Error in N rms that a model with values leaves of all rows."""
-    return float(np.sqrt(np.mean((record.force - model.force(record.inputs, values)) ** 2)))
+    values, error = fit_quickly(model, record, start)
+    return error, heldout_nearby(model, record, values)

@@ -23,7 +23,8 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Driver:
-    """What a force may follow: its word and words, and its states (n, k), None where the record does not hold it.
+    """What a force may follow: its word and words (`in_motion` where nothing rests, if they are others), and its states
+    (n, k), None where the record does not hold it.
 
     States are times polynomials of pressure and contraction; `orders` are these two, from the simplest surface to the
     richest, and `some` says which of the states are taken together.
@@ -34,6 +35,7 @@ class Driver:
     states: Callable[[Inputs], Array | None]
     some: tuple[tuple[int, ...], ...] = ((0,),)
     orders: tuple[tuple[int, int], ...] = ((0, 0), (1, 0), (0, 1), (0, 3), (1, 1), (2, 3))
+    in_motion: str = ""
 
 
 def polynomials(values: Array, most: int) -> Array:
@@ -129,7 +131,7 @@ DRIVERS = (
     Driver("pressure_rate", "the rate of the pressure", _pressure_rate, RATES),
     Driver("acceleration", "the acceleration", _acceleration, orders=((0, 0),)),
     Driver("way", "the way since the last reversal", _way, ONE_OR_ALL),
-    Driver("rest", "rest and relaxation", _rest, RELAXED),
+    Driver("rest", "rest and relaxation", _rest, RELAXED, in_motion="relaxation"),
     Driver("cycle", "the cycle and the distance travelled", _cycle, COUNTED),
     Driver("clock", "the clock", _clock, DRIFTED, ((0, 0),)),
     Driver("temperature", "the temperature", _temperature),

@@ -357,7 +357,9 @@ class Following:
 
     def shares(self) -> tuple[Follows, ...]:
         """As `what_it_follows` gives them."""
-        words = {driver.what: driver.text for driver in DRIVERS}
+        moving = self.record.inputs.moving
+        rests = moving is not None and not moving.all()
+        words = {driver.what: driver.text if rests else driver.in_motion or driver.text for driver in DRIVERS}
         surfaces, total = self.surfaces, float(self.left @ self.left)
         if not total > 0.0:
             return (Follows("noise", 1.0, "noise"),)

@@ -170,6 +170,11 @@ class Selection:
             alone = max(alone, self.squares(law, found.values))
         return max(alone - len(self.record), 0.0)
 
+    @property
+    def weighed(self) -> list[Effect]:
+        """Candidates, and what could stand in their place though it is not tried."""
+        return [*self.candidates, *self.rivals]
+
     def aside(self) -> "Selection":
         """The same, where what is fitted counts for no odds of what was tried."""
         other = copy(self)

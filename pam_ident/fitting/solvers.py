@@ -49,13 +49,11 @@ class VariableProjection:
         """The best of the descents; exact at once where nothing is nonlinear."""
         if not problem.nonlinear:
             return Solution(problem.at(np.empty(0)).values, True, "linear")
-        if not self.polish:
-            problem = replace(problem, rough=True)
-        starts = problem.starts(self.max_starts)[: self.keep]
+        starts = replace(problem, rough=True).starts(self.max_starts)[: self.keep]
         found = [descend(trial, 2e-6, 1e-5, 25, self.enough) for trial in starts]
         best, status, message = min(found, key=lambda one: one[0].cost)
         if self.polish:
-            best, status, message = descend(best, 1e-15, 1e-9, 200)
+            best, status, message = descend(problem.at(best.q), 1e-15, 1e-9, 200)
             if status > 0:
                 best, step, _ = settle(best)
                 best = problem.at(best.q + step) if step.any() else best

@@ -5,11 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core import Param, Specimen
+from ..core import Param, Range, Specimen
 from ..core.shown import Shown
 
 Array = np.ndarray
 Values = Mapping[str, float]
+PULL = "ten times the pull of Festo's largest muscle, DMSP-40, 6 kN at 0.6 MPa"
+PEAK, PEAK_PER_MPA = Range(-60_000.0, 60_000.0, PULL, 6000.0), Range(-100_000.0, 100_000.0, PULL, 6000.0)
+"""An exponential in contraction at rest length, N and N/MPa: a slow one, that makes a parabola, needs several times
+the pull of the muscle; a fast one that is told by readings away from rest goes up without end."""
 
 
 def no_columns(pressure: Array, contraction: Array, specimen: Specimen, values: Values) -> Array:

@@ -1,7 +1,7 @@
 """The empirical law of the paper: a line and a decaying exponential in contraction, each linear in pressure."""
 
 from ..core import Param, Specimen
-from .base import Array, Law, Values
+from .base import PEAK, PEAK_PER_MPA, Array, Law, Values
 
 
 def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
@@ -20,8 +20,8 @@ LAW = Law(
         Param("a1", "N/MPa", "intercept per pressure", scale=1000.0),
         Param("b0", "N", "slope over contraction", scale=1000.0),
         Param("b1", "N/MPa", "slope per pressure", scale=1000.0),
-        Param("c0", "N", "initial peak", scale=100.0),
-        Param("c1", "N/MPa", "initial peak per pressure", scale=100.0),
+        Param("c0", "N", "initial peak", scale=100.0, range=PEAK),
+        Param("c1", "N/MPa", "initial peak per pressure", scale=100.0, range=PEAK_PER_MPA),
     ),
     nonlinear=(
         Param(

@@ -1,7 +1,7 @@
 """Sárosi's six-parameter law."""
 
 from ..core import Param, Specimen
-from .base import Array, Law, Values
+from .base import PEAK, PEAK_PER_MPA, Array, Law, Values
 
 
 def _columns(p: Array, e: Array, specimen: Specimen, values: Values) -> Array:
@@ -19,8 +19,8 @@ LAW = Law(
         "s1 and s5 are 10 times, s4 1000 times and s3 100 times the printed figures)"
     ),
     linear=(
-        Param("s1", "N/MPa", "initial peak per pressure", scale=100.0),
-        Param("s2", "N", "initial peak", scale=100.0),
+        Param("s1", "N/MPa", "initial peak per pressure", scale=100.0, range=PEAK_PER_MPA),
+        Param("s2", "N", "initial peak", scale=100.0, range=PEAK),
         Param("s4", "N/MPa", "slope over contraction, per pressure", scale=1000.0),
         Param("s5", "N/MPa", "blocked force per pressure", scale=1000.0),
         Param("s6", "N", "offset", scale=100.0),

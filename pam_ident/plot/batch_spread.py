@@ -14,7 +14,7 @@ Array = np.ndarray
 @dataclass(frozen=True)
 class SpreadPanel:
     """One quantity: its values in ascending order, their standard errors (NaN where none is known) and the share of
-    muscles up to each, all of shape (n,), with the outliers' mask and the median."""
+    muscles below each, its own counted half, all of shape (n,), with the outliers' mask and the median."""
 
     name: str
     unit: str

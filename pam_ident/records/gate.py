@@ -26,6 +26,8 @@ LONG_STEP_S = 5.0
 """every so many seconds at most."""
 CONTRADICTED = 0.5
 """Share of the moving samples whose branch the motion contradicts, from which it is no matter of corners."""
+AS_THE_CLOCK = 0.99
+"""Correlation with the time from which a temperature tells no more than that."""
 WARM_C = (-40.0, 90.0)
 """Between these rubber is a bladder (Festo's: −5 to 60 °C)."""
 
@@ -156,8 +158,16 @@ def _doubt_branch(record: Record) -> Iterator[Doubt]:
 
 
 def doubt_temperature(record: Record) -> Iterator[Doubt]:
-    """A temperature that no bladder has."""
-    found = record.inputs.temperature
+    """A temperature that no bladder has, or that tells no more than the clock does."""
+    found, time = record.inputs.temperature, record.inputs.time
+    if found is not None and time is not None and np.ptp(found) > 0.0:
+        alike = float(np.corrcoef(found, time)[0, 1])
+        if abs(alike) > AS_THE_CLOCK:
+            text = (
+                f"the temperature goes evenly with the time (correlation {alike:.4f}): what drifts with the one is "
+                "hard to tell from what follows the other. Let the muscle cool in between, or test it warm and cold."
+            )
+            yield Doubt("temperature_clock", text, "temperature")
     if found is not None and not (WARM_C[0] < found.min() and found.max() < WARM_C[1]):
         worst = float(found.max() if found.max() >= WARM_C[1] else found.min())
         text = f"the temperature reaches {worst:.4g} °C, where a bladder is no rubber. Check its unit (kelvin?)."

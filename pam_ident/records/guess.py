@@ -43,11 +43,13 @@ SEVERAL = 3
 
 @dataclass(frozen=True)
 class Guess:
-    """What a column may hold, and in which unit, both empty for nothing; `sure` where its name says so."""
+    """What a column may hold, and in which unit, both empty for nothing; `sure` where its name says so. Its `factor`
+    is -1 where the numbers count the other way, as an extension does."""
 
     quantity: str = ""
     unit: str = ""
     sure: bool = False
+    factor: int = 1
 
     @property
     def key(self) -> str:
@@ -95,7 +97,7 @@ def guess_columns(headers: Sequence[str], columns: Sequence[Array]) -> tuple[Gue
     for k, quantity in _by_numbers(needed, free, found, values, stated):
         found[k] = quantity
     return tuple(
-        Guess(name, _unit(name, header, column), name in named) if name else Guess()
+        Guess(name, _unit(name, header, column), name in named, _sign(name, column)) if name else Guess()
         for name, header, column in zip(found, headers, values, strict=True)
     )
 
@@ -119,7 +121,8 @@ def rises(column: Array) -> bool:
 
 def told_by(names: Sequence[str], k: int, guess: Guess) -> str:
     """What a columns.toml says of column k, as it is guessed."""
-    return f"{guess.key} = {column_of(names, k)}"
+    column = column_of(names, k)
+    return f"{guess.key} = {column if guess.factor == 1 else f'{{column = {column}, factor = {guess.factor}}}'}"
 
 
 def column_of(names: Sequence[str], k: int) -> str:
@@ -217,6 +220,11 @@ def _unit(quantity: str, header: str, column: Array) -> str:
     if dimension == "temperature":
         return "K" if len(finite) and float(np.median(finite)) > 200.0 else "C"
     return "pct" if largest > 1.5 else "1"
+
+
+def _sign(quantity: str, column: Array) -> int:
+    """A contraction is positive, so that most of one which is not is an extension."""
+    return -1 if quantity in ("displacement", "contraction") and np.nansum(column) < 0.0 else 1
 
 
 def likely_clock(table: Table, passed: tuple[int, ...]) -> str:

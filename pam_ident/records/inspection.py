@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core import Array
 from .doubt import Doubt
 from .files import Files, find_files
 from .gate import doubts_of
-from .kind import HELD_LENGTH
+from .kind import HELD_LENGTH, held_lengths, large_turns
 from .record import Record
 
 
@@ -28,7 +29,8 @@ class Inspection:
     """A record in numbers. `speeds` are the strokes' speeds in mm/s, `None` fields are not in the record. `kind` is the
     kind of test, `doubts` what looks wrong, `advice` that and what the record cannot show, in plain words.
 
-    `cycles` is the largest number of cycles on one isobar; `branches` maps a branch to its number of samples.
+    `cycles` is the largest number of cycles on one isobar, or of the pressure at one length; `branches` maps a branch
+    to its number of samples.
     """
 
     record: Record
@@ -61,7 +63,7 @@ def inspect_record(record: Record) -> Inspection:
         {name: count for name, count in counts.items() if count},
         len(np.unique(record.stroke[record.stroke > 0])),
         speeds,
-        None if inputs.cycle is None else max(len(np.unique(inputs.cycle[record.level == p])) for p in record.levels),
+        None if inputs.cycle is None else _cycles(record, inputs.cycle),
         None if held is None else int(np.sum(np.diff(np.r_[False, held].astype(int)) == 1)),
         0 if held is None else int(held.sum()),
         None if inputs.time is None else float(inputs.time[-1] - inputs.time[0]),
@@ -83,6 +85,15 @@ def stroke_speeds(record: Record) -> tuple[float, ...]:
         return ()
     groups = np.split(values, np.flatnonzero(values[1:] > 4.0 / 3.0 * values[:-1]) + 1)
     return tuple(float(np.median(group)) for group in groups)
+
+
+def _cycles(record: Record, cycle: Array) -> int:
+    """The most cycles (n,) on one isobar; of a locked muscle the most of the pressure at one length: a valve that is
+    opened in steps, and leaks in between, makes none by each."""
+    if record.kind == "isometric" and "cycle" not in record.columns:
+        held = held_lengths(record.inputs.contraction)
+        return max(len(large_turns(record.inputs.pressure[held == length])) // 2 for length in np.unique(held))
+    return max(len(np.unique(cycle[record.level == p])) for p in record.levels)
 
 
 def _isobar(record: Record, level: float) -> Isobar:

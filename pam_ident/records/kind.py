@@ -65,7 +65,7 @@ def _found(specimen: Specimen, p: Array, e: Array, force: Array, level: Array, t
         return "isometric"
     if driven and answers and _way(force) < WAY * pressure_way:
         return "isotonic"
-    switched = driven and np.count_nonzero(np.diff(level)) >= len(_turns(e))
+    switched = driven and np.count_nonzero(np.diff(level)) >= len(large_turns(e))
     off = (p - level) / np.maximum(np.abs(level), 0.05)
     return "dynamic" if switched or np.sqrt(np.mean(off**2)) > HELD_PRESSURE else "isobaric"
 
@@ -90,12 +90,12 @@ def _at_each_length(contraction: Array) -> tuple[list[Array], Array]:
     return [contraction[group == g] for g in range(group.max() + 1)], group
 
 
-def _turns(values: Array) -> list[int]:
-    """Where a track (n,) turns, its ends among them; turns of less than a tenth of its range left out."""
+def large_turns(values: Array) -> list[int]:
+    """Where a track (n,) in any unit turns, its ends among them; turns of less than a tenth of its range left out."""
     return pivots(values, 0.1 * float(np.ptp(values)))
 
 
 def _way(values: Array) -> float:
     """Way from turn to turn in multiples of the range (n,)."""
-    span, turns = float(np.ptp(values)), _turns(values)
+    span, turns = float(np.ptp(values)), large_turns(values)
     return float(np.sum(np.abs(np.diff(values[turns])))) / span if span > 0.0 else 0.0

@@ -32,8 +32,9 @@ LATEST_MPA, TOO_LATE_MPA = 0.12, 0.135
 more; the same ones lie between 0 and 0.09 MPa."""
 LEAST_MPA = 1e-12
 """Pressure below which arithmetic says nothing any more."""
-AT_THE_AIRS_MPA = 0.02
-"""How near to the air's pressure that is, for pressures that may count from vacuum."""
+AT_THE_AIRS_MPA = 0.03
+"""How near to the air's pressure that is, for pressures that may count from vacuum, and twice by how much it differs
+at another length."""
 BEND = (0.06, 1.0)
 """Contraction at which a straight line through an isobar meets zero force; an ideal braid's free one is 0.36."""
 HALF = (0.1, 0.85)
@@ -133,12 +134,14 @@ def _doubt_pull(pull: Pull, record: Record) -> Iterator[Doubt]:
 
 
 def _from_vacuum(record: Record, pull: Pull) -> bool:
-    """Whether the muscle begins to pull at the air's pressure, and does so at another length, too: what a bladder takes
-    grows with the contraction."""
+    """Whether the muscle begins to pull at the air's pressure, and does so at another length, too, and alike: what a
+    bladder takes grows with the contraction."""
     shorter = pull_at(record, 0.4)
     if shorter is None:
         return False
-    return all(abs(begins - ATMOSPHERE_MPA) < AT_THE_AIRS_MPA for begins in (pull.begins_MPa, shorter.begins_MPa))
+    begins, there = pull.begins_MPa, shorter.begins_MPa
+    near = all(abs(one - ATMOSPHERE_MPA) < AT_THE_AIRS_MPA for one in (begins, there))
+    return near and abs(there - begins) < 0.5 * AT_THE_AIRS_MPA
 
 
 def _scale(what: str, ratio: float, grave: bool) -> Doubt:

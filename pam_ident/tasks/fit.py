@@ -133,8 +133,17 @@ class FitAnswer:
 
     @cached_property
     def warnings(self) -> tuple[Doubt, ...]:
-        """What is doubtful of record and law, what effects warn of, and modelled loops that give energy."""
-        found = warnings_of(next(iter(self.fits.values())))
+        """What is doubtful of record and law, what effects warn of, hysteresis that law and effect both hold, and
+        modelled loops that give energy."""
+        one = next(iter(self.fits.values()))
+        found = warnings_of(one)
+        twice = [term.effect.title for term in one.model.terms if "direction" in term.effect.follows]
+        if twice and one.model.law.params and "together" not in self.fits:
+            text = (
+                f"a law of its own for each branch holds the hysteresis already: {' and '.join(twice)} beside it is "
+                "told by holds and turns alone, if at all. Fit both branches together, or leave it out."
+            )
+            found = (*found, Doubt("effect", text))
         energy = energy_warning(self.loops)
         return found if energy is None else (*found, Doubt("energy", energy))
 

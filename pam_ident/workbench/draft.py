@@ -148,7 +148,8 @@ def _columns(table: Table, mapping: Told | None) -> tuple[DraftColumn, ...]:
         finite = finite[np.isfinite(finite)]
         low, high = (float(finite.min()), float(finite.max())) if len(finite) else (np.nan, np.nan)
         text = tuple(f"{cell:.6g}" if isinstance(cell, float) else str(cell)[:24] for cell in column[:SHOWN])
-        one = DraftColumn(name, text, low, high, guesses[k] if guesses else Guess())
+        guess = guesses[k] if guesses else Guess()
+        one = DraftColumn(name, text, low, high, guess, float(guess.factor))
         found.append(one if guesses else _as_told(one, k, table, mapping))
     return tuple(found)
 

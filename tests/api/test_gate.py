@@ -31,6 +31,7 @@ def test_what_is_grave_stops_naming_and_is_said_of_a_fit(clipped, tmp_path):
         assert found.to_json()["warnings"][0]["code"] == found.warnings[0].code == "force_clipped"
 
 
+@pytest.mark.long
 def test_what_is_assumed_is_named(clipped):
     found = pam.diagnose(clipped, LAW, assume="all", only="coulomb_friction")
     assert found.warnings[0].grave and repr(found).startswith("WARNING (force_clipped)")

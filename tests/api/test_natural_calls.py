@@ -252,6 +252,27 @@ def test_a_call_that_cannot_be_is_told_what_was_given_and_what_was_expected(fitt
         call(fitted)
 
 
+@pytest.mark.parametrize(
+    ("of", "guess", "meant"),
+    [
+        ("fitted", "rmse_N", "rmse"),
+        ("fitted", "stderr", "params"),
+        ("record", "df", "to_frame"),
+        ("diagnosis", "probability", "candidates"),
+        ("diagnosis", "colour", "against, candidates, "),
+    ],
+)
+def test_a_name_that_is_guessed_is_answered_by_what_may_be_meant(request, of, guess, meant):
+    with pytest.raises(AttributeError, match=f"object has no attribute '{guess}'; (did you mean|it offers) {meant}"):
+        getattr(request.getfixturevalue(of), guess)
+
+
+def test_rows_are_read_by_a_condition(frame):
+    assert pam.read(frame, SPECIMEN, where="pressure_MPa > 0.25").levels.tolist() == [0.3, 0.4, 0.5]
+    with pytest.raises(UsageError, match=re.escape("where=\"branch == 'out' or\": cannot be read; expected")):
+        pam.read(frame, SPECIMEN, where="branch == 'out' or")
+
+
 def test_30b_predict_where_no_muscle_is_is_refused_as_the_command_does(fitted):
     with pytest.raises(DataError, match="contraction, element 1: contraction ratio 10; expected within"):
         fitted.predict(0.3, [0.05, 10])

@@ -52,6 +52,7 @@ def test_importing_it_loads_nothing_heavy():
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.long
 def test_a_fit_draws_nothing_and_so_loads_no_figures():
     code = (
         "import sys, pam_ident as pam; print(pam.fit('dmsp20_300', 'sarosi').params['value'].size)\n"

@@ -72,6 +72,7 @@ def test_the_table_has_a_row_a_record_and_branch_with_the_true_parameters(undist
     assert list(text) == list(table) and text["a1"].to_numpy() == pytest.approx(table["a1"].to_numpy(), nan_ok=True)
 
 
+@pytest.mark.long
 def test_values_and_errors_are_those_of_scipy_on_the_same_rows(tmp_path):
     tree = write_tree(tmp_path / "tree", 2)
     run_batch(tree, SETUP, tmp_path / "out", executor=Executor())
@@ -158,6 +159,7 @@ def test_an_answer_that_was_cut_short_is_found_anew(tree, undisturbed, tmp_path)
     assert not list(out.glob("records/*/.*"))
 
 
+@pytest.mark.long
 def test_only_what_changed_is_asked_again(tmp_path):
     folder, out = write_tree(tmp_path / "tree", 4), tmp_path / "results"
     run_batch(folder, SETUP, out, executor=Executor())
@@ -184,6 +186,7 @@ def test_a_worker_that_fails_ends_the_batch_with_what_is_finished(tree, tmp_path
     assert len(answers(tmp_path / "out")) == 2
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")  # JAX is loaded; the child only sets a signal
 def test_ctrl_c_ends_the_command_and_its_workers(tree, tmp_path):
     out = tmp_path / "results"
@@ -302,6 +305,7 @@ def test_a_diagnosis_says_what_each_record_lacks(root, tmp_path):
     )
 
 
+@pytest.mark.long
 def test_effects_of_ones_own_are_loaded_by_the_workers(root, tmp_path):
     own = tmp_path / "own.py"
     source = (root / "pam_ident" / "effects" / "force_drift.py").read_text(encoding="utf-8")

@@ -85,6 +85,7 @@ def test_the_good_record_of_these_tests_is_good(ask, write_record):
     assert ask("fit", write_record(GOOD), "--law", "modified_chou_hannaford").exit_code == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("verb", ["fit", "compare", "diagnose", "ladder"])
 def test_what_one_pressure_does_not_tell_of_a_law_is_said(ask, write_record, verb):
     result = ask(verb, write_record(pressures=(0.3,)), "--law", "exponential_law")
@@ -187,6 +188,7 @@ def test_what_cannot_be_read_has_its_line_of_json(verb, ask, tmp_path, monkeypat
     assert json.loads((tmp_path / "answer.json").read_text()) == answer
 
 
+@pytest.mark.long
 def test_each_of_several_records_has_its_line_and_a_wrong_call_has_none(ask, rubbing, tmp_path):
     (tmp_path / "bad.csv").write_text("time_s,force_N\n0,1\n")
     result = ask("diagnose", tmp_path / "bad.csv", rubbing, "--law", "exponential_law", "--json", "-")

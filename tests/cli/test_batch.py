@@ -18,6 +18,7 @@ def tree(clean, tmp_path):
     return folder
 
 
+@pytest.mark.long
 def test_a_bad_record_is_told_and_the_rest_is_done(ask, tree, tmp_path, truth):
     from pam_ident.batch.table import read_results
 

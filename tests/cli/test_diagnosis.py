@@ -131,6 +131,7 @@ def test_adding_what_the_law_has_absorbed_is_not_valid(answer, clean):
     assert [one["identified"] for one in bias] == [False] and bias[0]["stderr"] is None
 
 
+@pytest.mark.long
 def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     result, found = answer("ladder", rubbing, *LAW)
     assert result.exit_code == 0
@@ -154,11 +155,13 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     assert "step" in result.stdout and "verdict: adequate" in result.stdout
 
 
+@pytest.mark.long
 def test_the_ladder_of_a_good_law_has_one_rung(one_process, answer, clean):
     _, found = answer("ladder", clean, *LAW)
     assert found["verdict"] == "adequate" and [one["effects"] for one in found["rungs"]] == [[]]
 
 
+@pytest.mark.long
 def test_an_effect_is_tried_that_is_asked_for(answer, rubbing, ask):
     result, found = answer("diagnose", rubbing, *LAW, "--also", "end_contact")
     assert result.exit_code == 0 and "end_contact" in {one["effect"] for one in found["ranking"]}

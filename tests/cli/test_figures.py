@@ -1,8 +1,11 @@
 """`fit --figures DIR` writes the paper's figures of any record."""
 
+import pytest
+
 NAMES = ["coefficients.svg", "isobars.svg", "laws_compared.svg"]
 
 
+@pytest.mark.long
 def test_figures_of_a_fit_are_written_and_named(ask, clean, tmp_path):
     folder = tmp_path / "figures"
     result = ask("fit", clean, "--law", "exponential_law", "--figures", folder)

@@ -89,6 +89,20 @@ def test_branches_and_whether_their_loop_is_passive(answer, rubbing, branch, nam
     assert list(found["branches"]) == names and found["passive"] is passive
 
 
+@pytest.mark.parametrize(
+    ("law", "branch", "effect", "twice"),
+    [
+        ("modified_chou_hannaford", "separate", "coulomb_friction", True),
+        ("modified_chou_hannaford", "together", "coulomb_friction", False),
+        ("modified_chou_hannaford", "separate", "bladder_elasticity", False),
+        ("chou_hannaford", "separate", "coulomb_friction", False),
+    ],
+)
+def test_hysteresis_is_modelled_once(answer, rubbing, law, branch, effect, twice):
+    _, found = answer("fit", rubbing, "--law", law, "--branch", branch, "--effect", effect)
+    assert any("holds the hysteresis already" in one["text"] for one in found["warnings"]) is twice
+
+
 def test_friction_of_the_wrong_sign_gives_energy_back(answer, write_record):
     backwards = write_record(friction=-12.0)
     result, found = answer("fit", backwards, "--law", "exponential_law", "--branch", "separate")

@@ -46,6 +46,7 @@ def test_of_several_records_each_has_its_answer(ask, slipped, clean, tmp_path):
     assert fine["verdict"] == "adequate" and fine["warnings"] == [] and fine["record"] == str(clean)
 
 
+@pytest.mark.long
 def test_what_is_assumed_is_named_under_a_banner(answer, slipped):
     result, found = answer("diagnose", slipped, *LAW, "--assume", "scale", "--assume", "displacement_scale")
     assert result.exit_code == 0 and "WARNING (scale): the force grows" in result.stdout
@@ -88,6 +89,7 @@ def test_a_kind_is_said_by_columns(answer, clean, write_record):
     assert answer("fit", told, *LAW, "--chunked")[0].exit_code == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("verb", ["diagnose", "ladder", "report"])
 @pytest.mark.parametrize(("what", "expected"), [("kind", 4), ("too_little", 3)])
 @pytest.mark.parametrize("law", [LAW, ()])

@@ -18,6 +18,7 @@ def weights(tmp_path_factory):
     return folder / "record.csv"
 
 
+@pytest.mark.long
 def test_a_length_is_fitted_compared_and_predicted(ask, weights, tmp_path):
     fitted = ask("fit", weights, *LAW, "--json", tmp_path / "fit.json")
     assert fitted.exit_code == 0 and "length: rmse 0.0" in fitted.stdout and "energy of a cycle" not in fitted.stdout

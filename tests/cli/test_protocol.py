@@ -9,6 +9,7 @@ POOR = "[protocol]\npressures_MPa = [0.1, 0.2, 0.3, 0.4, 0.5]\nspeeds_mm_s = [10
 DAMPED = (*LAW, "--effect", "viscous_damping", "--size", "2", "--seed", "62")
 
 
+@pytest.mark.long
 def test_a_poor_record_its_protocol_and_the_run_that_decides(ask, answer, tmp_path):
     poor, better, file = tmp_path / "poor", tmp_path / "better", tmp_path / "next.toml"
     (tmp_path / "poor.toml").write_text(POOR)

@@ -16,6 +16,7 @@ def reported(ask, rubbing, tmp_path_factory):
     return result, out, out.read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_the_page_tells_all_and_loads_nothing(reported, rubbing):
     _, out, page = reported
     for word in (

@@ -44,6 +44,7 @@ def test_it_sees_what_is_written_otherwise():
     assert not strays("it leaves 5.20 N of 12.3 N, 1200 N and 0 N; 90 % follows −0.0123 N, 3 N·m, 4.5 Nm")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["rubbing", "rippled", "dmsp20_300"])
 def test_in_text_and_json(name, request, ask, tmp_path):
     record = name if name == "dmsp20_300" else request.getfixturevalue(name)
@@ -66,6 +67,7 @@ def test_on_the_page_and_in_markdown(name, request, ask, tmp_path):
         assert not strays(DRAWN.sub(" ", out.read_text(encoding="utf-8").replace("−", "-"))), ending
 
 
+@pytest.mark.long
 def test_in_a_comparison_of_two(clean, rubbing, ask, tmp_path):
     said = ask("against", clean, rubbing, "--json", tmp_path / "ab.json", "--out", tmp_path / "ab.html")
     assert said.exit_code == 0 and "rms" in said.stdout
@@ -78,6 +80,7 @@ def test_in_a_comparison_of_two(clean, rubbing, ask, tmp_path):
     assert not any(map(strays, texts_of_all))
 
 
+@pytest.mark.long
 def test_in_python_and_on_the_workbench(rippled):
     from pam_ident.workbench import words
 

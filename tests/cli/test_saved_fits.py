@@ -116,6 +116,7 @@ def test_a_saved_fit_with_a_branch_each_asks_for_the_branch(ask, clean, tmp_path
     assert ask("predict", tmp_path / "fit.json", "--at", states).exit_code == 0
 
 
+@pytest.mark.long
 def test_add_and_ladder_are_asked_like_a_fit_and_a_diagnosis_says_how_to_get_one(answer, ask, rubbing, tmp_path):
     states = tmp_path / "states.csv"
     states.write_text("time_s,pressure_MPa,displacement_mm\n0,0.25,10\n1,0.25,20\n2,0.9,24\n", encoding="utf-8")

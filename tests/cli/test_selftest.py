@@ -7,6 +7,7 @@ import pytest
 from pam_ident.validation import certified, selftest
 
 
+@pytest.mark.long
 def test_the_selftest_passes_and_answers_by_the_contract(answer):
     result, found = answer("selftest")
     assert result.exit_code == 0 and result.stdout.splitlines()[-1].startswith("selftest passed: 12 certified fits")

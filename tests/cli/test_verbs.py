@@ -96,6 +96,7 @@ def test_json_to_stdout_is_alone_there(ask, clean):
     assert [json.loads(line)["verdict"] for line in several.stdout.splitlines()] == ["adequate"] * 2
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
 def test_on_a_terminal_progress_appears_and_is_gone_at_the_end(root, rubbing, tmp_path):
     import pty
@@ -153,6 +154,7 @@ def test_help_names_an_argument_once_and_what_may_be_left_out_in_one_pair_of_bra
     assert "Default: 1." in ask("fit", "--help").output and "for fit" not in ask("batch", "--help").output
 
 
+@pytest.mark.long
 def test_verbs_that_take_a_record_share_their_options(ask, answer, rubbing):
     several = ("inspect", "fit", "compare", "diagnose", "add", "ladder", "report", "validate", "workbench", "against")
     for verb in (*several, "pack", "export"):

@@ -34,6 +34,7 @@ def test_a_name_in_brackets_and_a_row_of_a_table_are_to_be_typed():
     assert not codes("Missing: friction (pressure_friction).\n  pressure_friction:free  98 %")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", ["exponential_law", "modified_chou_hannaford"])
 def test_a_diagnosis_has_none_outside_of_brackets(record, law):
     some = ("pressure_friction", "coulomb_friction", "bladder_elasticity", "end_taper", "wall_thickness")

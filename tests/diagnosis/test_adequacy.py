@@ -124,15 +124,16 @@ def test_a_driver_that_no_effect_follows_is_uncovered(hidden_effect):
     assert following.uncovered([*left, replace(left[0], follows=())]) == ()
 
 
+@LONG
 @pytest.mark.parametrize(
     ("law", "name", "form"),
     [
         (EXPONENTIAL, "viscous_damping", "thinning"),
-        pytest.param(CHOU, "creep", "by_force", marks=LONG),
-        pytest.param(CHOU, "series_compliance", "textbook", marks=LONG),
-        pytest.param(EXPONENTIAL, "mullins_softening", "textbook", marks=LONG),
-        pytest.param(CHOU, "thermal_softening", "elastic_part", marks=LONG),
-        pytest.param(EXPONENTIAL, "force_drift", "settling", marks=LONG),
+        (CHOU, "creep", "by_force"),
+        (CHOU, "series_compliance", "textbook"),
+        (EXPONENTIAL, "mullins_softening", "textbook"),
+        (CHOU, "thermal_softening", "elastic_part"),
+        (EXPONENTIAL, "force_drift", "settling"),
     ],
 )
 def test_an_effect_that_the_catalogue_lacks_is_unknown_and_stands_alone(tmp_path, law, name, form):
@@ -145,14 +146,15 @@ def test_an_effect_that_the_catalogue_lacks_is_unknown_and_stands_alone(tmp_path
     assert known.verdict == "missing_effect" and known.selected == (name,)
 
 
+@LONG
 @pytest.mark.parametrize(
     ("name", "form"),
     [
         ("viscous_damping", "thinning"),
         ("threshold_pressure", "textbook"),
-        pytest.param("bladder_elasticity", "mooney_rivlin", marks=LONG),
-        pytest.param("series_compliance", "textbook", marks=LONG),
-        pytest.param("thermal_softening", "elastic_part", marks=LONG),
+        ("bladder_elasticity", "mooney_rivlin"),
+        ("series_compliance", "textbook"),
+        ("thermal_softening", "elastic_part"),
     ],
 )
 def test_a_form_that_the_catalogue_lacks_does_not_change_the_name(tmp_path, name, form):
@@ -163,7 +165,7 @@ def test_a_form_that_the_catalogue_lacks_does_not_change_the_name(tmp_path, name
     assert answer.selected == (name,) and answer.labels[0] not in left
 
 
-@pytest.mark.long
+@LONG
 def test_two_static_names_are_never_sure(tmp_path):
     """A fixture that yields as a contact does is threads that stretch and ends that taper, where it is left out."""
     secret = Secret("series_compliance", "contact", 4.643)
@@ -176,6 +178,7 @@ def test_two_static_names_are_never_sure(tmp_path):
     assert alone.selected == ("series_compliance",)
 
 
+@LONG
 def test_without_and_only_take_a_form(hidden_effect):
     law = Model.build(EXPONENTIAL)
     label = "pressure_friction:contact_area"
@@ -239,7 +242,7 @@ def test_noise_of_the_length_sensor_is_followed_by_nothing(tmp_path):
     assert Following.of(found).chosen == set()
 
 
-@pytest.mark.long
+@LONG
 @pytest.mark.parametrize("seed", [1, 3])
 def test_sticking_and_letting_go_is_more_than_dry_friction(seed, tmp_path):
     """No repeats: the pressure is switched within each stroke. Both were Coulomb friction alone, or refused."""
@@ -250,7 +253,7 @@ def test_sticking_and_letting_go_is_more_than_dry_friction(seed, tmp_path):
     assert (found.pattern.kind, found.pattern.coordinate) == ("periodic", "the way since a reversal")
 
 
-@pytest.mark.long
+@LONG
 @pytest.mark.parametrize(("seed", "noise", "what"), [(2, "slow", "the clock"), (1, "white", "")])
 def test_what_is_taken_for_slow_noise_is_said_to_be_that(tmp_path, seed, noise, what):
     """Else nothing is missing, and yet a fifth of the error follows the clock."""
@@ -287,7 +290,7 @@ def test_two_names_in_free_forms_of_one_driver_are_no_answer(tmp_path):
     assert found.pattern and "follows the speed" in found.pattern.text
 
 
-@pytest.mark.long
+@LONG
 def test_a_special_case_that_was_not_tried_is_not_told_apart(tmp_path):
     secrets = (Secret("stribeck_friction", "textbook", 1.0222521531470088),)
     plan = Plan(6147000075, "modified_chou_hannaford", secrets, protocol="crossed_sines", noise="ar1",
@@ -295,21 +298,21 @@ def test_a_special_case_that_was_not_tried_is_not_told_apart(tmp_path):
     assert ("coulomb_friction", "stribeck_friction") in answered(tmp_path, plan).groups
 
 
-@pytest.mark.long
+@LONG
 def test_a_damping_that_grows_with_pressure_is_no_lag(tmp_path):
     secrets = (Secret("viscous_damping", "pressure", 2.9930729731749697),)
     plan = Plan(6147000058, EXPONENTIAL, secrets, protocol="sines", sigma_N=4.0, fault="lost_rows", tier=2)
     assert answered(tmp_path, plan).selected == ("viscous_damping",)
 
 
-@pytest.mark.long
+@LONG
 def test_a_level_of_a_hold_that_is_a_little_off_is_no_jump(tmp_path):
     """Noise of the position makes six times as much of the force as the load cell's."""
     plan = Plan(1, EXPONENTIAL, protocol="one_cycle", sigma_N=0.25, gauges="noisy_length")
     assert answered(tmp_path, plan).verdict == "adequate"
 
 
-@pytest.mark.long
+@LONG
 @pytest.mark.parametrize(("step", "noise"), [(4.0, 0.4), (9.0, 0.8)])
 def test_what_rounds_is_no_unknown_effect(step, noise):
     """Rounding comes back with every stroke where the noise is far below a step: it was a force in one place."""

@@ -64,6 +64,7 @@ def test_the_sentence_says_more_and_less_in_words_and_ends_each_thought(found):
     assert thoughts[2] == "Missing in hidden_effect alone: friction that grows with pressure (pressure_friction)"
 
 
+@pytest.mark.long
 def test_what_a_table_cannot_show_is_no_difference(found):
     """B less its friction, without time: the law's parameters are the same."""
     record, best = found.b.base.record, found.b.best

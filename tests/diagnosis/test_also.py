@@ -35,6 +35,7 @@ def weighted(tmp_path_factory):
     return read_record(folder / "record.csv"), mass
 
 
+@pytest.mark.long
 def test_a_mass_is_unknown_by_itself_and_the_answer_says_what_could_be_tried(weighted):
     found = diagnose(LAW, weighted[0])
     assert found.verdict == "unknown_effect" and found.selected == ()
@@ -42,6 +43,7 @@ def test_a_mass_is_unknown_by_itself_and_the_answer_says_what_could_be_tried(wei
     assert "moving_mass" not in {one.effect for one in found.ranking}
 
 
+@pytest.mark.long
 def test_a_mass_is_named_and_found_where_it_is_asked_for(weighted):
     record, mass = weighted
     found = diagnose(LAW, record, also=("moving_mass",))
@@ -93,12 +95,13 @@ def stiff_rubber(record):
     return 60.0 * pull / np.abs(pull).max()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("added", "name", "values"),
     [
         (lonely_stroke, "first_cycle", {"F_1": 25.0}),
-        pytest.param(minor_loops, "nonlocal_hysteresis", {"r": 8.0, "q": 5.0, "W_2": 10.0}, marks=pytest.mark.long),
-        pytest.param(stiff_rubber, "ogden_bladder", {"alpha": 7.0}, marks=pytest.mark.long),
+        (minor_loops, "nonlocal_hysteresis", {"r": 8.0, "q": 5.0, "W_2": 10.0}),
+        (stiff_rubber, "ogden_bladder", {"alpha": 7.0}),
     ],
 )
 def test_what_was_added_by_hand_is_named_where_it_is_asked_for(tmp_path, added, name, values):
@@ -116,6 +119,7 @@ def test_a_ladder_climbs_to_it(weighted):
     assert rungs[-1].effects == ("moving_mass",)
 
 
+@pytest.mark.long
 def test_what_is_asked_for_leaves_another_answer_as_it_is():
     record = thinned(read_record(dataset_record("hidden_effect")), 1500)
     law = Model.build("exponential_law")

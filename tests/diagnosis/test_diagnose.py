@@ -25,24 +25,25 @@ def rig_record(folder, **plan) -> Record:
     return read_record(folder / "record.csv")
 
 
-def hidden(law, secret, *marks):
-    """A case of one hidden effect; the short ones are one of each type of effect."""
-    return pytest.param(law, secret, marks=marks, id=f"{law}-{secret.name}-{secret.form}")
+def hidden(law, secret):
+    """A case of one hidden effect."""
+    return pytest.param(law, secret, id=f"{law}-{secret.name}-{secret.form}")
 
 
+@LONG
 @pytest.mark.parametrize(
     ("law", "secret"),
     [
         hidden(EXPONENTIAL, Secret("coulomb_friction", "tanh", 1.5)),
-        hidden(EXPONENTIAL, Secret("pressure_friction", "textbook", 2.0), LONG),
-        hidden(CHOU, Secret("viscous_damping", "thinning", 3.0), LONG),
+        hidden(EXPONENTIAL, Secret("pressure_friction", "textbook", 2.0)),
+        hidden(CHOU, Secret("viscous_damping", "thinning", 3.0)),
         hidden(EXPONENTIAL, Secret("pressure_lag", "first_order", 2.0)),
-        hidden(EXPONENTIAL, Secret("pressure_lag", "two_ways", 4.0), LONG),
+        hidden(EXPONENTIAL, Secret("pressure_lag", "two_ways", 4.0)),
         hidden(EXPONENTIAL, Secret("mullins_softening", "rested", 3.0)),
-        hidden(CHOU, Secret("threshold_pressure", "stretching", 3.0), LONG),
-        hidden(EXPONENTIAL, Secret("creep", "log_time", 2.0), LONG),
-        hidden(CHOU, Secret("force_drift", "settling", 1.5), LONG),
-        hidden(CHOU, Secret("bladder_elasticity", "textbook", 1.5), LONG),
+        hidden(CHOU, Secret("threshold_pressure", "stretching", 3.0)),
+        hidden(EXPONENTIAL, Secret("creep", "log_time", 2.0)),
+        hidden(CHOU, Secret("force_drift", "settling", 1.5)),
+        hidden(CHOU, Secret("bladder_elasticity", "textbook", 1.5)),
         hidden(CHOU, Secret("series_compliance", "textbook", 2.0)),
     ],
 )
@@ -54,6 +55,7 @@ def test_one_hidden_effect_is_named_alone_and_its_error_removed(tmp_path, law, s
     assert answer.ranking[0].effect == answer.selected[0] and answer.ranking[0].probability > 0.8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "secret", [None, Secret("viscous_damping", "textbook", 3.0), Secret("mullins_softening", "rested", 3.0)]
 )
@@ -74,7 +76,7 @@ def test_a_contact_that_bends_and_weakens_with_speed_is_presliding(tmp_path):
     assert diagnose(Model.build(EXPONENTIAL), record).selected == ("presliding_hysteresis",)
 
 
-@pytest.mark.long
+@LONG
 def test_where_its_travel_is_that_of_either_it_has_two_names(tmp_path):
     record = rig_record(tmp_path, seed=61, law=CHOU)
     level = 8.0 * (1.0 + 0.6 * np.exp(-((np.abs(record.inputs.velocity) / 4.0) ** 2)))
@@ -99,6 +101,7 @@ def test_presliding_that_rests_between_isobars_is_presliding_alone(tmp_path):
     assert answer.selected == ("presliding_hysteresis",) and answer.best.rmse < 1.2
 
 
+@LONG
 def test_a_pair_is_found_as_a_pair(tmp_path):
     secrets = (Secret("coulomb_friction", "textbook", 2.0), Secret("force_drift", "textbook", 1.5))
     record = rig_record(tmp_path, seed=42, law=EXPONENTIAL, secrets=secrets)
@@ -164,27 +167,23 @@ def test_a_faint_effect_is_not_named_where_noise_is_coloured(tmp_path, noise, na
     assert answer.verdict == ("missing_effect" if named else "adequate")
 
 
+@LONG
 @pytest.mark.parametrize(
     ("unknown", "form", "kind"),
     [
         ("rub", "fold", "local"),
-        *(
-            pytest.param(*case, marks=LONG)
-            for case in (
-                ("screw_ripple", "textbook", "periodic"),  # in test_experiment.py, too
-                ("screw_ripple", "hum", "periodic"),
-                ("rub", "textbook", "local"),
-                ("rub", "leaned_on", "local"),
-                ("rub", "two_places", "other"),
-                ("mount_slip", "textbook", "step"),
-                ("mount_slip", "gauge", "step"),
-                ("wandering_sensor", "length", "trend"),
-                ("wandering_sensor", "textbook", "trend"),
-                ("wandering_sensor", "gain", "trend"),
-                ("wandering_sensor", "cell", "trend"),
-                ("wandering_sensor", "tiring", "trend"),
-            )
-        ),
+        ("screw_ripple", "textbook", "periodic"),  # in test_experiment.py, too
+        ("screw_ripple", "hum", "periodic"),
+        ("rub", "textbook", "local"),
+        ("rub", "leaned_on", "local"),
+        ("rub", "two_places", "other"),
+        ("mount_slip", "textbook", "step"),
+        ("mount_slip", "gauge", "step"),
+        ("wandering_sensor", "length", "trend"),
+        ("wandering_sensor", "textbook", "trend"),
+        ("wandering_sensor", "gain", "trend"),
+        ("wandering_sensor", "cell", "trend"),
+        ("wandering_sensor", "tiring", "trend"),
     ],
 )
 def test_what_no_known_effect_explains_is_described_not_named(tmp_path, unknown, form, kind):
@@ -227,7 +226,7 @@ def with_force(record: Record, added) -> Record:
     return replace(record, force=record.force + added)
 
 
-@pytest.mark.long
+@LONG
 @pytest.mark.parametrize(("radius", "verdict"), [(0.97, "unknown_effect"), (0.0, "adequate")])
 def test_a_swing_whose_phase_wanders_is_no_noise_and_slow_noise_of_its_size_is(tmp_path, radius, verdict):
     """A process of the second order that swings in 5.5 samples, beside one of the first."""
@@ -321,7 +320,7 @@ def test_a_softening_over_the_way_beside_friction_has_its_name(tmp_path, seed, f
     assert set(answer.selected) == {friction.name, "mullins_softening"} and answer.noise_floor < 1.5
 
 
-@pytest.mark.long
+@LONG
 def test_a_stop_hit_hard_is_no_stiffening_bladder(tmp_path):
     """A bladder follows all but 2 % of it, which is more than twice the noise."""
     record = rig_record(tmp_path, seed=63, law=EXPONENTIAL, sigma_N=4.0)
@@ -344,7 +343,8 @@ def test_a_rub_on_one_branch_is_one_pattern(tmp_path):
     assert answer.pattern.value == pytest.approx(20.0, abs=1.0)
 
 
-@pytest.mark.parametrize("effect", ["coulomb_friction", pytest.param("viscous_damping", marks=LONG)])
+@LONG
+@pytest.mark.parametrize("effect", ["coulomb_friction", "viscous_damping"])
 def test_one_speed_cannot_tell_friction_from_damping(tmp_path, effect):
     secret = Secret(effect, "textbook", 1.5)
     record = rig_record(tmp_path, seed=45, law=CHOU, secrets=(secret,), protocol="blunt")
@@ -353,7 +353,7 @@ def test_one_speed_cannot_tell_friction_from_damping(tmp_path, effect):
     assert answer.next_experiment is not None and "speed" in answer.next_experiment.vary
 
 
-@pytest.mark.long
+@LONG
 def test_what_the_law_absorbs_and_what_the_record_lacks_is_marked(tmp_path):
     record = rig_record(tmp_path, seed=43, law=EXPONENTIAL)
     status = {s.effect: s.status for s in diagnose(Model.build(EXPONENTIAL), record).ranking}
@@ -386,6 +386,7 @@ def test_what_stands_beside_a_candidate_is_what_adding_it_leaves():
         assert one.heldout_rmse_after == pytest.approx(heldout_rmse(added.model, record, added), rel=0.01)
 
 
+@pytest.mark.long
 def test_a_user_s_own_effect_is_a_candidate(tmp_path):
     plain = rig_record(tmp_path, seed=44, law=EXPONENTIAL)
     wave = 2.0 * np.pi / 5.0
@@ -418,7 +419,7 @@ def test_the_ladder_on_the_measured_map_falls_below_15_N_with_named_effects():
     assert ladder.rungs[-1].effects[0].startswith("bladder_elasticity")
 
 
-@pytest.mark.long
+@LONG
 def test_no_larger_noise_is_told_than_was_before():
     model, hidden_effect = Model.build(EXPONENTIAL), read_record(dataset_record("hidden_effect"))
     first = diagnose(model, hidden_effect, detail=False)

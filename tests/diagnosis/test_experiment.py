@@ -48,13 +48,14 @@ def rubbing(tmp_path_factory):
     return plan, record, selection, selection.refit([Term(*get_effect("coulomb_friction"))])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("law", "poor", "effect", "rivals", "lever"),
     [
         (EXPONENTIAL, ONE_SPEED, "coulomb_friction", FRICTIONS, "speed"),
         (CHOU, ONE_ISOBAR, "pressure_friction", OVER_PRESSURE, "pressure"),
-        pytest.param(EXPONENTIAL, ONE_SPEED, "viscous_damping", FRICTIONS, "speed", marks=pytest.mark.long),
-        pytest.param(CHOU, ONE_ISOBAR, "coulomb_friction", OVER_PRESSURE, "pressure", marks=pytest.mark.long),
+        (EXPONENTIAL, ONE_SPEED, "viscous_damping", FRICTIONS, "speed"),
+        (CHOU, ONE_ISOBAR, "coulomb_friction", OVER_PRESSURE, "pressure"),
     ],
 )
 def test_the_run_it_asks_for_names_the_right_one_alone(tmp_path, law, poor, effect, rivals, lever):

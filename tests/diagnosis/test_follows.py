@@ -83,6 +83,20 @@ def test_what_was_planted_has_the_largest_share(what):
     assert found[what] > 0.3 and others < 0.1 * found[what], found
 
 
+@pytest.mark.parametrize(("hold_s", "words"), [(0.0, "relaxation"), (3.0, "rest and relaxation")])
+def test_rest_is_told_only_where_something_rests(hold_s, words):
+    t = 0.1 * np.arange(800)
+    way = np.cumsum(t % 10.0 >= hold_s) * 0.2 % 40.0
+    p, e = 0.2 + 0.1 * (t > 40.0), 0.06 - 0.06 * np.cos(2.0 * np.pi * way / 20.0)
+    relaxed = np.zeros(len(t))
+    for k in range(1, len(t)):
+        relaxed[k] = relaxed[k - 1] + 0.02 * (e[k] - relaxed[k - 1])
+    force = SPECIMEN.ideal_force(p, e) + 400.0 * relaxed + np.random.default_rng(2).standard_normal(len(t))
+    record = build_record("rig", SPECIMEN, p, e, force, time=t)
+    found = what_it_follows(fit(Model.build("chou_hannaford"), record))
+    assert [one.text for one in found if one.what == "rest"] == [words]
+
+
 def test_two_causes_have_a_share_each():
     found = shares(record_with(lambda at: 0.3 * PLANTED["direction"](at) + PLANTED["clock"](at)))
     assert found["direction"] > 0.2 and found["clock"] > 0.1

@@ -27,6 +27,7 @@ def test_friction_is_named_and_not_as_sure_as_with_a_measured_way(tmp_path):
     assert 0.8 < found.ranking[0].probability < 0.9
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["viscous_damping", "pressure_lag"])
 def test_what_follows_the_rate_of_the_pressure_is_one_group(name, tmp_path):
     found = answer(tmp_path, Secret(name, "textbook", 4.0))
@@ -52,6 +53,7 @@ def test_nothing_hidden_is_nothing_named(tmp_path):
     assert answer(tmp_path).verdict == "adequate"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [31, 32, 33])
 def test_a_noisy_gauge_of_a_pressure_that_settles_is_no_relaxation(tmp_path, seed):
     plan = Plan(seed, LAW, protocol="locked_stairs", gauges="noisy_pressure")

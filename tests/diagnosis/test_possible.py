@@ -1,19 +1,22 @@
 """What nature does not allow: no name rests on it, and every answer says so."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from pam_ident.core import Param, Specimen
 from pam_ident.core.param import Range
-from pam_ident.diagnosis import climb, diagnose
-from pam_ident.diagnosis.confirmed import _as_nature_allows
+from pam_ident.diagnosis import climb, confirmed, diagnose
+from pam_ident.diagnosis.confirmed import _as_nature_allows, allowed_by_nature
 from pam_ident.diagnosis.ladder import _alive
+from pam_ident.diagnosis.selection import FittedSet
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.fitting.fit import Estimate
-from pam_ident.model import Model
+from pam_ident.laws import listed
+from pam_ident.model import Model, as_term
 from pam_ident.records import build_record
 from pam_ident.schema.diagnosis import diagnosis_json
 from pam_ident.schema.fit import parameters
@@ -21,7 +24,8 @@ from pam_ident.tasks.gate import warnings_of
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.0, 1.5)
 LAW = Model.build("chou_hannaford")
-RANGED = [p for e in catalogue().values() for form in e.forms for p in form.params if p.range is not None]
+FORMS = [form for effect in catalogue().values() for form in effect.forms]
+RANGED = [p for one in (*FORMS, *listed()) for p in one.params if p.range is not None]
 
 
 def record_with(bias):
@@ -83,6 +87,15 @@ def test_a_model_with_an_impossible_value_of_its_own_is_never_adequate():
     assert parameters(last.estimates)["force_bias.F_b"]["possible"] is False
 
 
+@pytest.mark.parametrize("law", ["exponential_law", "sarosi"])
+def test_a_peak_that_no_muscle_has_is_impossible(law):
+    e, p = (grid.ravel() for grid in np.meshgrid(np.linspace(0.08, 0.2, 121), np.linspace(0.1, 0.6, 6)))
+    bump = (30.0 + 100.0 * p) * np.exp(-800.0 * (e - 0.08))  # 1e29 N at rest length
+    force = 3000.0 * p - 9000.0 * p * e + bump + np.random.default_rng(5).standard_normal(len(e))
+    codes = {doubt.code for doubt in warnings_of(fit(Model.build(law), build_record("t", MUSCLE, p, e, force)))}
+    assert "impossible_parameter" in codes
+
+
 def test_what_an_effect_makes_is_its_force():
     one = fit(Model.build("chou_hannaford", ["force_bias"]), record_with(-30.0))
     assert one.shares == pytest.approx({"force_bias": abs(one.values["force_bias.F_b"])})
@@ -98,3 +111,37 @@ def test_an_effect_that_has_become_nothing_is_taken_out_but_not_what_was_asked_f
 
 def test_a_param_says_nothing_about_nature_unless_told():
     assert Param("a", "N", "").range is None
+
+
+def test_a_free_form_stands_for_what_is_impossible_though_a_slight_name_goes(monkeypatch):
+    """Neither the set itself is looked at again nor another with the same value."""
+    lag, free, creep, drift = map(as_term, ("pressure_lag", "pressure_lag:free_lagging", "creep", "force_drift"))
+    kappa = Estimate(
+        "pressure_lag.kappa", "1", "", 0.1, 0.01, False, True, 0.08, 0.12, range=Range(0.3, 1.7, "this test")
+    )
+    values = {"pressure_lag.kappa": 0.1}
+    first = FittedSet((lag, creep, drift), values, 10.0, 10.0)
+    alike = FittedSet((lag, creep), values, 11.0, 11.0)
+    other = FittedSet((free, creep, drift), {}, 12.0, 12.0)
+    asked = []
+
+    def possible(base, heldout, named, fitted, least):
+        asked.append(fitted)
+        kept = [t for t in named if t is not drift and t is not lag]
+        return (
+            SimpleNamespace(),
+            1.0,
+            kept,
+            {"pressure_lag": SimpleNamespace(impossible=(kappa,))} if lag in named else {},
+        )
+
+    selection = SimpleNamespace(
+        noise=SimpleNamespace(too_small=0.05, whole=1.0),
+        cache={1: first, 2: alike},
+        weight=lambda fitted, term: 1.0,
+        refit=lambda terms, start: other if free in terms else replace(other, squares=1e9),
+    )
+    monkeypatch.setattr(confirmed, "_possible", possible)
+    found, (_, _, named, ruled_out) = allowed_by_nature(SimpleNamespace(), 1.0, selection, first, lambda one: True)
+    assert found is other and named == [free, creep] and not ruled_out
+    assert asked == [first, other]

@@ -21,6 +21,7 @@ def test_odds_of_ten_are_worth_their_logarithm_as_a_probability_counts_it():
     assert plain.total([term]) - likely.total([term]) == pytest.approx(2.0 * TEMPER * math.log(10.0))
 
 
+@pytest.mark.long
 def test_odds_in_a_file_reach_the_diagnosis(tmp_path):
     file = tmp_path / "prior.toml"
     file.write_text("pressure_friction = 1e-300\n")

@@ -78,6 +78,7 @@ def test_what_the_law_nearly_follows_can_be_the_other_reading(base):
     assert any("length_offset" in group for group in groups(selection, fitted))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("gain", "told"), [(0.0, False), (15.0, True)])
 def test_a_dip_that_the_record_does_not_need_is_no_stribeck_frictions_alone(base, gain, told):
     """A friction of 20 N, with and without what it gains towards rest."""

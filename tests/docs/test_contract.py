@@ -231,10 +231,12 @@ def test_every_command_is_named(page):
             assert f"`{name} {sub}" in page, f"{name} {sub}"
 
 
+@pytest.mark.long
 def test_every_schema_has_a_table(written, documented):
     assert set(written) == set(documented) - {"A parameter", "A choice of a law"}
 
 
+@pytest.mark.long
 def test_every_written_key_is_documented_and_every_documented_key_is_written(written, documented):
     chosen = set()
     for schema, answers in written.items():

@@ -5,6 +5,8 @@ import subprocess
 import sys
 import tomllib
 
+import pytest
+
 MOST_HOPS = 12
 
 
@@ -33,6 +35,7 @@ def test_the_map_is_in_the_order_that_the_import_contract_holds(root):
     assert shown == sorted(shown) and len(shown) == len(line)
 
 
+@pytest.mark.long
 def test_a_diagnosis_takes_few_hops_and_the_page_shows_them(root):
     script = [sys.executable, str(root / "docs" / "make_map.py")]
     made = subprocess.run(script, capture_output=True, text=True, check=True)

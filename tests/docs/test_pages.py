@@ -52,6 +52,7 @@ def read(path):
     return path.read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_every_effect_and_law_has_a_page_that_tells_all_of_it(generated):
     for name, effect in effects().items():
         page = read(generated / "effects" / f"{name}.md")
@@ -69,6 +70,7 @@ def test_every_effect_and_law_has_a_page_that_tells_all_of_it(generated):
         assert law.source[1:] in page
 
 
+@pytest.mark.long
 def test_the_first_words_of_a_page_are_those_of_the_effect_s_file(generated):
     for kind, names in (("effects", effects()), ("laws", laws())):
         for name in names:
@@ -76,6 +78,7 @@ def test_the_first_words_of_a_page_are_those_of_the_effect_s_file(generated):
             assert words in read(generated / kind / f"{name}.md"), name
 
 
+@pytest.mark.long
 def test_every_command_and_option_is_in_the_reference(generated):
     page = read(generated / "commands.md")
     for name, command in get_command(app).commands.items():
@@ -87,6 +90,7 @@ def test_every_command_and_option_is_in_the_reference(generated):
             assert f"### pam-ident {name} {sub}\n" in section
 
 
+@pytest.mark.long
 def test_every_public_name_is_in_the_reference(generated, maker):
     api = maker("api_page")
     root = read(generated / "api" / "index.md")

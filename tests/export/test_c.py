@@ -50,6 +50,7 @@ def c_forces(request, tmp_path_factory, inputs) -> dict[str, np.ndarray]:
     return dict(zip([case.name for case in asked], found, strict=True))
 
 
+@pytest.mark.long
 @EACH_CASE
 def test_c_agrees_with_numpy_at_ten_thousand_samples(case, c_forces, numpy_forces, inputs):
     assert_agrees(c_forces[case.name], numpy_forces[case.name])

@@ -96,6 +96,7 @@ def test_fmpy_finds_no_fault(fmpy, unit):
     assert {name: units[name] for name in units if name != "time"} == expected
 
 
+@pytest.mark.long
 @ALL
 def test_in_co_simulation_the_force_is_that_of_python_along_a_gait(fmpy, unit, tmp_path):
     """Also after a step that is taken back."""
@@ -121,6 +122,7 @@ def test_in_co_simulation_the_force_is_that_of_python_along_a_gait(fmpy, unit, t
     assert_agrees(found, expected)
 
 
+@pytest.mark.long
 @BOTH
 def test_in_model_exchange_it_is_the_same(fmpy, unit):
     case, path = unit

@@ -130,6 +130,7 @@ def test_what_is_no_result_has_no_table():
         to_frame(3)
 
 
+@pytest.mark.long
 def test_a_table_of_a_record_imports_neither_jax_nor_matplotlib():
     code = (
         "import sys, pandas as pd\n"

@@ -28,6 +28,7 @@ def program(tmp_path, root):
     return run
 
 
+@pytest.mark.long
 def test_a_new_target_is_listed_and_written(program, tmp_path):
     assert "c, fmu, fmu3, matlab, mujoco, python, sheet or json" in program("export", "--help").stdout
     words = ("export", RECORD, "--law", "sarosi", "--to", "sheet", "--out")

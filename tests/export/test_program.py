@@ -99,6 +99,7 @@ FUNCTIONS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("word", FUNCTIONS)
 def test_an_effect_of_a_users_own_is_exported_as_it_is_written(word):
     traced, plain = FUNCTIONS[word]

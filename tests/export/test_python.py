@@ -27,6 +27,7 @@ def function_of(case):
     return defined["muscle"]
 
 
+@pytest.mark.long
 @EACH_CASE
 def test_the_python_file_agrees_with_the_model_at_ten_thousand_samples(case, numpy_forces, inputs):
     muscle, made = function_of(case), program(case.fitted)

@@ -96,6 +96,7 @@ def plain():
     return clean_record(per_move=60, per_hold=20)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("label", FORMS)
 def test_what_is_read_in_chunks_is_the_same_as_read_whole(label, plain, small):
     """The gradient of each form that a large fit takes, chunk by chunk, against the whole Jacobian's."""

@@ -48,6 +48,7 @@ def rms_mm(model, values, part: Record) -> float:
     return float(np.sqrt(np.mean(Lengths.of(model, part, values).residual ** 2)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [3, 4])
 def test_two_weights_predict_the_length_under_a_third_to_about_the_sensors_noise(seed):
     whole = record(seed)
@@ -57,6 +58,7 @@ def test_two_weights_predict_the_length_under_a_third_to_about_the_sensors_noise
         assert rms_mm(LAW, one.values, under(whole, third)) < 1.3 * SENSORS_MM
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 5])
 def test_weights_and_isobars_give_one_muscle_the_same_parameters(seed):
     weights, isobars = fit(LAW, record(seed)), fit(LAW, record(seed, "standard"))
@@ -69,6 +71,7 @@ def test_weights_and_isobars_give_one_muscle_the_same_parameters(seed):
     assert rms_mm(LAW, isobars.values, record(seed)) < SENSORS_MM
 
 
+@pytest.mark.long
 def test_records_of_one_weight_each_are_fitted_together_as_one_of_all():
     whole = fit(LAW, record(3))
     for one in fit_together(LAW, [under(record(3), k) for k in range(3)], LAW.names):
@@ -78,6 +81,7 @@ def test_records_of_one_weight_each_are_fitted_together_as_one_of_all():
             assert mine.stderr == pytest.approx(its.stderr, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_weight_and_isobars_are_fitted_together_each_by_what_answered():
     records, truth = [record(3, "standard"), under(record(3), 1)], rig(3).muscle.law
     isobars, weight = fit_together(LAW, records, LAW.names)
@@ -90,6 +94,7 @@ def test_a_weight_and_isobars_are_fitted_together_each_by_what_answered():
             assert (mine.value, mine.stderr) == pytest.approx((its.value, its.stderr), rel=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", ["exponential_law", "modified_chou_hannaford", "hildebrandt", "martens_boblan"])
 def test_one_weight_leaves_the_scale_of_a_law_open(law):
     one = fit(Model(law), under(record(3), 1))
@@ -97,6 +102,7 @@ def test_one_weight_leaves_the_scale_of_a_law_open(law):
     assert [e for e in one.estimates if not e.identified]
 
 
+@pytest.mark.long
 def test_what_wiggles_of_one_load_would_tell_is_no_second_weight():
     whole = under(record(3), 1)
     wiggles = 10.0 * np.sin(0.8 * whole.inputs.time)
@@ -104,6 +110,7 @@ def test_what_wiggles_of_one_load_would_tell_is_no_second_weight():
     assert not one.valid and len(np.unique(weights_of(one.record))) == 1
 
 
+@pytest.mark.long
 def test_a_law_that_does_not_fall_predicts_no_length_and_does_not_win():
     whole = under(record(3), 1)
     load = load_of(whole)
@@ -123,6 +130,7 @@ def test_the_length_predicted_knows_nothing_of_the_length_measured():
     np.testing.assert_array_equal(there, here)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", ["exponential_law", "modified_chou_hannaford", "sarosi"])
 def test_slopes_of_the_length_are_those_of_differences(law):
     model, whole = Model(law), record(3)
@@ -146,6 +154,7 @@ def on_a_stop(seed: int):
     return read(made, table), rests
 
 
+@pytest.mark.long
 def test_rows_on_a_stop_are_left_out_and_counted():
     whole, rests = on_a_stop(3)
     limit = at_limit(whole)

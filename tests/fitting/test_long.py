@@ -72,7 +72,7 @@ def assert_same(one, other):
     assert one.valid == other.valid
 
 
-SHORT = ("exponential_law", "polynomial", "martens_boblan")
+SHORT = ("exponential_law",)
 
 
 @pytest.mark.parametrize(
@@ -112,6 +112,7 @@ def test_of_very_many_rows_both_ways_end_at_one_minimum(many, law, monkeypatch):
                 assert a.value == pytest.approx(b.value, rel=1e-9, abs=1e-12), (name, a.name)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "effects", [("coulomb_friction",), ("viscous_damping", "force_drift"), ("thermal_softening",), ("pressure_lag",)]
 )
@@ -127,6 +128,7 @@ def test_held_parameters_keep_their_values(path):
     assert_same(one, other)
 
 
+@pytest.mark.long
 def test_an_effect_that_compares_with_the_first_isobar_knows_it_in_every_chunk(path):
     model = Model.build("modified_chou_hannaford", ("mullins_softening:recovering",))
     ((one, other),) = both_ways(path, model, ("together",), held={"mullins_softening.n_0": 1.5}).values()
@@ -155,6 +157,7 @@ def test_a_branch_that_is_not_there_is_refused(path, tmp_path):
         fit_long(Model.build("polynomial"), on_disk, "contraction")
 
 
+@pytest.mark.long
 def test_many_turns_are_put_together_so_that_errors_stay_cluster_robust(path, monkeypatch):
     model = Model.build("exponential_law")
     ((fine, _),) = both_ways(path, model, ("together",)).values()

@@ -60,6 +60,7 @@ def test_sharing_narrows_the_errors_of_what_is_shared_and_of_what_goes_with_it()
             assert abs(together[k][name].value - value) < 4.0 * together[k][name].stderr, (k, name)
 
 
+@pytest.mark.long
 def test_intervals_of_a_shared_parameter_hold_the_truth_as_often_as_they_say():
     held = 0
     for seed in range(60):

@@ -101,6 +101,7 @@ def test_a_model_shows_as_latex_and_prints_as_text(shown):
     assert found["text/plain"].startswith("exponential_law: F = ")
 
 
+@pytest.mark.long
 def test_no_name_of_a_user_becomes_markup(shown, record, diagnosis, ladder):
     specimen = replace(record.specimen, name=HOSTILE)
     mine = replace(
@@ -126,6 +127,7 @@ def run_in_python(code: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.long
 def test_results_import_neither_matplotlib_nor_jinja_nor_ipython():
     heavy = "[name for name in ('matplotlib', 'jinja2', 'IPython') if name in sys.modules]"
     code = (
@@ -136,6 +138,7 @@ def test_results_import_neither_matplotlib_nor_jinja_nor_ipython():
     assert run_in_python(code) == "[]"
 
 
+@pytest.mark.long
 def test_what_a_result_shows_waits_for_no_jax():
     """It takes seconds to import, and only the leg needs it."""
     code = "import sys, pam_ident.notebook.pages, pam_ident.report.render\nprint('jax' in sys.modules)"

@@ -38,6 +38,7 @@ def html(kernel, shown, diagnosis):
     return found
 
 
+@pytest.mark.long
 def test_one_cell_brings_bokeh_for_all_and_again_when_it_is_run_again(kernel, shown, diagnosis):
     told = []
     for cell in ("a", "b", "a", None):
@@ -47,6 +48,7 @@ def test_one_cell_brings_bokeh_for_all_and_again_when_it_is_run_again(kernel, sh
     assert told == [[True, False], [False, False], [True, False], [False, False]]
 
 
+@pytest.mark.long
 def test_outside_of_a_kernel_and_without_bokeh_there_is_no_script(kernel, shown, diagnosis, monkeypatch):
     monkeypatch.setattr(live, "available", lambda: False)
     assert "<script" not in shown(diagnosis)["text/html"]

@@ -129,6 +129,7 @@ def test_jax_traces_many_values_at_once(law):
         np.testing.assert_allclose(answer, law.columns(p, e, MUSCLE, dict(zip(names, shape, strict=True))), rtol=1e-12)
 
 
+@pytest.mark.long
 @EACH_LAW
 def test_the_derivatives_that_jax_takes_are_those_of_finite_differences(law):
     """By pressure, contraction and every parameter; Richardson's extrapolation of central differences."""

@@ -76,6 +76,7 @@ def test_the_references_lead_by_opening_and_lag(example, plan):
     assert plan.reference[1:-1] - plan.pressure[1:-1] == pytest.approx(pair.full_open_MPa * lead, abs=1e-12)
 
 
+@pytest.mark.long
 def test_with_the_plants_own_model_ahead_the_knee_follows_to_a_twentieth_of_a_degree(example, loop, course, plan):
     pair, _ = example
     task = course.task(plan.reference)

@@ -112,6 +112,7 @@ def test_the_tibia_follows_the_published_path():
             assert moved.imag == pytest.approx(y - straight[1], abs=1.8)
 
 
+@pytest.mark.long
 def test_jax_gives_the_same_and_differentiates():
     np.testing.assert_allclose(jax.jit(KNEE.at)(jnp.asarray(RANGE)).knee[2], KNEE.at(RANGE).knee[2], rtol=0, atol=1e-13)
     slope = jax.vmap(jax.grad(lambda x: KNEE.at(x).sprocket))(jnp.asarray(RANGE))

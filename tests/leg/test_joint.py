@@ -154,6 +154,7 @@ def test_a_second_of_gait_agrees_with_lagrange_by_autodiff(other_slope, mass, lo
     assert path[-1, 1] == pytest.approx(other.y[1, -1], abs=1e-5)
 
 
+@pytest.mark.long
 def test_energy_is_kept_without_damping_while_the_hip_rests():
     free = replace(LEG, damping_N_m_s=0.0, stop_stiffness_N_m=0.0)
 
@@ -166,6 +167,7 @@ def test_energy_is_kept_without_damping_while_the_hip_rests():
     assert np.ptp(total) < 1e-7 * kinetic.max()
 
 
+@pytest.mark.long
 def test_damping_takes_what_it_should():
     still = replace(LEG, stop_stiffness_N_m=0.0)
 

@@ -45,6 +45,7 @@ def test_so_are_pressures_and_openings(example, both):
     assert np.max(np.abs(np.asarray(log.opening) - states[:, 6:])) < apart
 
 
+@pytest.mark.long
 def test_the_slopes_agree_with_the_plain_plant_at_any_state(example, loop, course, task):
     """To rounding: no integrator between them. Seeded states, with mass and force, inertia and flow a fifth off."""
     pair, plain = example

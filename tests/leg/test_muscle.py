@@ -75,6 +75,7 @@ def walk(muscle, record, rows):
     return np.array(found)
 
 
+@pytest.mark.long
 def test_a_fitted_model_says_along_a_record_what_its_fit_says():
     model = Model.build("exponential_law", ("coulomb_friction", "presliding_hysteresis", "creep", "viscous_damping"))
     values = dict(LAW_VALUES)

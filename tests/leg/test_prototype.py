@@ -59,6 +59,7 @@ def run(leg, torques):
     return np.array(rows), gap
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("leg", [LEG, replace(LEG, load_mass_kg=1.0, load_torque_N_m=-2.0)], ids=["bare", "loaded"])
 def test_a_stride_under_the_same_torques_agrees_with_the_reduced_joint(leg):
     """No feedback from the prototype: what differs adds up over the stride.

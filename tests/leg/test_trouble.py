@@ -124,11 +124,12 @@ def test_a_large_sprocket_asks_stroke_that_the_muscle_does_not_have(pair):
     assert told["stroke"].time_s == pytest.approx(0.005 * first)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "changes"),
     [
         ("slack", {"mean_MPa": 0.2}),
-        pytest.param("supply", {"supply": Supply(0.25e6 + ATMOSPHERE)}, marks=pytest.mark.long),
+        ("supply", {"supply": Supply(0.25e6 + ATMOSPHERE)}),
     ],
 )
 def test_a_run_of_a_leg_that_is_asked_too_much(pair, task, kind, changes):
@@ -141,6 +142,7 @@ def test_a_run_of_a_leg_that_is_asked_too_much(pair, task, kind, changes):
     assert told[kind].time_s == pytest.approx(0.005 * first) and told[kind].share == pytest.approx(where.mean())
 
 
+@pytest.mark.long
 def test_gains_without_damping_make_the_loop_unstable(loop, course):
     """It swings from stop to stop; the first sample beyond 30° is told, and what to do."""
     pair = loop.pair

@@ -45,6 +45,7 @@ def test_the_plants_are_the_leg_and_three_things_a_fifth_off_each_way():
     )
 
 
+@pytest.mark.long
 def test_tuning_by_hand_stops_where_the_next_doubling_is_no_better(loop, task, by_hand):
     """Each gain is a first guess doubled; at the turn it was left, one more doubling, the later gains still at their
     first guess, is no better, and one fewer was worse."""
@@ -64,11 +65,13 @@ def test_tuning_by_hand_stops_where_the_next_doubling_is_no_better(loop, task, b
     assert found[-1, 0] == pytest.approx(by_hand.rms_deg, rel=1e-9)
 
 
+@pytest.mark.long
 def test_automatic_tuning_is_no_worse_on_its_worst_plant(by_hand, automatic):
     assert automatic.worst_deg <= by_hand.worst_deg
     assert automatic.rms_deg <= automatic.worst_deg
 
 
+@pytest.mark.long
 def test_nor_is_it_where_what_is_known_is_best(loop, task, automatic, monkeypatch):
     """Of a single generation of random trials, hardly one is better than the gains of six."""
     monkeypatch.setattr(tuning, "GENERATIONS", 1)
@@ -76,6 +79,7 @@ def test_nor_is_it_where_what_is_known_is_best(loop, task, automatic, monkeypatc
     assert again.worst_deg <= automatic.worst_deg
 
 
+@pytest.mark.long
 def test_its_gains_beat_a_crude_grid(loop, task, automatic):
     axes = [np.geomspace(low, high, 4) for low, high in zip(LOWEST, HIGHEST, strict=True)]
     grid = np.stack([a.ravel() for a in np.meshgrid(*axes)], axis=1)

@@ -63,6 +63,7 @@ def intervals(record, effect, how, by):
     return {e.name: (e.low, e.high) for e in one.estimates if e.name != "mu"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", ["bootstrap", "profile"])
 def test_intervals_are_the_same_by_any_executor(record, effect, address, how):
     alone = intervals(record, effect, how, Executor())

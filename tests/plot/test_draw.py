@@ -15,6 +15,7 @@ def test_the_same_figure_gives_the_same_file(diagnosis):
     assert plot.to_svg(plot.candidates.draw(diagnosis)) == plot.to_svg(plot.candidates.draw(diagnosis))
 
 
+@pytest.mark.long
 def test_tables_and_odd_texts_can_be_drawn(table, diagnosis):
     one = fit(Model.build("modified_chou_hannaford"), table)
     plot.to_svg(plot.measured_against_model.draw(one))

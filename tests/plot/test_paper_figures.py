@@ -95,15 +95,13 @@ def test_one_isobar_has_no_line(record):
     to_svg(coefficients.draw(type(table)(table.rows[:1], {}, {})))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("law", "effects", "branch", "names"),
     [
         ("exponential_law", (), "separate", {"measured_against_model_contraction", "measured_against_model_extension"}),
-        pytest.param(
-            *("modified_chou_hannaford", ("coulomb_friction",), "together", {"measured_against_model"}),
-            marks=pytest.mark.long,
-        ),
-        pytest.param("sarosi", (), "extension", {"measured_against_model"}, marks=pytest.mark.long),
+        ("modified_chou_hannaford", ("coulomb_friction",), "together", {"measured_against_model"}),
+        ("sarosi", (), "extension", {"measured_against_model"}),
     ],
 )
 def test_all_figures_of_a_fit_say_their_units_and_do_not_overlap(record, law, effects, branch, names):

@@ -9,6 +9,7 @@ from pam_ident.core import Specimen
 from pam_ident.effects import get_effect
 from pam_ident.fitting.floor import repeats
 from pam_ident.records import read_record
+from pam_ident.records.inspection import inspect_record
 from pam_ident.records.motion import find_motion
 from pam_ident.records.record import build_record
 from pam_ident.rig import Plan, make_record, write_case
@@ -36,6 +37,17 @@ def test_a_locked_muscle_s_branch_is_the_way_of_its_pressure(name, tmp_path):
         force = record.specimen.ideal_force(record.inputs.pressure[rows], length)
         assert np.ptp(record.inputs.way_mm[rows]) == pytest.approx(1.5e-3 * np.ptp(force), rel=0.1)
         assert np.corrcoef(force, record.inputs.way_mm[rows])[0, 1] > 0.999
+
+
+def test_a_valve_that_leaks_between_its_steps_makes_no_cycles():
+    stair = np.linspace(0.05, 0.6, 12)
+    steps = [np.r_[np.linspace(p - 0.05, p, 6)[1:], np.linspace(p, p - 0.01, 20)] for p in stair]
+    p = np.tile(np.concatenate([*steps, *(one[::-1] for one in steps[::-1])]), 4)
+    e = np.repeat([0.0, 0.05], len(p) // 2)
+    muscle = Specimen("m", 200.0, 10.0, 25.0)
+    record = build_record("t", muscle, p, e, muscle.ideal_force(p, e), time=0.1 * np.arange(len(p)))
+    assert record.kind == "isometric" and record.inputs.cycle.max() > 20.0
+    assert inspect_record(record).cycles == 2
 
 
 @pytest.mark.parametrize("name", ["locked_ramps", "locked_stairs", "waves", "switched", "crossed_sines"])

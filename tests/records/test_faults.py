@@ -44,6 +44,7 @@ def test_all_of_them(capsys):
     assert faults.main(seed=20261127) == 0, capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_the_judges_see_what_is_wrong(tmp_path, monkeypatch, capsys):
     """With forces off by a hundredth each class has failures."""
     real = faults.read_record

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pam_ident.records.guess import guess_columns, units_of
+from pam_ident.records.guess import guess_columns, told_by, units_of
 
 N = 400
 TIME = np.arange(N) * 0.05
@@ -48,6 +48,13 @@ def test_units_that_are_stated_are_taken_and_others_told_by_size():
     assert told(["pressure", "contraction", "force"], PRESSURE, CONTRACTION, FORCE)[1] == ("contraction", "pct")
     assert told(["T_soll", "temperature"], np.full(N, 3.0), np.full(N, 295.0))[1] == ("temperature", "K")
     assert "bar_abs" in units_of("pressure") and units_of("cycle") == ()
+
+
+def test_an_extension_counts_the_other_way():
+    headers = ["Time", "Pressure", "Extension [mm]", "Load"]
+    found = guess_columns(headers, [TIME, PRESSURE, -CONTRACTION, FORCE])
+    assert told_by(headers, 2, found[2]) == 'displacement_mm = {column = "Extension [mm]", factor = -1}'
+    assert [one.factor for one in found] == [1, 1, -1, 1]
 
 
 def test_a_column_that_holds_no_numbers_or_never_changes_is_nothing():

@@ -52,7 +52,7 @@ def read_damaged(count, folder):
         print(kind, count - refused, refused)
 
 
-@pytest.mark.parametrize("count", [200, pytest.param(2000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [100, pytest.param(2000, marks=pytest.mark.long)])
 def test_a_damaged_file_is_read_or_refused_and_the_program_lives(tmp_path, count):
     here = str(Path(__file__).parent)
     words = f"import sys; sys.path.insert(0, {here!r}); from test_mat_damage import read_damaged as read"

@@ -42,6 +42,7 @@ def some():
     return np.r_[rows, rows[:1] + 1], rng.choice([-1.0, 1.0], 9) * rng.uniform(50.0, 500.0, 9)
 
 
+@pytest.mark.long
 def test_spikes_are_left_out_and_change_no_answer(clean, some, tmp_path):
     table = spoilt(*some)
     record = record_from_frame(table, clean.record.specimen)

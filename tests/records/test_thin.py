@@ -1,6 +1,7 @@
 """A long record read thinly keeps its reversals, pressures and cycles."""
 
 import numpy as np
+import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.records import build_record, thinned
@@ -36,6 +37,7 @@ def test_dense_strokes_keep_their_ends_and_an_even_spacing():
     np.testing.assert_array_equal(np.sort(thin.inputs.time), thin.inputs.time)
 
 
+@pytest.mark.long
 def test_what_counts_from_the_start_of_the_test_still_does():
     """Drift and warming are counted from the first sample, and the softening is largest in the first cycles."""
     record = loops(400, 60)
@@ -45,6 +47,7 @@ def test_what_counts_from_the_start_of_the_test_still_does():
     np.testing.assert_array_equal(np.unique(thin.stroke[thin.inputs.segment == 0]), np.unique(record.stroke[first]))
 
 
+@pytest.mark.long
 def test_of_many_cycles_whole_ones_are_kept_at_every_pressure():
     record = loops(400, 60)
     thin = thinned(record, 6000)

@@ -35,6 +35,7 @@ def quick(story, monkeypatch):
     return Read("modified_chou_hannaford")
 
 
+@pytest.mark.long
 def test_markdown_holds_the_same_parts_in_the_same_order(story):
     text, figures = render_markdown(story, "here")
     page = render(story)
@@ -48,13 +49,14 @@ def test_markdown_holds_the_same_parts_in_the_same_order(story):
     assert f"    {PROVENANCE['command']}" in text and "| date (UTC) | 2026-01-02 |" in text
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "kind", "start"),
     [
         ("a", None, "<!DOCTYPE"),
-        pytest.param("a.txt", "md", "# made up", marks=pytest.mark.long),
-        pytest.param("a.html", None, "<!DOCTYPE", marks=pytest.mark.long),
-        pytest.param("a.MD", None, "# made up", marks=pytest.mark.long),
+        ("a.txt", "md", "# made up"),
+        ("a.html", None, "<!DOCTYPE"),
+        ("a.MD", None, "# made up"),
     ],
 )
 def test_the_name_or_the_wish_gives_the_format(quick, tmp_path, name, kind, start):

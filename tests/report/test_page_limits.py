@@ -46,6 +46,7 @@ def test_three_records_of_six_rungs_stay_below_three_megabytes(long):
     assert len(page.encode()) < 3_000_000
 
 
+@pytest.mark.long
 def test_the_page_forbids_itself_all_but_its_own_style_and_two_scripts(long):
     page = render(Story("x", (replace(long, ladder=None),)))
     bokeh, _, script = re.findall("<script[^>]*>(.*?)</script>", page, re.DOTALL)
@@ -66,6 +67,7 @@ def _policy(page):
     return page.partition('http-equiv="Content-Security-Policy" content="')[2].partition('"')[0].split("; ")
 
 
+@pytest.mark.long
 def test_without_bokeh_or_where_nobody_wants_it_there_is_no_script(long, monkeypatch):
     story = Story("x", (replace(long, ladder=None),))
     page = render(story, live=False)

@@ -281,6 +281,7 @@ def test_tables_and_figures_can_be_read_aloud(parsed):
     assert all(a["role"] == "img" and a["aria-label"] for a in svgs)
 
 
+@pytest.mark.long
 def test_hostile_names_stay_text(section, diagnosis):
     bad = "<script>alert(1)</script>"
     candidate = replace(diagnosis.ranking[0], label=bad, why=bad)
@@ -312,6 +313,7 @@ def test_size_and_several_records(section, text):
     assert page.heads.count(1) == 1
 
 
+@pytest.mark.long
 def test_adequate_record_needs_no_second_model(section, diagnosis):
     plain = Section(
         section.record,

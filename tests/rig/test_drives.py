@@ -102,6 +102,7 @@ def test_nothing_is_hidden_where_the_test_cannot_show_it(kind):
     assert {s.name for s in secrets} > set(VISIBLE["exponential_law"]) - HIDES[kind]
 
 
+@pytest.mark.long
 def test_a_set_of_all_protocols_holds_every_kind(tmp_path):
     truth = make_challenge(tmp_path, 40, 3, protocols="all")
     assert {one["driven"] for one in truth} == {"isobaric", "isometric", "combined", "dynamic", "isotonic"}

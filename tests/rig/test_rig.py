@@ -203,6 +203,7 @@ def test_textbook_sizes_are_as_ordered():
         assert make_record(plan).hidden[0].left_N == pytest.approx(ratio, rel=0.011)
 
 
+@pytest.mark.long
 def test_every_unknown_can_be_drawn():
     for name, forms in UNKNOWNS.items():
         for j, form in enumerate(forms):

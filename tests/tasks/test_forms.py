@@ -21,6 +21,7 @@ def record(tmp_path_factory):
     return read_record(folder / "record.csv")
 
 
+@pytest.mark.long
 def test_what_was_named_alone_is_taken_in_the_form_that_fits(record):
     model, said = in_best_forms(record, BARE)
     assert model.labels != ["creep"] and model.effect_names == ["creep"]
@@ -30,6 +31,7 @@ def test_what_was_named_alone_is_taken_in_the_form_that_fits(record):
     assert climb_ladder(record, BARE).rungs[0].fit.model == model
 
 
+@pytest.mark.long
 def test_a_form_that_was_said_is_kept(record):
     assert in_best_forms(record, SAID) == (SAID.model, "")
     assert diagnose_record(record, SAID).base.model == SAID.model

@@ -125,6 +125,15 @@ def test_a_slip_is_grave_and_stops_naming_until_it_is_assumed(fine, slip):
     assert [d.grave for d in stopped.value.doubts] == sorted((d.grave for d in stopped.value.doubts), reverse=True)
 
 
+@pytest.mark.parametrize(("rise", "grave"), [(0.0, True), (0.2, False), (0.4, False)])
+def test_a_bladder_that_takes_more_where_it_is_shorter_is_no_absolute_pressure(rise, grave):
+    table = good(np.random.default_rng(3))
+    pressure, contraction = table[:, 1], table[:, 2] / MUSCLE.initial_length_mm
+    taken = pressure - 0.095 - rise * contraction
+    table[:, 3] += MUSCLE.ideal_force(taken, contraction) - MUSCLE.ideal_force(pressure, contraction)
+    assert ("pressure_absolute" in codes(record_of(table))) is grave
+
+
 HEADED = {
     "kelvin": (lambda t: t.assign(temperature_C=296.15), "temperature_scale"),
     "epoch milliseconds": (lambda t: t.assign(time_s=1.7e12 + 1e3 * t.time_s), "clock_scale"),
@@ -145,6 +154,15 @@ def test_what_is_under_the_wrong_header_is_told_and_stops_naming(slip):
         assert code in [doubt.code for doubt in told if doubt.grave]
     with pytest.raises(GraveDoubt, match="nothing is named"):
         diagnose_record(record, SETUP)
+
+
+@pytest.mark.parametrize(("course", "told"), [(lambda t: t, True), (lambda t: -t, True), (np.sqrt, False)])
+def test_a_temperature_that_goes_with_the_clock_is_told(course, told):
+    table = frame(good(np.random.default_rng(3)))
+    warm = 25.0 + 8.0 * course(table.time_s / table.time_s.max())
+    record = record_from_frame(table.assign(temperature_C=warm), MUSCLE)
+    found = [(doubt.code, doubt.grave) for doubt in fit_record(record, SETUP).warnings]
+    assert (("temperature_clock", False) in found) is told
 
 
 @pytest.mark.long
@@ -257,6 +275,7 @@ print(" ".join(float(x).hex() for x in numbers))
 """
 
 
+@pytest.mark.long
 def test_numbers_do_not_hang_on_the_callers_threads():
     told = []
     for threads in ("1", "2"):

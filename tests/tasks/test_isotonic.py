@@ -123,6 +123,7 @@ def test_the_static_curve_is_predicted_at_other_loads(saved, tmp_path):
     assert predict_at(saved["standard"], tmp_path / "pushed.csv").frame["displacement_mm"].isna().all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("effect", "form", "named"),
     [
@@ -180,6 +181,7 @@ def test_a_ladder_and_an_addition_are_of_the_same_force(tmp_path):
     assert added.after.rmse < 0.6 * added.before.rmse
 
 
+@pytest.mark.long
 def test_errors_of_the_length_stand_beside_those_of_the_force(tmp_path):
     hidden = (Secret("coulomb_friction", "sticking", 3.0),)
     write_case(tmp_path, make_record(Plan(11, protocol="weight_ramps", secrets=hidden)))
@@ -210,6 +212,7 @@ def test_a_load_that_was_not_held_is_no_weight(cases):
         diagnose_record(told, SETUP)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["weight_ramps", "weight_stairs"])
 def test_laws_are_compared_by_the_length_that_they_predict(cases, name):
     setup, choice = settle(read_record(cases[name]), Setup(AUTO))
@@ -249,6 +252,7 @@ def test_a_batch_keeps_the_error_of_the_length(cases, tmp_path):
     assert lifted["rmse_mm"] < NOISE_MM and held["rmse_mm"] is None
 
 
+@pytest.mark.long
 def test_the_workbench_goes_along_the_lengths_that_the_law_predicts(cases):
     record = read_record(cases["weight_ramps"])
     bench = Bench.begin(record, "ramps.csv", SETUP)
@@ -271,6 +275,7 @@ def locked_record():
     return build_record("locked", muscle, p, e, force, time=0.2 * np.arange(800))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["isometric", "isotonic"])
 def test_a_report_of_a_driven_pressure_tells_of_no_isobar(cases, tmp_path, kind):
     record = locked_record() if kind == "isometric" else read_record(cases["weight_ramps"])

@@ -80,6 +80,7 @@ def test_the_page_shows_one_file_of_each_kind(root):
     assert {path.split("/")[-2] for path in files(root)} == set(DONE) | elsewhere
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", DONE)
 def test_one_new_file_is_all_it_takes(root, tmp_path, kind):
     shutil.copytree(root / "pam_ident", tmp_path / "pam_ident", ignore=shutil.ignore_patterns("__pycache__"))

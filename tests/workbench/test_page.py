@@ -114,6 +114,7 @@ def test_the_error_of_a_step_on_5000_rows_takes_a_second_of_a_processor_and_wait
     assert shown.fit.rmse != before.fit.rmse and shown.diagnosis is None
 
 
+@pytest.mark.long
 def test_a_pinned_model_is_compared_and_what_was_done_outlives_the_page(page):
     click(page, "Pin this model")
     page.side.law.value = "sarosi"
@@ -123,6 +124,7 @@ def test_a_pinned_model_is_compared_and_what_was_done_outlives_the_page(page):
     assert again.bench is page.bench and again.side.law.value == "sarosi" and again.work is None
 
 
+@pytest.mark.long
 def test_what_is_drawn_is_the_record_also_without_a_clock(page):
     drawn = page.view.points.data
     assert list(drawn["error"]) == list(page.bench.fit.residual) and set(drawn["branch"]) == {
@@ -177,6 +179,7 @@ def test_another_law_and_another_effect_by_name(page):
     assert page.bench.fit.model.free_geometry and page.bench.fit.model.labels == []
 
 
+@pytest.mark.long
 def test_files_that_are_dropped_take_the_place_of_the_record(page, folder):
     names = ["other.csv", "specimen.toml"]
     contents = [(folder / "record.csv").read_bytes(), (folder / "specimen.toml").read_bytes()]
@@ -205,6 +208,7 @@ def foreign(folder):
     return ("\n".join(made) + "\n").encode()
 
 
+@pytest.mark.long
 def test_a_file_of_unknown_headings_without_a_specimen_is_opened_by_what_is_said_of_it(folder, tmp_path):
     page = Workbench()
     page.side.drop.param.update(filename=["run.csv"], value=[foreign(folder)])
@@ -265,6 +269,7 @@ def test_nothing_is_told_of_a_record_before_there_is_one(page):
     assert page.right.visible and "<h2>What the error follows</h2>" in page.follows.object
 
 
+@pytest.mark.long
 def test_examples_are_records():
     page = Workbench()
     assert {"hidden_effect", "dmsp20_300"} <= set(page.side.example.options.values())
