@@ -143,22 +143,30 @@ def _confirmed(
         found = _onto(base, terms, fitted)
         return heldout_rmse(found.model, base.record, found), found, terms
 
+    if not table:
+        named = _large_enough(base, named, fitted, least)
+    after, best, named = attempt(named)
+    while named and table and not after < heldout:
+        attempts = [attempt([t for t in named if t is not gone]) for gone in named]
+        after, best, named = min(attempts, key=itemgetter(0))
+    return best, after, named
+
+
+def _large_enough(base: Fit, named: list[Term], fitted: FittedSet, least: float) -> list[Term]:
+    """The names that are left once every one has gone of which less than `least` (N²) of the mean square error comes,
+    by quick fits."""
     record = thinned(base.record, ROWS)
 
     def left(terms: list[Term]) -> float:
         return fit_quickly(base.model.adding(*terms), record, base.values | _start(fitted, terms))[1] ** 2
 
     whole = left(named)
-    while named and not table:
+    while named:
         error, gone = min(((left([t for t in named if t is not one]), one) for one in named), key=itemgetter(0))
         if error - whole >= least:
             break
         whole, named = error, [t for t in named if t is not gone]
-    after, best, named = attempt(named)
-    while named and table and not after < heldout:
-        attempts = [attempt([t for t in named if t is not gone]) for gone in named]
-        after, best, named = min(attempts, key=itemgetter(0))
-    return best, after, named
+    return named
 
 
 def _onto(base: Fit, terms: list[Term], fitted: FittedSet) -> Fit:

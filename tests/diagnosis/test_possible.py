@@ -128,12 +128,8 @@ def test_a_free_form_stands_for_what_is_impossible_though_a_slight_name_goes(mon
     def possible(base, heldout, named, fitted, least):
         asked.append(fitted)
         kept = [t for t in named if t is not drift and t is not lag]
-        return (
-            SimpleNamespace(),
-            1.0,
-            kept,
-            {"pressure_lag": SimpleNamespace(impossible=(kappa,))} if lag in named else {},
-        )
+        ruled_out = {"pressure_lag": SimpleNamespace(impossible=(kappa,))} if lag in named else {}
+        return SimpleNamespace(), 1.0, kept, ruled_out
 
     selection = SimpleNamespace(
         noise=SimpleNamespace(too_small=0.05, whole=1.0),
