@@ -42,19 +42,16 @@ RULES: dict[str, Rule] = {
     "noise does not come back": ("adequacy", "comes_back", lambda record, residual, rows: 0.0),
     "what comes back is no noise": ("noise", "without_repeats", lambda record, residual, rows: residual),
     "1/f noise": ("noise", "likelier_colour", lambda *_: (0.0, 1.0)),
-    "a pattern outlives heavy tails": ("select", "_outlives_tails", lambda selection, found, fitted: True),
     "forms are exchanged": ("select", "_in_other_forms", lambda selection, fitted, fewer: []),
     "noise is foretold by its colour alone": ("remainder", "_foretold", lambda selection, fitted: None),
     "noise does not jump": ("remainder", "_jumps", lambda selection, fitted: None),
     "noise has no bursts": ("remainder", "_bursts", lambda selection, fitted: None),
-    "noise does not know the speed": ("remainder", "_slow", lambda selection, fitted: None),
     "noise does not grow at the turns": ("remainder", "_at_turns", lambda selection, fitted: None),
     "values are held in nature's range": ("confirmed", "_as_nature_allows", lambda best, wrong: best),
     "values against nature go": ("confirmed", "_beyond_nature", lambda best, fitted: []),
     "a form's own name": ("confounding", "_same_form", lambda selection, term: []),
-    "groups by what was fitted": ("confounding", "_fitted", lambda selection, fitted, effect: []),
     "groups at one speed": ("confounding", "_same_at_one_speed", lambda selection, rest, effect: []),
-    "names by their form alone": ("diagnose", "by_form_alone", lambda *_: {}),
+    "names by their form alone": ("outcome", "by_form_alone", lambda *_: {}),
 }
 """Where a rule lives in pam_ident.diagnosis, and what stands there without it."""
 Case = tuple[Path, str]

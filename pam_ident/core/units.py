@@ -6,7 +6,8 @@ from .errors import DataError
 
 _FACTORS = {
     "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
-    "pressure": {"MPa": 1.0, "kPa": 1e-3, "Pa": 1e-6, "bar": 0.1, "mbar": 1e-4, "psi": 6.894757293168361e-3},
+    "pressure": {"MPa": 1.0, "kPa": 1e-3, "Pa": 1e-6, "bar": 0.1, "mbar": 1e-4, "hPa": 1e-4, "atm": 0.101325}
+    | {"psi": 6.894757293168361e-3},
     "length": {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4},
     "force": {"N": 1.0, "kN": 1000.0, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665, "kg": 9.80665},
     "temperature": {"C": 1.0, "degC": 1.0, "K": 1.0, "degF": 5.0 / 9.0},
@@ -21,6 +22,8 @@ TO_INTERNAL = {
 
 ATMOSPHERE_MPA = 0.101325
 """What is taken off an absolute pressure."""
+LONGEST_UNIT = 8
+"""Letters of a unit, at most: what is longer in brackets is a word."""
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)\s*[\])]\s*$")
 _AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge|rel|relative)\)?\.?$", re.IGNORECASE)
 """A unit of pressure with what it counts from: `bara`, `bar abs`, `bar(g)`, `kPa_gauge`."""
@@ -57,6 +60,13 @@ def _parted(text: str, loose: bool) -> tuple[str, str | None]:
         if name and is_unit(last) and not other:
             return name, last
     return text, None
+
+
+def strange_unit(header: str) -> str | None:
+    """What a header has in brackets that looks like a unit, `P (V)`, and is none that is known."""
+    found = _BRACKETS.match(header.strip())
+    unit = found["unit"].replace("°F", "degF").replace("°", "") if found else ""
+    return unit if unit and len(unit) <= LONGEST_UNIT and " " not in unit and not is_unit(unit) else None
 
 
 def is_unit(text: str) -> bool:

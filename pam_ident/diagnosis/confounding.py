@@ -10,8 +10,8 @@ from ..effects.base import Values
 from ..model import Term
 from .follows import one_speed
 from .search import CLOSE
-from .select import BENT, NEAR, best_forms
-from .selection import FittedSet, Selection
+from .select import best_forms
+from .selection import FORM_TOLERANCE, FittedSet, Selection
 
 Array = np.ndarray
 
@@ -25,7 +25,6 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
         rest = selection.refit(fitted.without(term), fitted.values)
         twins = [*_same_form(selection, term), *_general(selection, fitted, term)]
         twins += [n for n in _close(selection, fitted, rest, term.effect) if n not in twins]
-        twins += [n for n in _fitted(selection, fitted, term.effect) if n not in twins]
         if selection.record.inputs.locked:
             twins += [n for n in _same_when_locked(selection, term.effect) if n not in twins]
         if one_speed(selection.record):
@@ -75,7 +74,7 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
         for choice in best_forms(data, selection.penalty, range(len(data.regressors)))
     ]
     mine = min([fitted.criterion - rest.criterion, *(c.criterion for name, c in choices if name == effect.name)])
-    near, bent = _near(selection, effect), NEAR + BENT * selection.excess
+    near, bent = _near(selection, effect), CLOSE + FORM_TOLERANCE * selection.excess
     best: dict[str, float] = {}
     for name, choice in choices:
         if name != effect.name and choice.criterion < mine + bent + near[name]:
@@ -95,17 +94,6 @@ def _near(selection: Selection, effect: Effect) -> dict[str, float]:
         return bool(first) and (other.follows[:1] == first or likelier)
 
     return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in selection.weighed}
-
-
-def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:
-    """Effects that cost nearly as little in the place of `effect` in a set that was fitted, in whatever form."""
-    rest = fitted.names - {effect.name}
-    rivals = [v for v in selection.cache.values() if rest < v.names and len(v.names) == len(fitted.names)]
-    near, least = _near(selection, effect), fitted.criterion
-    pairs = [(v.criterion, name) for v in rivals for name in v.names - rest]
-    names = dict.fromkeys(name for criterion, name in sorted(pairs) if criterion < least + near.get(name, 0.0))
-    others = [e.name for e in _others(selection, fitted, effect)]
-    return [name for name in names if name in others and name != effect.name]
 
 
 def _same_when_locked(selection: Selection, effect: Effect) -> list[str]:

@@ -140,7 +140,7 @@ def diagnosing(
         outcome.selected,
         tuple(t.label for t in named),
         outcome.classes,
-        ranked(base, selection, candidates, named, chance, errors=False),
+        ranked(base, selection, candidates, named, chance, (best.rmse, after), errors=False),
         outcome.floor,
         heldout,
         after,
@@ -161,7 +161,7 @@ def diagnosing(
         experiment = next_experiment(selection, fitted, outcome.classes)
     if experiment and experiment.protocol and record.drives_pressure:
         experiment = replace(experiment, text=experiment.text + ANOTHER_RIG)
-    ranking = ranked(base, selection, candidates, named, chance)
+    ranking = ranked(base, selection, candidates, named, chance, (best.rmse, after))
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from ..effects import Effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
-from ..records import Record, thinned
-from .follows import ROWS
+from ..records import Record
+from .follows import looked_at
 from .heldout import fit_quickly, heldout_nearby, heldout_rmse
 from .nouns import Candidate
 from .select import EXACT
@@ -25,16 +25,18 @@ def ranked(
     candidates: list[Effect],
     named: list[Term],
     chance: Mapping[str, float],
+    after: tuple[float, float],
     errors: bool = True,
 ) -> tuple[Candidate, ...]:
     """Every candidate with the error that adding it alone leaves, on all rows and held out, by a fit of its own; None
     without `errors`, and where that fit ended above the law's own.
 
-    It has the form that was selected, else the one that the search prefers. Of a long record ROWS rows are fitted.
+    It has the form that was selected, else the one that the search prefers. Of a long record fewer rows are fitted; a
+    name that is all of the answer has the answer's errors, those `after` it in N.
     """
     best = selection.seen.best_of_each(selection.penalty)
     terms = {term.effect.name: term for term in named}
-    record = thinned(base.record, ROWS)
+    record = looked_at(base.record)
     most = ENDED_BADLY * fit_quickly(base.model, record, base.values)[1] if errors else 0.0
     found = []
     for effect in candidates:
@@ -47,8 +49,9 @@ def ranked(
         one = Candidate(effect.name, term.label, "candidate", chance.get(effect.name, 0.0))
         if errors:
             near = {f"{effect.name}.{k}": v for k, v in regressor.point.items()} if term == regressor.term else {}
-            inside, outside = _alone(base.model.adding(term), record, base.values | near)
-            if inside <= most:
+            whole = [t.label for t in named] == [term.label]
+            inside, outside = after if whole else _alone(base.model.adding(term), record, base.values | near)
+            if whole or inside <= most:
                 one = replace(one, rmse_after=inside, heldout_rmse_after=None if math.isnan(outside) else outside)
         found.append(one)
     found.sort(key=lambda s: (s.status != "candidate", -s.probability, s.effect not in terms, s.rmse_after or math.inf))
