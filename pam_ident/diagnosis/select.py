@@ -186,7 +186,8 @@ def _fitted_leaders(selection: Selection) -> list[FittedSet]:
     for choice in _leaders(selection, beam_search(selection.data, selection.penalty, MOST)):
         second = sorted(v.criterion for v in [selection.empty, *pool])[:2][-1]
         pool.append(selection.refit_choice(selection.data, choice, selection.empty, second))
-    if len(selection.record) <= EXACT:
+    static = selection.record.inputs.time is None or selection.record.carried
+    if static and len(selection.record) <= EXACT:
         pool += _pairs(selection)
     return sorted([selection.empty, *pool], key=lambda v: v.criterion)
 
@@ -204,16 +205,20 @@ def _refined(selection: Selection, leaders: Sequence[FittedSet]) -> FittedSet:
 
 
 def _pairs(selection: Selection) -> list[FittedSet]:
-    """The best single effect in each of its forms, with every other in each of its own, all fitted exactly.
+    """The best single effect in each of its forms, with every other in each of its own, all fitted exactly but those
+    that are given up.
 
     A law without free parameters leaves so much that signatures at its own values say little of pairs.
     """
     singles = [Term(effect, form) for effect in selection.candidates for form in effect.forms]
     best = min(singles, key=lambda t: selection.refit([t]).criterion).effect if singles else None
-    first = [t for t in singles if t.effect is best]
-    return [
-        selection.refit([a, b], selection.refit([a]).values) for a in first for b in singles if b.effect is not best
-    ]
+    found: list[FittedSet] = []
+    for a in (t for t in singles if t.effect is best):
+        alone = selection.refit([a])
+        for b in (t for t in singles if t.effect is not best):
+            least = min([alone.criterion, *(v.criterion for v in found)])
+            found.append(selection.refit([a, b], alone.values, best=least))
+    return found
 
 
 def _leaders(selection: Selection, choices: Sequence[Choice]) -> list[Choice]:
