@@ -6,8 +6,15 @@ from .errors import DataError
 
 _FACTORS = {
     "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
-    "pressure": {"MPa": 1.0, "kPa": 1e-3, "Pa": 1e-6, "bar": 0.1, "mbar": 1e-4, "hPa": 1e-4, "atm": 0.101325}
-    | {"psi": 6.894757293168361e-3},
+    "pressure": {
+        "MPa": 1.0,
+        "kPa": 1e-3,
+        "Pa": 1e-6,
+        "bar": 0.1,
+        "mbar": 1e-4,
+        "hPa": 1e-4,
+        "psi": 6.894757293168361e-3,
+    },
     "length": {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4},
     "force": {"N": 1.0, "kN": 1000.0, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665, "kg": 9.80665},
     "temperature": {"C": 1.0, "degC": 1.0, "K": 1.0, "degF": 5.0 / 9.0},

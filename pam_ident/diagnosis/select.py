@@ -126,7 +126,7 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
     weighed = [(*full_criterion(selection, found), found) for selection, found in noises or fits]
     largest = selections[0][0].base.rmse
     possible = [item for item in weighed if item[1].whole <= largest or not item[2].terms]
-    return sorted(possible, key=lambda item: item[0])
+    return sorted(possible or weighed, key=lambda item: item[0])
 
 
 def _told_from_noise(
