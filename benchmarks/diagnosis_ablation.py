@@ -46,6 +46,7 @@ RULES: dict[str, Rule] = {
     "noise is foretold by its colour alone": ("remainder", "_foretold", lambda selection, fitted: None),
     "noise does not jump": ("remainder", "_jumps", lambda selection, fitted: None),
     "noise has no bursts": ("remainder", "_bursts", lambda selection, fitted: None),
+    "noise does not know the speed": ("remainder", "_slow", lambda selection, fitted: None),
     "noise does not grow at the turns": ("remainder", "_at_turns", lambda selection, fitted: None),
     "values are held in nature's range": ("confirmed", "_as_nature_allows", lambda best, wrong: best),
     "values against nature go": ("confirmed", "_beyond_nature", lambda best, fitted: []),

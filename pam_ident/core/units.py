@@ -29,8 +29,9 @@ TO_INTERNAL = {
 
 ATMOSPHERE_MPA = 0.101325
 """What is taken off an absolute pressure."""
-LONGEST_UNIT = 8
-"""Letters of a unit, at most: what is longer in brackets is a word."""
+_STRANGE = {"v", "mv", "ma", "%fs", "raw", "counts", "digits", "atm", "torr", "mmhg", "inhg", "inh2o", "ksi", "ft"}
+_STRANGE |= {"kgf/cm2", "kgf/cm²", "n/mm2", "n/mm²", "lb", "ozf"}
+"""Units of other programs and of raw signals, of which nobody knows what they are here."""
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)\s*[\])]\s*$")
 _AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge|rel|relative)\)?\.?$", re.IGNORECASE)
 """A unit of pressure with what it counts from: `bara`, `bar abs`, `bar(g)`, `kPa_gauge`."""
@@ -70,10 +71,10 @@ def _parted(text: str, loose: bool) -> tuple[str, str | None]:
 
 
 def strange_unit(header: str) -> str | None:
-    """What a header has in brackets that looks like a unit, `P (V)`, and is none that is known."""
+    """What a header has in brackets that is a unit, `P (V)`, but none of those that are known."""
     found = _BRACKETS.match(header.strip())
-    unit = found["unit"].replace("°F", "degF").replace("°", "") if found else ""
-    return unit if unit and len(unit) <= LONGEST_UNIT and " " not in unit and not is_unit(unit) else None
+    unit = found["unit"].strip() if found else ""
+    return unit if unit.lower() in _STRANGE else None
 
 
 def is_unit(text: str) -> bool:

@@ -40,8 +40,9 @@ or falls short of it, from which it is not louder noise."""
 AT_TURNS = 3.0
 """Times the noise that most of what is left at the turns of the motion exceeds where it is none: in 82 records without
 anything hidden it was 1.5 at most."""
-MEDIAN = 2.33
-"""Standard deviation of the logarithm of a squared median of normal samples, times the root of their number."""
+FAR, MEDIAN = 5.0, 2.33
+"""Standard deviations by which chance is ruled out, and that of the logarithm of a squared median of normal samples,
+times the root of their number."""
 JUMPING = 1.8
 """How many times as large as in the middle steps of what is left may be in the mean: 1.32 at most in 107 records with
 nothing hidden."""
@@ -92,7 +93,7 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 def unlike_noise(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What a set leaves, where noise does not look like it; beside names not at the turns, where forms err most."""
-    looks = (_foretold, _jumps, _bursts, *(() if fitted.terms else (_at_turns, _followed)))
+    looks = (_foretold, _jumps, _bursts, _slow, *(() if fitted.terms else (_at_turns, _followed)))
     return next((found for look in looks if (found := look(selection, fitted))), None)
 
 
@@ -238,3 +239,27 @@ def _by_level(size: Array, level: Array) -> Array:
     for rows in (level == one for one in np.unique(level)):
         found[rows] /= max(float(np.median(np.abs(size[rows]))), 1e-9)
     return found
+
+
+def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
+    """What is larger in slow strokes than in faster ones, where the position is less sure, is no noise: that does not
+    know the speed."""
+    inputs, level = selection.record.inputs, selection.record.level
+    if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
+        return None
+    clean = inputs.moving & ~selection.noise.outlier
+    # Evened by what the noise has not, fast strokes would look calm.
+    left = _evened(selection, fitted) if selection.noise.shared else selection.view(fitted).residual
+    size = _by_level(np.abs(left)[clean], level[clean])
+    speed = np.round(np.log2(np.maximum(inputs.stroke_speed[clean], 1e-9)))
+    groups = [size[speed == one] for one in np.unique(speed)]
+    found = [(len(one), float(np.median(one)) ** 2) for one in groups if len(one) >= 2 * WINDOW]
+    alone = 1.0 + 2.0 * selection.noise.memory_samples(inputs.time)
+    for k, (n, slow) in enumerate(found[:-1]):
+        m, fast = min(found[k + 1 :], key=lambda one: one[1])
+        chance = FAR * MEDIAN * math.sqrt(alone * (1.0 / n + 1.0 / m))
+        if slow > fast * max(BURSTING, math.exp(chance)):
+            times = f"{math.sqrt(slow / fast):.2g} times as large in slow strokes as in faster ones"
+            text = f"what is left is {times}, as where a muscle sticks and slips"
+            return Pattern("other", "speed", None, "", 1.0 - fast / slow, text)
+    return None
