@@ -51,6 +51,7 @@ RULES: dict[str, Rule] = {
     "values are held in nature's range": ("confirmed", "_as_nature_allows", lambda best, wrong: best),
     "values against nature go": ("confirmed", "_beyond_nature", lambda best, fitted: []),
     "a form's own name": ("confounding", "_same_form", lambda selection, term: []),
+    "groups by what was fitted": ("confounding", "_fitted", lambda selection, fitted, effect: []),
     "groups at one speed": ("confounding", "_same_at_one_speed", lambda selection, rest, effect: []),
     "names by their form alone": ("outcome", "by_form_alone", lambda *_: {}),
 }

@@ -25,6 +25,7 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
         rest = selection.refit(fitted.without(term), fitted.values)
         twins = [*_same_form(selection, term), *_general(selection, fitted, term)]
         twins += [n for n in _close(selection, fitted, rest, term.effect) if n not in twins]
+        twins += [n for n in _fitted(selection, fitted, term.effect) if n not in twins]
         if selection.record.inputs.locked:
             twins += [n for n in _same_when_locked(selection, term.effect) if n not in twins]
         if one_speed(selection.record):
@@ -94,6 +95,17 @@ def _near(selection: Selection, effect: Effect) -> dict[str, float]:
         return bool(first) and (other.follows[:1] == first or likelier)
 
     return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in selection.weighed}
+
+
+def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:
+    """Effects that cost nearly as little in the place of `effect` in a set that was fitted, in whatever form."""
+    rest = fitted.names - {effect.name}
+    rivals = [v for v in selection.cache.values() if rest < v.names and len(v.names) == len(fitted.names)]
+    near, least = _near(selection, effect), fitted.criterion
+    pairs = [(v.criterion, name) for v in rivals for name in v.names - rest]
+    names = dict.fromkeys(name for criterion, name in sorted(pairs) if criterion < least + near.get(name, 0.0))
+    others = [e.name for e in _others(selection, fitted, effect)]
+    return [name for name in names if name in others and name != effect.name]
 
 
 def _same_when_locked(selection: Selection, effect: Effect) -> list[str]:
