@@ -204,8 +204,13 @@ class DiagnosisResult(RecordAnswer):
 
     @property
     def selected(self) -> tuple[str, ...]:
-        """What to add, largest first; nothing when the model is adequate."""
+        """Effects that are missing, largest first; nothing when the model is adequate."""
         return self.details.selected
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The same with their forms, as `pam.add` and `pam.fit` take them."""
+        return self.details.labels
 
     def against(self, other: Any) -> "AgainstResult":
         """What differs between this record, A, and another, B.

@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core import Specimen, UsageError
+from ..core import Array, Specimen, UsageError
 from ..core.nearest import unknown
 from ..records import Record, read_record, record_from_frame
 from ..records.kind import check_kind
@@ -51,6 +51,21 @@ class ShownRecord(Hinting, Record):
         """The same record, that shows itself."""
         return record if isinstance(record, cls) else cls(**{f.name: getattr(record, f.name) for f in fields(record)})
 
+    @property
+    def pressure(self) -> Array:
+        """Gauge pressure in MPa, shape (n,)."""
+        return self.inputs.pressure
+
+    @property
+    def contraction(self) -> Array:
+        """Contraction ratio, shape (n,)."""
+        return self.inputs.contraction
+
+    @property
+    def time(self) -> Array | None:
+        """Time in s, shape (n,), None of a table without."""
+        return self.inputs.time
+
     def __repr__(self) -> str:
         from ..notebook.lines import line
 
@@ -63,7 +78,9 @@ class ShownRecord(Hinting, Record):
 
         found = inspect_record(self)
         lines = [line(self), f"columns: {', '.join(self.columns.values()) or 'from memory'}", line(self.specimen)]
-        return "\n".join([*lines, *(f"- {one}" for one in found.advice)])
+        grave = {doubt.text: str(doubt) for doubt in found.doubts if doubt.grave}
+        said = [*grave, *(one for one in found.advice if one not in grave)] or ["nothing amiss"]
+        return "\n".join([*lines, *(f"- {grave.get(one, one)}" for one in said)])
 
     def to_frame(self) -> "pd.DataFrame":
         """A DataFrame (`df`), a row a sample; `pam.read(frame, specimen=record.specimen)` reads it back."""
@@ -131,6 +148,8 @@ def read(
 def _read(source: Any, specimen: Any, columns: Any, name: str) -> Record:
     if isinstance(source, Record):
         return source if specimen is None else _on(source, as_specimen(specimen))
+    if columns is not None and not isinstance(columns, str | os.PathLike):
+        raise UsageError(f"columns of a {type(columns).__name__}: expected the path of a columns.toml")
     if isinstance(source, str | os.PathLike):
         muscle = as_specimen(specimen) if specimen is not None else None
         path = Path(source) if isinstance(source, os.PathLike) else source

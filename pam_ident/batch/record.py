@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 Json = dict[str, Any]
 SCHEMA = schema("batch-record")
+GRAVE = "grave: "
+"""What a warning begins with that would stop a diagnosis."""
 
 
 class Changed(Exception):
@@ -93,7 +95,7 @@ def _fitted(one: Fit) -> Json:
         "rmse_mm": None if errors is None else errors.rmse,
         "noise_floor_N": None if in_N is None else in_N.sigma,
         "lack_of_fit": None if checks.lack is None else ("adequate" if checks.lack.adequate else "inadequate"),
-        "warnings": [f"{doubt.code}: {doubt.text}" for doubt in warnings_of(one)],
+        "warnings": [f"{GRAVE * doubt.grave}{doubt.code}: {doubt.text}" for doubt in warnings_of(one)],
         "parameters": {e.name: [e.value, e.stderr] for e in one.estimates},
     }
 

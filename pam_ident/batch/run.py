@@ -1,6 +1,6 @@
 """Many records fitted alike: resumed where it stopped, one table and one page at the end."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from .. import __version__
@@ -9,7 +9,7 @@ from ..core.files import write_whole
 from ..parallel.executor import Executor
 from ..tasks.law_choice import LawChoice, choose_for_all
 from ..tasks.setup import AUTO, Setup, load
-from .record import Changed, Store, answer
+from .record import GRAVE, Changed, Store, answer
 from .request import BatchRequest, Item, WorkList, plan
 from .table import as_csv, read_results, require_arrow, table
 
@@ -21,12 +21,13 @@ TABLE, TEXT, PAGE, KEPT = "results.parquet", "results.csv", "index.html", "recor
 @dataclass(frozen=True)
 class Batch:
     """What a batch came to: its records, how many answers were kept from an earlier run, the first error by record of
-    those that have one, and how the law was chosen where none was named."""
+    those that have one, what looks gravely wrong in others, and how the law was chosen where none was named."""
 
     folder: Path
     records: int
     kept: int
     errors: dict[str, str]
+    grave: dict[str, str] = field(default_factory=dict)
     law_choice: LawChoice | None = None
 
     @property
@@ -98,8 +99,16 @@ def run_batch(
         raise _stopped(why, finished) from error
     words = ["--branch", branch, *(["--diagnose"] if diagnose else []), "--out", str(out)]
     _conclude(asked, question, store, lost, out, setup.command("batch", str(folder), *words))
-    bad = read_results(out).dropna(subset="error").drop_duplicates("record")
-    return Batch(out, len(asked), kept, dict(zip(bad["record"], bad["error"], strict=True)), choice)
+    rows = read_results(out)
+    bad = rows.dropna(subset="error").drop_duplicates("record")
+    warned = rows.dropna(subset="warnings").drop_duplicates("record")
+    grave = {
+        record: text.removeprefix(GRAVE)
+        for record, texts in zip(warned["record"], warned["warnings"], strict=True)
+        for text in texts
+        if text.startswith(GRAVE)
+    }
+    return Batch(out, len(asked), kept, dict(zip(bad["record"], bad["error"], strict=True)), grave, choice)
 
 
 def _settled(folder: Path, out: Path, setup: Setup) -> tuple[Setup, LawChoice | None]:

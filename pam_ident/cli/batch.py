@@ -48,6 +48,8 @@ def batch(
 
 
 def _print(found: "Batch") -> None:
+    for record, doubt in list(found.grave.items())[:MOST_ERRORS]:
+        text.warn(f"{record}: fitted all the same, but {doubt}")
     bad = list(found.errors.values())
     for message in bad[:MOST_ERRORS]:
         text.warn(message)

@@ -128,8 +128,8 @@ def describe(found: "Diagnosis") -> list[str]:
         for s in shown
     ]
     lines += text.table(("candidate", "probability", "alone leaves [N]", "held out [N]"), rows)
-    if found.groups:
-        lines.append("a probability is that of the effect, or of one that this record cannot tell from it")
+    alike = ", or of one that this record cannot tell from it" if found.groups else ""
+    lines += [f"each probability is of the effect by itself{alike}"] * bool(rows)
     others = [in_words(s.effect, found.best.model.own) for s in tried if s not in shown]
     lines += [f"less likely still: {', '.join(others)}"] if others else []
     for status, words in STATUS.items():

@@ -225,7 +225,7 @@ def title(path: str, record: "Record") -> str:
         span = f"{levels[0]:g} MPa"
     else:
         span = f"{len(levels)} pressures, {levels[0]:g} to {levels[-1]:g} MPa"
-    masked = f" ({record.masked} more masked)" if record.masked else ""
+    masked = f" ({record.masked} more are marked as slack)" if record.masked else ""
     name = "" if record.name == path else f" ({record.name})"
     return f"{path}{name}: {len(record)} samples{masked}, {span}"
 

@@ -6,7 +6,15 @@ from .errors import DataError
 
 _FACTORS = {
     "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
-    "pressure": {"MPa": 1.0, "kPa": 1e-3, "Pa": 1e-6, "bar": 0.1, "mbar": 1e-4, "psi": 6.894757293168361e-3},
+    "pressure": {
+        "MPa": 1.0,
+        "kPa": 1e-3,
+        "Pa": 1e-6,
+        "bar": 0.1,
+        "mbar": 1e-4,
+        "hPa": 1e-4,
+        "psi": 6.894757293168361e-3,
+    },
     "length": {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4},
     "force": {"N": 1.0, "kN": 1000.0, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665, "kg": 9.80665},
     "temperature": {"C": 1.0, "degC": 1.0, "K": 1.0, "degF": 5.0 / 9.0},
@@ -21,6 +29,9 @@ TO_INTERNAL = {
 
 ATMOSPHERE_MPA = 0.101325
 """What is taken off an absolute pressure."""
+_STRANGE = {"v", "mv", "ma", "%fs", "raw", "counts", "digits", "atm", "torr", "mmhg", "inhg", "inh2o", "ksi", "ft"}
+_STRANGE |= {"kgf/cm2", "kgf/cm²", "n/mm2", "n/mm²", "lb", "ozf"}
+"""Units of other programs and of raw signals, of which nobody knows what they are here."""
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)\s*[\])]\s*$")
 _AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge|rel|relative)\)?\.?$", re.IGNORECASE)
 """A unit of pressure with what it counts from: `bara`, `bar abs`, `bar(g)`, `kPa_gauge`."""
@@ -57,6 +68,13 @@ def _parted(text: str, loose: bool) -> tuple[str, str | None]:
         if name and is_unit(last) and not other:
             return name, last
     return text, None
+
+
+def strange_unit(header: str) -> str | None:
+    """What a header has in brackets that is a unit, `P (V)`, but none of those that are known."""
+    found = _BRACKETS.match(header.strip())
+    unit = found["unit"].strip() if found else ""
+    return unit if unit.lower() in _STRANGE else None
 
 
 def is_unit(text: str) -> bool:

@@ -13,18 +13,17 @@ import numpy as np
 
 from ..core.digits import newtons
 from ..effects import Effect
-from .follows import EQUAL, Following
+from .follows import Following
 from .noise import Noise
 from .nouns import Pattern
 from .remainder import OF_ALL, ONE_IN_100
 from .repeats import comes_back
-from .selection import OTHER_SIZE, FittedSet, Selection
+from .search import CLOSE
+from .selection import FORM_TOLERANCE, OTHER_SIZE, FittedSet, Selection
 
-PATTERN_MARGIN = 20.0
-"""What a pattern costs more than a name."""
-INEXACT, EXACT = 0.005, 0.001
-"""Share of what is to be explained that the form of an effect may leave, because forms are never exactly right; and
-that forms may leave which follow the same, because together they can come near to much."""
+EXACT = 0.001
+"""Share of what is to be explained that forms may leave which follow the same, because together they can come near to
+much."""
 MAY_LEAVE = (0.1, 0.05, 0.02)
 """Share of what is to be explained that one, two, or three names may leave, and stand beside something unknown: the
 more names, the more they imitate. Of 15 single names that left less than a tenth one was false; three were at 0.02."""
@@ -35,7 +34,7 @@ def full_criterion(selection: Selection, fitted: FittedSet) -> tuple[float, Nois
     noise = selection.noise_left_by(fitted)
     penalty = 0.0
     for term in fitted.terms:
-        penalty += selection.penalty.alone(term) + (0.0 if term.effect.candidate else PATTERN_MARGIN)
+        penalty += selection.penalty.alone(term) + (0.0 if term.effect.candidate else CLOSE)
     return noise.deviance + penalty, noise
 
 
@@ -131,13 +130,13 @@ class Adequacy:
         if len(set(free)) < len(free):  # no form speaks for either, and together they follow anything of that driver
             return False
         odds = self.free.odds(self.selection, self.fitted)
-        if odds < EQUAL:
+        if odds < CLOSE:
             return True
         followed = [name for term in self.fitted.terms for name in term.effect.follows]
         if len(set(followed)) < len(followed):
-            return odds < EQUAL + EXACT * self.selection.excess
+            return odds < CLOSE + EXACT * self.selection.excess
         beyond, share = self.unexplained
-        return beyond < self.selection.noise.too_small or (bool(self.fitted.terms) and share < INEXACT)
+        return beyond < self.selection.noise.too_small or (bool(self.fitted.terms) and share < FORM_TOLERANCE)
 
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.

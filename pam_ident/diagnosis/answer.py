@@ -11,8 +11,8 @@ from .follows import Following
 from .probability import probabilities
 from .remainder import remainder_of
 from .search import CLOSE
-from .select import RIVAL, best_forms, in_spite_of, investigate
-from .selection import FittedSet, Selection
+from .select import best_forms, in_spite_of, investigate
+from .selection import HOPELESS, FittedSet, Selection
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def likelier_instead(answer: Selected, others: list[Effect]) -> list[str]:
         rest = aside.refit(fewer, fitted.values)
         data = selection.beyond(rest, written)
         for choice in best_forms(data, selection.penalty, range(len(data.regressors))):
-            near = choice.criterion < most + RIVAL
+            near = choice.criterion < most + HOPELESS
             if near and aside.refit_choice(data, choice, rest, most).criterion < most - CLOSE:
                 found.update(data.regressors[k].effect for k in choice.regressors)
     return sorted(found)

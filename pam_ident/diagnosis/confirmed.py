@@ -9,8 +9,7 @@ from ..core.param import Param, Range
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
 from ..model import Model, Term
-from ..records import thinned
-from .follows import ROWS
+from .follows import looked_at
 from .heldout import fit_quickly, heldout_rmse, in_best_forms
 from .nouns import Pattern
 from .search import CLOSE
@@ -155,7 +154,7 @@ def _confirmed(
 def _large_enough(base: Fit, named: list[Term], fitted: FittedSet, least: float) -> list[Term]:
     """The names that are left once every one has gone of which less than `least` (N²) of the mean square error comes,
     by quick fits."""
-    record = thinned(base.record, ROWS)
+    record = looked_at(base.record)
 
     def left(terms: list[Term]) -> float:
         return fit_quickly(base.model.adding(*terms), record, base.values | _start(fitted, terms))[1] ** 2

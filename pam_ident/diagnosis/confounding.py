@@ -10,8 +10,8 @@ from ..effects.base import Values
 from ..model import Term
 from .follows import one_speed
 from .search import CLOSE
-from .select import BENT, NEAR, best_forms
-from .selection import FittedSet, Selection
+from .select import best_forms
+from .selection import FORM_TOLERANCE, FittedSet, Selection
 
 Array = np.ndarray
 
@@ -75,7 +75,7 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
         for choice in best_forms(data, selection.penalty, range(len(data.regressors)))
     ]
     mine = min([fitted.criterion - rest.criterion, *(c.criterion for name, c in choices if name == effect.name)])
-    near, bent = _near(selection, effect), NEAR + BENT * selection.excess
+    near, bent = _near(selection, effect), CLOSE + FORM_TOLERANCE * selection.excess
     best: dict[str, float] = {}
     for name, choice in choices:
         if name != effect.name and choice.criterion < mine + bent + near[name]:

@@ -28,18 +28,16 @@ from .dictionary import slopes
 from .drivers import DRIVERS
 from .nouns import Follows
 from .repeats import comes_back, memory_of
-from .search import TEMPER, orthonormal
+from .search import CLOSE, TEMPER, orthonormal
 from .surfaces import Surfaces
 from .track import SharedNoise, TrackError
 
 Array = np.ndarray
-ROWS = 10_000
-"""Rows of a record in time that are looked at: in so many what deserves a name earns ten times its criterion."""
+ROWS = 5_000
+"""Rows of a long record that are looked at: of 58 with 5,000 to 8,000 rows one was answered wrongly by so many."""
 NO_NOISE = 3.0
 """Standard deviations by which a model leaves more of a record with steady inputs than with measured ones, from which
 what was taken off was no noise."""
-EQUAL = 20.0
-"""Twice the log odds up to which drivers could stand in each other's place."""
 SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 REST = "the rest"
@@ -70,13 +68,18 @@ def _one(speeds: Array) -> bool:
     return float(np.quantile(speeds, 0.95)) < SPEED_RATIO * float(np.quantile(speeds, 0.05))
 
 
+def looked_at(record: Record) -> Record:
+    """About ROWS rows of a record of more than twice as many, any other as it is: less would be uneven steps."""
+    return thinned(record, ROWS) if len(record) > 2 * ROWS else record
+
+
 def steadied(record: Record, model: Model, values: Mapping[str, float]) -> tuple[Record, TrackError | None]:
-    """At most ROWS rows of a record with its steady inputs, and how far the track of what is driven may be off.
+    """The rows that are looked at, with their steady inputs, and how far the track of what is driven may be off.
 
     The noise of pressure and length, which a model turns into force, would follow what is measured. But what is taken
     off is no noise where a model with `values` that fit the record then leaves more.
     """
-    fewer = thinned(record, ROWS)
+    fewer = looked_at(record)
     measured, steady = (fewer.force - model.force(one, values) for one in (fewer.inputs, fewer.steady))
     chance = 2.0 * math.sqrt(float(measured @ measured) / len(fewer)) * float(np.linalg.norm(steady - measured))
     if steady @ steady - measured @ measured > NO_NOISE * chance:
@@ -191,7 +194,7 @@ class Following:
     @property
     def _each(self) -> float:
         """What a driver costs."""
-        return EQUAL + 2.0 * math.log(max(len(self.surfaces.names), 1))
+        return CLOSE + 2.0 * math.log(max(len(self.surfaces.names), 1))
 
     def _adding(self, groups: frozenset[int]) -> Array:
         """Evidence of a set with each of all groups besides, shape (groups,)."""
@@ -266,7 +269,7 @@ class Following:
     @property
     def _least(self) -> float:
         """Loss of evidence from which drivers are not as good."""
-        return max(EQUAL, BESIDE * self.evidence(self.best))
+        return max(CLOSE, BESIDE * self.evidence(self.best))
 
     def _beside(self, name: str) -> float:
         """What is lost by a further driver beside the likeliest, in its best detail, the others in theirs."""
@@ -282,7 +285,7 @@ class Following:
         With one speed alone the speed and the direction of motion are one; and in a locked muscle, of which nobody
         measures how far its braid slides, the way since a reversal and the relaxation since.
         """
-        return self._within(EQUAL)
+        return self._within(CLOSE)
 
     @property
     def possible(self) -> frozenset[str]:
@@ -299,7 +302,7 @@ class Following:
     @cached_property
     def drivers(self) -> frozenset[str]:
         """The likely drivers, and those that could stand beside them, at odds as good."""
-        beside = {name for name in set(self.surfaces.names) - self.likely if self.best and self._beside(name) < EQUAL}
+        beside = {name for name in set(self.surfaces.names) - self.likely if self.best and self._beside(name) < CLOSE}
         return self._alike(self.likely | beside)
 
     def _alike(self, found: frozenset[str]) -> frozenset[str]:
@@ -327,7 +330,7 @@ class Following:
     def enough(self, drivers: Collection[str], without: str) -> bool:
         """Whether some drivers explain as much as the likeliest do, without a certain one."""
         loss, instead = self._instead.get(without, (0.0, self.chosen))
-        return loss < EQUAL and instead.issubset(drivers)
+        return loss < CLOSE and instead.issubset(drivers)
 
     def unknown_instead(self, effect: Effect, known: Iterable[Effect]) -> float:
         """Chance that the force follows, in place of what an effect follows first, what none of the `known` follows."""

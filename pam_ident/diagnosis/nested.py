@@ -14,7 +14,7 @@ from ..core import FitError, UsageError
 from ..core.digits import newtons
 from ..core.prose import capital
 from ..effects import named
-from ..fitting import Fit
+from ..fitting import Fit, fit
 from ..fitting.solve import solve
 from ..laws import get_law, listed
 from ..model import Model
@@ -153,14 +153,15 @@ def _square(one: Fit, record: Record, mask: Array) -> float:
 
 def beside_it(model: Model, record: Record, masks: Sequence[Array]) -> dict[str, tuple[int, float]]:
     """Number of parameters and error in N of other laws in place of a model's own, where the rows of each mask (n,)
-    are held out in turn, best first; those that cannot be fitted are left out."""
+    are held out in turn, best first, less those that cannot be fitted or that the record does not determine."""
     found = {MEAN: (2, _line_error(record, masks))}
     for law in listed():
         if law.name == model.law.name:
             continue
         other = replace(model, law=law, free_geometry=False)
         try:
-            found[law.name] = len(other.params), heldout_rmse(other, record, masks=masks)
+            if not fit(other, record).problems:
+                found[law.name] = len(other.params), heldout_rmse(other, record, masks=masks)
         except FitError:
             continue
     return dict(sorted(found.items(), key=lambda item: item[1][1]))

@@ -3,14 +3,19 @@
 import math
 from collections.abc import Collection, Sequence
 
+from ..model import Term
 from .search import TEMPER
-from .selection import Selection
+from .selection import FittedSet, Selection
 
 LAPSE, PAIR, THREE, DOUBTFUL, LOCKED = 0.006, 0.015, 0.3, 0.15, 0.12
 """Chance that the search was misled as a whole, by what it ended with: one name, two, three, names beside something
 unknown or that leave what passes for slow noise but may be more, any in a locked muscle, of which nobody measures how
 far the braid slides, or under weights, where length and pressure are one line each. Shares of such statements that were
 false, of the rig's sets and other hands': 4 of 1,157, 3 of 370, 20 of 58, 17 of 161, 10 of 100."""
+LITTLE, LITTLE_FREE, BY_FORM = 0.035, 0.13, 0.5
+"""Share of what all names explain that the unforeseen form of another may leave, and what of that another's free form
+takes up; and the chance that a name is right which does so, follows nothing likely, or is static beside another static
+one: 4 of 4 (and none of 4 with a larger share), 7 of 12 and 12 of 18 were false."""
 MISSED = 0.001
 """Chance that an effect is there of which nothing shows beside the answer: 30 of 30,807."""
 
@@ -48,3 +53,44 @@ def probabilities(
         share = sum(weight for names, weight in sets if names & alike) / total
         chance[candidate.name] = (1.0 - lapse) * share + MISSED * (1.0 - share)
     return chance
+
+
+def by_form_alone(
+    selection: Selection, fitted: FittedSet, named: list[Term], classes: Sequence[Sequence[str]], follows: str
+) -> dict[str, tuple[float, str]]:
+    """Of names, largest first, those for which only a form speaks: the chance that it does so rightly, and why it is
+    asked, in a sentence.
+
+    With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
+    and the error rather `follows` another; where it is static beside another that is, or is not told from one that
+    is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
+    temperature, of which nobody knows from where it counts; where it follows a way that the braid slides and nobody
+    measured; and where it follows the clock in more than one way.
+    """
+    found: dict[str, tuple[float, str]] = {}
+    timed = selection.record.inputs.time is not None
+    known = {effect.name for effect in selection.candidates if effect.static}
+    static = known.union(*(group for group in classes if not known.isdisjoint(group)))
+    for term in named:
+        name = term.effect.name
+        others = [t.effect for t in named if t is not term]
+        free = term.form.free and term.effect.follows[:1] != ("temperature",)  # which is measured, and like no other
+        if others and selection.part(fitted, term) < (LITTLE_FREE if free else LITTLE):
+            why = f"Without it {others[0].title}, in another form, could leave as little."
+            found[name] = BY_FORM if free else 1.0 - DOUBTFUL, why
+        elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
+            found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
+        elif timed and name in known and (alike := [e for e in others if e.name in static]):
+            found[name] = BY_FORM, f"With {alike[0].title} it could follow nearly any static error."
+        elif timed and name in known and (warm := [e for e in others if e.follows[:1] == ("temperature",)]):
+            why = f"If the law holds at another temperature than the record's first, {warm[0].title} is static in part."
+            found[name] = BY_FORM, why
+        elif timed and name in known and term.form.free:
+            why = "No written form of it fits, and its free form could follow nearly any static error."
+            found[name] = 1.0 - DOUBTFUL, why
+        elif selection.record.inputs.slid_by_pressure and term.effect.follows[:1] == ("way",):
+            why = "How far the braid slides while the pressure alone changes is not measured."
+            found[name] = 1.0 - DOUBTFUL, why
+        elif term.effect.follows == ("clock",) and len(term.form.linear) > 1:
+            found[name] = 1.0 - DOUBTFUL, "Noise that wanders as slowly as the test lasts could look the same."
+    return found

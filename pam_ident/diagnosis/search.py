@@ -24,8 +24,8 @@ NEARLY = 1e-10
 """Share of a column's square that hides what rounding does to columns that nearly depend on others."""
 TEMPER = 4.0
 """Criteria are divided by this before they become odds: forms are never exactly right, so evidence counts for less."""
-CLOSE = 18.0
-"""Criterion by which two answers may differ and not be told apart: odds of 10, tempered."""
+CLOSE = 20.0
+"""Criterion, or twice the log odds, by which two answers may differ and not be told apart: odds of 12, tempered."""
 SPECIAL = -1.0
 """What a special case costs beyond the effect that it is a case of: where it is needed, it has the nearer name."""
 

@@ -11,16 +11,15 @@ from ..effects import AddsForce, Effect
 from ..fitting import Fit
 from ..fitting.floor import SHAPES, repeats
 from ..model import Term
-from .adequacy import PATTERN_MARGIN, FreeModel, full_criterion, larger_than_noise
-from .follows import EQUAL, Following
+from .adequacy import FreeModel, full_criterion, larger_than_noise
+from .follows import Following
 from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns import patterns
 from .scan import Remainder, Scanned, scan
 from .search import CLOSE, Choice, Compressed, Penalty, beam_search, evaluate
-from .selection import FittedSet, Selection, labels
+from .selection import FORM_TOLERANCE, HOPELESS, FittedSet, Selection, labels
 from .spectrum import beats
-from .tails import deviance_saved
 
 MOST = 3
 """Names in an answer, at most."""
@@ -29,15 +28,12 @@ SURE = 500.0
 had lost by 160 at most."""
 EXPLAINED = 3.0
 """Whitened squares beyond their number, in standard deviations, up to which nothing is left."""
-RIVAL, RIVALS = 100.0, 3
-"""Criterion within which a rival of other names is refined; and how many are."""
+RIVALS = 3
+"""Rivals of other names that are refined."""
 EXACT = 500
 """Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 FORMS = 4
 """Forms of an effect that are fitted in place of another."""
-NEAR, BENT = 30.0, 0.005
-"""Criterion within which a linearised estimate is worth an exact fit, and what is added to it as a share of all that is
-to be explained, because the law bends."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
 """The share that an unknown pattern must earn: more than a known effect in an unforeseen form would leave, where it
 adds a force as if drawn by hand; as much as two names, where it is a fault of a sensor, with the law's own slopes, or
@@ -69,7 +65,7 @@ def investigate(
         return selection, fitted
     if selection.record.inputs.time is not None and not may_be_noise:
         least, _, likeliest = _compared([(selection, fitted)])[0]
-        if FreeModel.of(selection).criterion + EQUAL < least:
+        if FreeModel.of(selection).criterion + CLOSE < least:
             return selection, selection.refit(likeliest.terms, likeliest.values)
     selections = [(selection, fitted)]
 
@@ -130,7 +126,7 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
     weighed = [(*full_criterion(selection, found), found) for selection, found in noises or fits]
     largest = selections[0][0].base.rmse
     possible = [item for item in weighed if item[1].whole <= largest or not item[2].terms]
-    return sorted(possible, key=lambda item: item[0])
+    return sorted(possible or weighed, key=lambda item: item[0])
 
 
 def _told_from_noise(
@@ -139,7 +135,7 @@ def _told_from_noise(
     """The noise and the set of the least full criterion, less what more noise in its place explains nearly as well; but
     noise it is not, where the free model is likelier."""
     least, noise, best = compared[0]
-    most = math.inf if selection.record.inputs.time is None else FreeModel.of(selection).criterion + EQUAL
+    most = math.inf if selection.record.inputs.time is None else FreeModel.of(selection).criterion + CLOSE
     most = min(least + CLOSE, most)
     close = [(own, v) for criterion, own, v in compared if criterion < most and v.labels <= best.labels]
     return min(close, key=lambda item: len(item[1].terms), default=(noise, best))
@@ -190,7 +186,8 @@ def _fitted_leaders(selection: Selection) -> list[FittedSet]:
     for choice in _leaders(selection, beam_search(selection.data, selection.penalty, MOST)):
         second = sorted(v.criterion for v in [selection.empty, *pool])[:2][-1]
         pool.append(selection.refit_choice(selection.data, choice, selection.empty, second))
-    if len(selection.record) <= EXACT:
+    static = selection.record.inputs.time is None or selection.record.carried
+    if static and len(selection.record) <= EXACT:
         pool += _pairs(selection)
     return sorted([selection.empty, *pool], key=lambda v: v.criterion)
 
@@ -199,7 +196,7 @@ def _refined(selection: Selection, leaders: Sequence[FittedSet]) -> FittedSet:
     """The best set that the first leaders can be made into: the next, and those that come close."""
     first, *others = *leaders, selection.empty
     best = _refine(selection, first)
-    rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + RIVAL]
+    rivals = [v for k, v in enumerate(others) if k == 0 or v.criterion < first.criterion + HOPELESS]
     for rival in rivals[:RIVALS]:
         # What a rival has beyond the first is tried on the first, too.
         if not first.terms or not first.exclusion_groups <= rival.exclusion_groups:
@@ -208,16 +205,20 @@ def _refined(selection: Selection, leaders: Sequence[FittedSet]) -> FittedSet:
 
 
 def _pairs(selection: Selection) -> list[FittedSet]:
-    """The best single effect in each of its forms, with every other in each of its own, all fitted exactly.
+    """The best single effect in each of its forms, with every other in each of its own, all fitted exactly but those
+    that are given up.
 
     A law without free parameters leaves so much that signatures at its own values say little of pairs.
     """
     singles = [Term(effect, form) for effect in selection.candidates for form in effect.forms]
     best = min(singles, key=lambda t: selection.refit([t]).criterion).effect if singles else None
-    first = [t for t in singles if t.effect is best]
-    return [
-        selection.refit([a, b], selection.refit([a]).values) for a in first for b in singles if b.effect is not best
-    ]
+    found: list[FittedSet] = []
+    for a in (t for t in singles if t.effect is best):
+        alone = selection.refit([a])
+        for b in (t for t in singles if t.effect is not best):
+            least = min([alone.criterion, *(v.criterion for v in found)])
+            found.append(selection.refit([a, b], alone.values, best=least))
+    return found
 
 
 def _leaders(selection: Selection, choices: Sequence[Choice]) -> list[Choice]:
@@ -305,23 +306,12 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
     scans.sort(key=lambda item: item[0])
     best = fitted
     for criterion, penalty, scanned in scans[:4]:
-        if criterion < best.criterion + NEAR + BENT * selection.excess:
+        if criterion < best.criterion + CLOSE + FORM_TOLERANCE * selection.excess:
             found = _with_pattern(selection, scanned, penalty)
             if found.criterion < best.criterion:
                 best = found
     apart = 0.0 if best.names >= fitted.names else CLOSE  # a record that does not tell it from names has no unknown
-    return best if best.criterion < fitted.criterion - apart and _outlives_tails(selection, best, fitted) else None
-
-
-def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -> bool:
-    """Whether a set with a pattern is better than one without by what is not the noise's tails, too.
-
-    A pattern may be as short as a few samples, and of all places it is tried at the one where noise was far off.
-    """
-    read = ~selection.noise.outlier
-    before, after = (selection.noise.whiten(selection.view(v).residual)[read] for v in (fitted, found))
-    saved = deviance_saved(before, after)
-    return saved - (fitted.squares - found.squares) > found.criterion - fitted.criterion
+    return best if best.criterion < fitted.criterion - apart else None
 
 
 def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) -> float:
@@ -334,7 +324,7 @@ def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) 
     tolerance = (FAULT_TOLERANCE if fault or more <= 0 else PATTERN_TOLERANCE) * selection.excess
     if simpler:
         tolerance = selection.penalty.tolerance
-    return PATTERN_MARGIN + search + tolerance + selection.penalty.per_parameter * scanned.regressor.free
+    return CLOSE + search + tolerance + selection.penalty.per_parameter * scanned.regressor.free
 
 
 def _with_pattern(selection: Selection, scanned: Scanned, penalty: float) -> FittedSet:

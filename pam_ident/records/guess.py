@@ -9,7 +9,7 @@ from itertools import pairwise, permutations
 import numpy as np
 
 from ..core import Array
-from ..core.units import TO_INTERNAL, known_scale, split_header
+from ..core.units import TO_INTERNAL, known_scale, split_header, strange_unit
 from .quantities import QUANTITIES, SHAPES
 from .ranges import Values
 from .table import Table, number_of
@@ -120,9 +120,9 @@ def rises(column: Array) -> bool:
 
 
 def told_by(names: Sequence[str], k: int, guess: Guess) -> str:
-    """What a columns.toml says of column k, as it is guessed."""
-    column = column_of(names, k)
-    return f"{guess.key} = {column if guess.factor == 1 else f'{{column = {column}, factor = {guess.factor}}}'}"
+    """What a columns.toml says of column k, as it is guessed; of a unit that nobody knows the factor is left open."""
+    column, factor = column_of(names, k), '"?"' if strange_unit(names[k]) and guess.unit else guess.factor
+    return f"{guess.key} = {column if factor == 1 else f'{{column = {column}, factor = {factor}}}'}"
 
 
 def column_of(names: Sequence[str], k: int) -> str:

@@ -125,7 +125,7 @@ def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
                 "Measure at two speeds or more, a factor of three apart."
             )
         if inputs.moving is not None and inputs.moving.all():
-            yield "no holds: creep and what friction keeps at rest cannot be seen. Hold some seconds at both ends."
+            yield "no holds: what friction keeps at rest cannot be seen, creep hardly. Hold some seconds at both ends."
         cycles = 0 if inputs.cycle is None else len(np.unique(inputs.cycle))
         if cycles == 1:
             yield (
@@ -137,7 +137,8 @@ def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
                 "two cycles: the noise is known from one repeat alone, and a trend over cycles cannot be told from it. "
                 "Run three cycles or more on each isobar."
             )
-    yield from _lone_branches(record)
+    if record.kind == "isobaric":
+        yield from _lone_branches(record)
     if inputs.temperature is None:
         yield "no temperature (temperature_C): softening by warming cannot be told from drift. Log it at the bladder."
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..core import DataError
 from ..core.files import read_toml
-from ..core.units import is_absolute, known_scale, split_header
+from ..core.units import TO_INTERNAL, is_absolute, known_scale, split_header, strange_unit
 from .joint_lever import LeverColumns, read_lever
 from .kind import check_kind
 from .quantities import BRANCHES, QUANTITIES, SHAPES, Source, quantity_of, scale_of
@@ -84,6 +84,12 @@ class Mapping:
         """Refuse a unit against the one that the file states, unless a factor or an offset says that it is meant."""
         unit = split_header(header)[1]
         known = known_scale(QUANTITIES[name], unit)
+        strange = strange_unit(header) if QUANTITIES[name] in TO_INTERNAL else None
+        if strange and "factor" not in entry:
+            raise DataError(
+                f"{self.path}: {key}, but the column's header is {header!r}, and {strange!r} is no unit that is known; "
+                "give the factor to the unit of the key (1 if it is no unit)"
+            )
         if known is None:
             return
         other = known[0] != scale[0] and "factor" not in entry

@@ -32,6 +32,10 @@ LATEST_MPA, TOO_LATE_MPA = 0.12, 0.135
 more; the same ones lie between 0 and 0.09 MPa."""
 LEAST_MPA = 1e-12
 """Pressure below which arithmetic says nothing any more."""
+AT_REST = 0.05
+"""Contraction up to which a muscle is near its full length: beyond, its bladder may take as much."""
+NEVER_LONG = 0.1
+"""Contraction above which a muscle that is driven all the time may rather have another length, or another zero."""
 AT_THE_AIRS_MPA = 0.03
 """How near to the air's pressure that is, for pressures that may count from vacuum, and twice by how much it differs
 at another length."""
@@ -123,8 +127,15 @@ def _doubt_pull(pull: Pull, record: Record) -> Iterator[Doubt]:
         # A wrong unit changes slope and level alike; a soft fixture or a stiff bladder does not.
         grave = pull.level < LIKELY[0] if pull.slope < 1.0 else pull.level > LIKELY[1]
         what = f"the force grows with the pressure {pull.slope:.3g} times as an ideal braid's would"
+        least = record.inputs.contraction.min()
+        if least > NEVER_LONG:
+            what = f"no contraction is below {least:.3g} (initial_length_mm or a zero may be wrong), and {what}"
         yield _scale(what, pull.slope, grave)
-    elif pressure.min() > 0.9 * ATMOSPHERE_MPA and (pull.begins_MPa > LATEST_MPA or _from_vacuum(record, pull)):
+    elif (
+        pressure.min() > 0.9 * ATMOSPHERE_MPA
+        and record.inputs.contraction.min() < AT_REST
+        and (pull.begins_MPa > LATEST_MPA or _from_vacuum(record, pull))
+    ):
         text = (
             f"near its full length the muscle begins to pull at {pull.begins_MPa:.3f} MPa, and no pressure is below "
             f"the air's: the pressure may be absolute. If so, take {ATMOSPHERE_MPA:.4f} MPa off "

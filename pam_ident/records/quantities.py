@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..core.units import conversion, split_header
+from ..core.units import conversion, known_scale, split_header
 
 if TYPE_CHECKING:
     from .joint_lever import JointLever
@@ -53,7 +53,9 @@ def quantity_of(header: str) -> str | None:
     """The quantity that a header names, None for any other header."""
     if not _LETTER.search(header):
         return None
-    name, _ = split_header(header)
+    name, unit = split_header(header)
+    if name == "contraction" and known_scale("length", unit):  # a way that the muscle shortens by
+        return "displacement"
     return name if name in QUANTITIES else None
 
 

@@ -1,7 +1,7 @@
 """Which column of a table holds which quantity: by its name, else by word and unit where that leaves no choice."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -42,7 +42,7 @@ def find_sources(table: Table, constants: Mapping[str, Source] | None = None) ->
     constants = constants or {}
     guessed = _guessed(table, {*found, *constants})
     held = [*found, *guessed, *constants]
-    check_complete(held, table.head, table.headers, _ready(table) if _lacking(held) else "")
+    check_complete(held, table.head, table.headers, _ready(table, constants) if _lacking(held) else "")
     sources: dict[str, Source] = {}
     wrong: list[str] = []
     for name, position in (found | guessed).items():
@@ -145,8 +145,9 @@ def passed_over(table: Table, sources: Mapping[str, Source]) -> tuple[int, ...]:
     return tuple(k for k, header in enumerate(table.headers) if header and k not in read)
 
 
-def _ready(table: Table) -> str:
-    """What a columns.toml would say if guesses were right, by numbers too; empty where no column is left to guess."""
+def _ready(table: Table, given: Iterable[str]) -> str:
+    """What a columns.toml would say of what is not `given` if guesses were right, by numbers too; empty where no column
+    is left to guess."""
     if all(map(quantity_of, table.headers)):
         return ""
     try:
@@ -156,7 +157,7 @@ def _ready(table: Table) -> str:
     shape = next((k for k, header in enumerate(table.headers) if by_name(header) in SHAPES), None)
     held = [k for k, g in enumerate(guesses) if g.quantity and (g.quantity not in SHAPES or shape in (None, k))]
     lines = [told_by(table.names, k, guesses[k]) for k in held]
-    lines += [f'{NAMES[what]} = "?"' for what in _lacking([guess.quantity for guess in guesses])]
+    lines += [f'{NAMES[what]} = "?"' for what in _lacking([*given, *(guess.quantity for guess in guesses)])]
     named = {guesses[k].quantity for k in held}
     others = [(header, by_name(header, lengths=True)) for k, header in enumerate(table.headers) if k not in held]
     passed = ", ".join(f"{header!r} ({quantity})" for header, quantity in others if quantity in named)
@@ -197,6 +198,9 @@ def check_complete(found: Sequence[str], head: str, headers: Sequence[str], read
     if not lacking:
         return
     there = f"among {', '.join(map(repr, headers))[:300]}"
+    for what in lacking:
+        those = [h for h in headers if by_name(h) in (SHAPES if what == "displacement" else (what,))]
+        there += f" ({' and '.join(map(repr, those))} may each be the {what})" if len(those) > 1 else ""
     cure = "or say in a columns.toml beside the file which it is"
     if "force" in lacking:
         cure += " (of a weight that hangs in FILE: [runs.'FILE'] load_kg = 5)"

@@ -385,3 +385,13 @@ def test_40_what_there_is():
     with pytest.raises(KeyError, match="did you mean sarosi"):
         pam.laws["sarosy"]
     assert issubclass(UsageError, PamError)
+
+
+def test_a_record_has_what_was_driven_at_hand_and_says_what_is_grave(frame):
+    record = pam.read(frame, specimen=SPECIMEN)
+    assert record.pressure is record.inputs.pressure and record.time is record.inputs.time
+    assert record.contraction is record.inputs.contraction
+    tenfold = pam.read(frame.assign(pressure_MPa=0.1 * frame["pressure_MPa"]), specimen=SPECIMEN)
+    assert "\n- WARNING (scale): " in tenfold.summary() and "WARNING" not in record.summary()
+    with pytest.raises(UsageError, match=r"expected the path of a columns\.toml"):
+        pam.read(frame, specimen=SPECIMEN, columns={"force_N": "F"})

@@ -354,3 +354,18 @@ def test_a_script_needs_no_guard_around_the_call(executor, tmp_path):
     done = subprocess.run(words, capture_output=True, text=True, timeout=300, env=environment())
     assert (done.returncode, done.stdout) == (0, "begun\n3 {}\n"), done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_what_looks_gravely_wrong_is_told_though_it_was_fitted(tmp_path, capsys):
+    from pam_ident.cli.batch import _print
+
+    tree = write_tree(tmp_path / "tree", 2)
+    path = next(path for path in sorted(tree.rglob("*.csv")) if "muscle00" in str(path))
+    rows = pd.read_csv(path)
+    rows.assign(pressure_MPa=0.1 * rows["pressure_MPa"]).to_csv(path, index=False)
+    found = run_batch(tree, SETUP, tmp_path / "out", executor=Executor(1))
+    assert not found.errors and len(found.grave) == 1
+    record, doubt = next(iter(found.grave.items()))
+    assert "muscle00" in record and doubt.startswith("scale: ")
+    _print(found)
+    assert f"{record}: fitted all the same, but scale: " in " ".join(capsys.readouterr().err.split())

@@ -14,6 +14,7 @@ KNOWN = [
     ("pressure", "Pa", 3e5, 0.3),
     ("pressure", "bar", 3.0, 0.3),
     ("pressure", "mbar", 3000.0, 0.3),
+    ("pressure", "hPa", 3000.0, 0.3),
     ("pressure", "psi", 100.0, 0.689475729),
     ("length", "mm", 12.0, 12.0),
     ("length", "cm", 1.2, 12.0),

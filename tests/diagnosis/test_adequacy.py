@@ -7,9 +7,9 @@ import pytest
 
 from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.answer import Selected, likelier_instead
-from pam_ident.diagnosis.diagnose import LITTLE, LITTLE_FREE, by_form_alone
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.follows import Following
+from pam_ident.diagnosis.probability import LITTLE, LITTLE_FREE, by_form_alone
 from pam_ident.diagnosis.selection import Selection, stands
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit

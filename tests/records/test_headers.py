@@ -182,3 +182,30 @@ def test_commas_within_names_are_no_delimiter(tmp_path):
     """Under the comma two quantities are known, and no row is of numbers; under the semicolon none is by its name."""
     headers = ["Zeit [s]", "Druck, pressure, relativ [bar]", "Weg [mm]", "Kraft, force, zentral [N]"]
     assert read(tmp_path, headers, ";").columns["force"] == headers[3]
+
+
+def test_a_contraction_in_millimetres_is_a_displacement(tmp_path):
+    headers = ["time_s", "pressure_bar", "Contraction [mm]", "force_N"]
+    assert np.allclose(read(tmp_path, headers).inputs.displacement_mm, WAY, atol=1e-4)
+
+
+@pytest.mark.parametrize("factor", ["", "0.1"])
+def test_a_unit_that_nobody_knows_needs_a_factor(tmp_path, factor):
+    path = written(tmp_path, ["t (s)", "P (V)", "x (mm)", "F (N)"])
+    with pytest.raises(DataError, match=re.escape('pressure_bar = {column = "P (V)", factor = "?"}')):
+        read_record(path, MUSCLE)
+    pressure = f"{{column = 'P (V)', factor = {factor}}}" if factor else "'P (V)'"
+    keys = f"time_s = 't (s)'\npressure_MPa = {pressure}\ndisplacement_mm = 'x (mm)'\nforce_N = 'F (N)'\n"
+    (tmp_path / "columns.toml").write_text(f"[columns]\n{keys}", encoding="utf-8")
+    if factor:
+        assert np.allclose(read_record(path, MUSCLE).inputs.pressure, 0.2)
+    else:
+        with pytest.raises(DataError, match="'V' is no unit that is known; give the factor"):
+            read_record(path, MUSCLE)
+
+
+def test_two_columns_that_may_each_be_it_are_both_told(tmp_path):
+    rows = np.column_stack([ROWS, ROWS[:, 1]])
+    told = "('P1 (bar)' and 'P2 (bar)' may each be the pressure); name it pressure_MPa"
+    with pytest.raises(DataError, match=re.escape(told)):
+        read(tmp_path, ["time_s", "P1 (bar)", "displacement_mm", "force_N", "P2 (bar)"], rows=rows)

@@ -222,6 +222,7 @@ def test_a_dark_screen_darkens_page_and_figures_alike_and_paper_neither(unfolded
             assert abs(words - seen[0].mean()) > 0.6, "its words are as far from the ground as on paper"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("width", "rungs", "scheme"),
     [(1400, (0, 2), "light"), (500, (1,), "light"), (1400, (2,), "dark"), (500, (0,), "dark")],
@@ -239,6 +240,7 @@ def test_axe_finds_no_fault_of_weight(opened, width, rungs, scheme):
         assert [one for one in told if one[1] in ("serious", "critical", "moderate")] == [], json.dumps(told, indent=1)
 
 
+@pytest.mark.long
 def test_two_records_beside_each_other_open_with_what_differs_and_no_figure_is_cut(page, diagnosis, tmp_path):
     path = tmp_path / "ab.html"
     path.write_text(render_against(against(diagnosis, diagnosis), {}), encoding="utf-8")
@@ -255,6 +257,7 @@ def test_two_records_beside_each_other_open_with_what_differs_and_no_figure_is_c
     assert page.locator(".drawing svg").last.bounding_box()["width"] < 700, "words no larger than those of the text"
 
 
+@pytest.mark.long
 def test_the_name_of_a_record_alone_stands_once_above_its_answer(page, record, diagnosis, tmp_path):
     path, one = tmp_path / "one.html", Section(record, compare(diagnosis.base), diagnosis)
     path.write_text(render(Story(f"{record.name}: a law", (one,), {})), encoding="utf-8")

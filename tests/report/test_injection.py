@@ -165,6 +165,7 @@ def test_the_figures_of_a_stranger_hold_no_element_of_his(told):
         assert all(load.startswith(("#", "data:image/png;base64,")) for load in other.loads)
 
 
+@pytest.mark.long
 @pytest.mark.browser
 def test_the_pdf_of_a_stranger_has_neither_script_nor_address(told, chromium, monkeypatch):
     from pam_ident.report import to_pdf
@@ -176,6 +177,7 @@ def test_the_pdf_of_a_stranger_has_neither_script_nor_address(told, chromium, mo
         assert word not in pdf, word
 
 
+@pytest.mark.long
 @pytest.mark.browser
 def test_the_interactive_figures_of_a_stranger_do_no_harm(told, page, tmp_path):
     path, said = tmp_path / "stranger.html", []
@@ -195,6 +197,7 @@ def test_the_interactive_figures_of_a_stranger_do_no_harm(told, page, tmp_path):
     assert page.locator("script").count() == 4, "those of the page, and Bokeh's"
 
 
+@pytest.mark.long
 @pytest.mark.browser
 def test_a_script_that_slips_in_is_not_run(told, page, tmp_path):
     """Even if a text were not escaped: the page's policy names the two scripts that may run."""

@@ -1,12 +1,12 @@
 """What lies on the bench: adding, removing, keeping."""
 
-import sys
 import tomllib
 from html.parser import HTMLParser
 
 import pytest
 
 from pam_ident.core import DataError, Specimen, UsageError
+from pam_ident.diagnosis import ranking
 from pam_ident.records import read_record
 from pam_ident.records.record import rebuilt
 from pam_ident.records.specimen_file import specimen_toml
@@ -40,11 +40,10 @@ def test_the_verdict_is_there_before_the_errors_of_every_candidate(begun):
 
 
 def test_a_candidate_whose_fit_fails_leaves_no_error_to_tell(begun, monkeypatch):
-    diagnose = sys.modules["pam_ident.diagnosis.diagnose"]
-    true = diagnose._alone
+    true = ranking._alone
     failed = "series_compliance"
     monkeypatch.setattr(
-        diagnose, "_alone", lambda model, *given: (1e87, 9.0) if failed in model.effect_names else true(model, *given)
+        ranking, "_alone", lambda model, *given: (1e87, 9.0) if failed in model.effect_names else true(model, *given)
     )
     late = begun.diagnosed()
     errors = {one.effect: (one.rmse_after, one.heldout_rmse_after) for one in late.diagnosis.ranking}

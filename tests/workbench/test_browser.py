@@ -36,6 +36,7 @@ def test_the_whole_story(opened, folder, tmp_path):
     assert error_now(opened) == pytest.approx(12.0, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_candidate_that_is_pointed_at_draws_its_trace_into_the_error(lying):
     cards = lying.get_by_role("group", name="Candidates").get_by_role("button")
     drawn = """(key) => {
@@ -51,6 +52,7 @@ def test_a_candidate_that_is_pointed_at_draws_its_trace_into_the_error(lying):
     lying.wait_for_function(drawn, arg="")
 
 
+@pytest.mark.long
 def test_candidates_stand_in_order_and_leave_what_they_say(lying):
     found = candidates(lying)
     chance = [{"< 1 %": 0.0, "> 99 %": 100.0}.get(p.removeprefix("probability ")) for _, p, _ in found]
@@ -65,6 +67,7 @@ def test_candidates_stand_in_order_and_leave_what_they_say(lying):
     assert "The exponential law + Coulomb friction" in lying.get_by_text("misses the measurement").text_content()
 
 
+@pytest.mark.long
 def test_steps_are_undone_and_redone_and_outlive_a_reload(lying):
     lying.get_by_role("button", name=re.compile("^Coulomb friction")).click()
     lying.get_by_text("Nothing is missing").wait_for()
@@ -79,6 +82,7 @@ def test_steps_are_undone_and_redone_and_outlive_a_reload(lying):
     assert error_now(lying) == pytest.approx(1.0, rel=0.1)
 
 
+@pytest.mark.long
 def test_clicks_that_come_all_at_once_change_the_figures_too(lying):
     lying.get_by_role("button", name=re.compile("^Coulomb friction")).click()
     lying.get_by_text("Nothing is missing").wait_for()
@@ -92,6 +96,7 @@ def test_clicks_that_come_all_at_once_change_the_figures_too(lying):
     )
 
 
+@pytest.mark.long
 def test_the_story_stands_on_one_screen_in_plain_names(lying):
     lying.set_viewport_size({"width": 1400, "height": 900})
     for one in (lying.locator("canvas").nth(0), lying.locator("canvas").nth(1), lying.locator(".card .bar").first):
@@ -101,6 +106,7 @@ def test_the_story_stands_on_one_screen_in_plain_names(lying):
     assert 15 < len(names) < 30 and not any("_" in name for name in names)
 
 
+@pytest.mark.long
 def test_the_figures_zoom_together_and_tell_what_is_pointed_at(lying):
     ends = (
         "() => Bokeh.documents[0].get_model_by_name('traces') && [...Bokeh.documents[0]._all_models.values()]"
@@ -117,6 +123,7 @@ def test_the_figures_zoom_together_and_tell_what_is_pointed_at(lying):
         lying.get_by_text(told, exact=True).first.wait_for()
 
 
+@pytest.mark.long
 def test_a_model_is_pinned_and_a_parameter_held(lying):
     part = lying.get_by_role("button", name="A against B")
     part.focus()
@@ -138,6 +145,7 @@ def test_a_model_is_pinned_and_a_parameter_held(lying):
     lying.get_by_text("Missing:").wait_for()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_no_fault(scheme, opened, folder, foreign):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
@@ -175,6 +183,7 @@ def faults(axe, page):
     return found
 
 
+@pytest.mark.long
 def test_only_this_machine_and_this_page_are_answered(address):
     import socket
 

@@ -10,6 +10,7 @@ pytest.importorskip("panel")
 pytestmark = pytest.mark.browser
 
 
+@pytest.mark.long
 def test_what_was_said_of_a_file_is_kept_and_corrected_by_menus(opened, foreign):
     drop(opened, foreign, "rig.csv")
     opened.get_by_text("What was dropped").wait_for()
@@ -41,6 +42,7 @@ def test_a_bad_file_is_told_and_does_no_harm(lying, folder, tmp_path):
     assert error_now(lying) == pytest.approx(12.0, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_file_may_be_dropped_anywhere(opened, foreign):
     opened.evaluate(
         """(text) => {
@@ -54,6 +56,7 @@ def test_a_file_may_be_dropped_anywhere(opened, foreign):
     assert opened.get_by_label("AI0 is", exact=True).input_value() == "pressure"
 
 
+@pytest.mark.long
 def test_a_unit_slip_names_nothing(opened, folder, foreign):
     opened.locator("input[type=file]").set_input_files([foreign / "slip.csv", folder / "specimen.toml"])
     opened.get_by_role("alert").filter(has_text="nothing is named").wait_for()
@@ -61,6 +64,7 @@ def test_a_unit_slip_names_nothing(opened, folder, foreign):
     assert opened.get_by_role("group", name="Candidates").get_by_role("button").count() == 0
 
 
+@pytest.mark.long
 def test_on_a_narrow_screen_what_was_dropped_stands_before_the_controls(opened, foreign):
     opened.set_viewport_size({"width": 500, "height": 900})
     drop(opened, foreign, "rig.csv")
@@ -70,6 +74,7 @@ def test_on_a_narrow_screen_what_was_dropped_stands_before_the_controls(opened, 
     assert head.bounding_box()["y"] < 450 < law.bounding_box()["y"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["rig.csv", "deutsch.csv"])
 def test_a_foreign_file_goes_from_drop_to_named_effect_by_mouse(name, opened, foreign, tmp_path):
     drop(opened, foreign, name)
