@@ -42,6 +42,7 @@ RULES: dict[str, Rule] = {
     "noise does not come back": ("adequacy", "comes_back", lambda record, residual, rows: 0.0),
     "what comes back is no noise": ("noise", "without_repeats", lambda record, residual, rows: residual),
     "1/f noise": ("noise", "likelier_colour", lambda *_: (0.0, 1.0)),
+    "a pattern outlives heavy tails": ("select", "_outlives_tails", lambda selection, found, fitted: True),
     "forms are exchanged": ("select", "_in_other_forms", lambda selection, fitted, fewer: []),
     "noise is foretold by its colour alone": ("remainder", "_foretold", lambda selection, fitted: None),
     "noise does not jump": ("remainder", "_jumps", lambda selection, fitted: None),

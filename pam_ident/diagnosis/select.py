@@ -20,6 +20,7 @@ from .scan import Remainder, Scanned, scan
 from .search import CLOSE, Choice, Compressed, Penalty, beam_search, evaluate
 from .selection import FORM_TOLERANCE, HOPELESS, FittedSet, Selection, labels
 from .spectrum import beats
+from .tails import deviance_saved
 
 MOST = 3
 """Names in an answer, at most."""
@@ -311,7 +312,18 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
             if found.criterion < best.criterion:
                 best = found
     apart = 0.0 if best.names >= fitted.names else CLOSE  # a record that does not tell it from names has no unknown
-    return best if best.criterion < fitted.criterion - apart else None
+    return best if best.criterion < fitted.criterion - apart and _outlives_tails(selection, best, fitted) else None
+
+
+def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -> bool:
+    """Whether a set with a pattern is better than one without by what is not the noise's tails, too.
+
+    A pattern may be as short as a few samples, and of all places it is tried at the one where noise was far off.
+    """
+    read = ~selection.noise.outlier
+    before, after = (selection.noise.whiten(selection.view(v).residual)[read] for v in (fitted, found))
+    saved = deviance_saved(before, after)
+    return saved - (fitted.squares - found.squares) > found.criterion - fitted.criterion
 
 
 def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) -> float:
