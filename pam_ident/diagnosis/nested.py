@@ -160,8 +160,9 @@ def beside_it(model: Model, record: Record, masks: Sequence[Array]) -> dict[str,
             continue
         other = replace(model, law=law, free_geometry=False)
         try:
-            if not fit(other, record).problems:
-                found[law.name] = len(other.params), heldout_rmse(other, record, masks=masks)
+            whole = fit(other, record)
+            if not whole.problems:
+                found[law.name] = len(other.params), heldout_rmse(other, record, whole, masks)
         except FitError:
             continue
     return dict(sorted(found.items(), key=lambda item: item[1][1]))

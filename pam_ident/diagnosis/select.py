@@ -216,9 +216,10 @@ def _pairs(selection: Selection) -> list[FittedSet]:
     found: list[FittedSet] = []
     for a in (t for t in singles if t.effect is best):
         alone = selection.refit([a])
+        least = min([alone, *found], key=lambda v: v.criterion)
         for b in (t for t in singles if t.effect is not best):
-            least = min([alone.criterion, *(v.criterion for v in found)])
-            found.append(selection.refit([a, b], alone.values, best=least))
+            found.append(selection.refit([a, b], alone.values, best=least.criterion))
+            least = min(least, found[-1], key=lambda v: v.criterion)
     return found
 
 
