@@ -77,13 +77,14 @@ def test_a_contact_that_bends_and_weakens_with_speed_is_presliding(tmp_path):
 
 
 @LONG
-def test_where_its_travel_is_that_of_either_it_has_two_names(tmp_path):
+@pytest.mark.parametrize(("weakening", "travel_mm"), [(0.6, 0.8), (1.5, 2.0)])
+def test_where_its_travel_is_that_of_either_or_it_weakens_too_it_has_two_names(tmp_path, weakening, travel_mm):
     record = rig_record(tmp_path, seed=61, law=CHOU)
-    level = 8.0 * (1.0 + 0.6 * np.exp(-((np.abs(record.inputs.velocity) / 4.0) ** 2)))
+    level = 8.0 * (1.0 + weakening * np.exp(-((np.abs(record.inputs.velocity) / 4.0) ** 2)))
     friction = np.zeros(len(record))
     for k, dx in enumerate(np.diff(record.inputs.displacement_mm), 1):
         end = np.sign(dx) * level[k]
-        friction[k] = end + (friction[k - 1] - end) * np.exp(-8.0 * abs(dx) / (0.8 * level[k]))
+        friction[k] = end + (friction[k - 1] - end) * np.exp(-8.0 * abs(dx) / (travel_mm * level[k]))
     answer = diagnose(Model.build(CHOU), with_force(record, -friction))
     assert len(answer.selected) == 1
     assert {"presliding_hysteresis", "stribeck_friction"} in [set(group) for group in answer.groups]
