@@ -82,4 +82,8 @@ def rungs(found: "Ladder") -> list[str]:
         ("law alone", name, str(count), "", *(("",) if carried else ()), "", text.number(error, 3))
         for name, (count, error) in list(found.nested.beside.items())[:BESIDE]
     ]
-    return [*text.table((*head, "held out: refitted [N]", "chosen anew [N]"), rows, left=(0, 1)), floor, f"  {found.nested.text}"]
+    return [
+        *text.table((*head, "held out: refitted [N]", "chosen anew [N]"), rows, left=(0, 1)),
+        floor,
+        f"  {found.nested.text}",
+    ]
