@@ -83,7 +83,7 @@ def rungs(found: "Ladder") -> list[str]:
         for name, (count, error) in list(found.nested.beside.items())[:BESIDE]
     ]
     return [
-        *text.table((*head, "held out: refitted [N]", "chosen anew [N]"), rows, left=(0, 1)),
+        *text.table((*head, "held out", "all anew"), rows, left=(0, 1)),
         floor,
         f"  {found.nested.text}",
     ]
