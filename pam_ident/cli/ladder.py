@@ -51,7 +51,8 @@ def ladder(
     )
     last = found.rungs[-1].fit
     text.say(found.last.sentence, *last.at_bounds, "", *rungs(found))
-    text.say("", "parameters of the last step:", *text.parameters(last))
+    if last.model.params:
+        text.say("", "parameters of the last step:", *text.parameters(last))
     options.stop_if_invalid(record, last.problems)
 
 

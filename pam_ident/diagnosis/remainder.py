@@ -134,7 +134,7 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     Noise is foretold by its colour and no further: a longer linear prediction (Makhoul 1975, Proceedings of the IEEE
     63, 561–580) adds nothing.
     """
-    if selection.record.inputs.time is None:
+    if selection.record.inputs.time is None or len(selection.record) < (WINDOW + 1) * LAGS:
         return None
     own = selection.noise_left_by(fitted)
     white, seen = own.whiten(selection.view(fitted).residual), ~own.outlier

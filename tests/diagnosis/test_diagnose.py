@@ -434,3 +434,10 @@ def test_the_same_record_gives_the_same_answer_twice(tmp_path):
     record = rig_record(tmp_path, seed=41, law=EXPONENTIAL, secrets=(Secret("creep", "prony_2", 2.0),))
     first, second = (diagnose(Model.build(EXPONENTIAL), record) for _ in range(2))
     assert first.best.values == second.best.values and first.ranking == second.ranking
+
+
+def test_a_record_of_fewer_samples_than_foretell_one_has_an_answer():
+    """A ladder of twenty samples, cut into folds, ended in an internal error."""
+    whole = read_record(dataset_record("hidden_effect"))
+    few = whole.take(np.arange(0, len(whole), 300))
+    assert len(few) == 16 and diagnose(Model.build("chou_hannaford"), few).verdict in ("adequate", "unknown_effect")
