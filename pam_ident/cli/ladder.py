@@ -51,7 +51,8 @@ def ladder(
     )
     last = found.rungs[-1].fit
     text.say(found.last.sentence, *last.at_bounds, "", *rungs(found))
-    text.say("", "parameters of the last step:", *text.parameters(last))
+    if last.model.params:
+        text.say("", "parameters of the last step:", *text.parameters(last))
     options.stop_if_invalid(record, last.problems)
 
 
@@ -82,4 +83,8 @@ def rungs(found: "Ladder") -> list[str]:
         ("law alone", name, str(count), "", *(("",) if carried else ()), "", text.number(error, 3))
         for name, (count, error) in list(found.nested.beside.items())[:BESIDE]
     ]
-    return [*text.table((*head, "refitted", "nested"), rows, left=(0, 1)), floor, f"  {found.nested.text}"]
+    return [
+        *text.table((*head, "held out", "all anew"), rows, left=(0, 1)),
+        floor,
+        f"  {found.nested.text}",
+    ]

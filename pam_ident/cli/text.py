@@ -252,7 +252,8 @@ def chosen(choice: "LawChoice | None") -> list[str]:
     if choice is None:
         return []
     odd = sum(bool(trial.problem) for trial in choice.trials)
-    more = f"; {odd} of them were left out, which this record does not determine" if odd else ""
+    were = "was" if odd == 1 else "were"
+    more = f"; {odd} of them {were} left out, which this record does not determine" if odd else ""
     return [f"law: {choice.why} (of {len(choice.trials)} laws compared{more})"]
 
 

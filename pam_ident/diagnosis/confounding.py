@@ -37,9 +37,8 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
 
 
 def _same_form(selection: Selection, term: Term) -> list[str]:
-    """The special case that goes by the name of the selected form: the same formula, so no record tells them apart."""
-    cases = [e.name for e in selection.weighed if e.special_case_of == term.effect.name]
-    return [name for name in cases if name.startswith(term.form.name.partition("_")[0])]
+    """The other effect that the formula of the selected form holds."""
+    return [e.name for e in selection.weighed if e.name == term.form.same_as]
 
 
 def _general(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:

@@ -22,16 +22,17 @@ from .dictionary import Regressor, closer, regressors_at
 from .noise import Noise, filter_gains
 from .nouns import Experiment, Pattern, Separation
 from .possible_runs import PossibleRun, possible_runs
-from .selection import FittedSet, Selection
+from .selection import FittedSet, Selection, tolerance
 from .view import View
 
 Array = np.ndarray
 STEADIEST = 0.9999
 """Most that noise can keep from row to row: a stroke begins at the very moment at which the last one ends."""
 ENOUGH = 10.0
-"""Standard errors beyond which a pair counts as separated: more are worth no time on the rig."""
+"""Standard errors beyond which a pair counts as separated, were its forms exactly right: more are worth no time on the
+rig."""
 ALL = 0.9
-"""Share of the most that any run separates which the next one must separate."""
+"""Share that is as good as all: of the most that any run separates, and of what a pair needs."""
 NEAR = 9
 """Points at which a rival's shape is searched on each side of the best on its grid."""
 BARELY = 3.0
@@ -52,22 +53,25 @@ def next_experiment(selection: Selection, fitted: FittedSet, classes: Sequence[S
     if not questions:
         return None
     law = replace(selection.base.model, terms=())
-    runs: list[tuple[PossibleRun, tuple[Separation, ...]]] = []
-    for possible in sorted(possible_runs(record, law, fitted.values), key=lambda c: c.minutes):
+    runs: list[tuple[float, PossibleRun, tuple[Separation, ...]]] = []
+    for possible in sorted(possible_runs(record, law, fitted.values), key=lambda c: c.cost):
         tell("trying the next experiment", len(runs))
         inputs = possible.strokes.inputs(record.specimen)
-        runs.append((possible, tuple(s for q in questions for s in q.separations(inputs))))
-        if min(s.standard_errors for s in runs[-1][1]) >= ENOUGH:
+        found = tuple(s for q in questions for s in q.separations(inputs))
+        runs.append((sum(s.share for s in found), possible, found))
+        if min(s.share for s in found) >= 1.0:
             break
     if not runs:
         return None
-    least = ALL * max(_worth(found) for _, found in runs)
-    best, found = next(run for run in runs if _worth(run[1]) >= least)
+    least = ALL * max(worth for worth, *_ in runs)
+    _, best, found = next(run for run in runs if run[0] >= least)
     split = [s for s in found if s.standard_errors >= BARELY]
     if not split:
         return _out_of_reach(questions, found)
     own = [e for q in questions for e in (q.effect, *q.rivals)]
     text = f"To {_aim(split, own)}: {best.strokes.words()}. {_promise(found, best.minutes, own)}"
+    if best.beyond is not None:
+        text += f" This goes above the {best.beyond:g} MPa of the record: only if the muscle is rated for it."
     return Experiment(best.vary, text, found, best.minutes, best.strokes)
 
 
@@ -98,8 +102,9 @@ class Question:
         squares: dict[str | None, float] = {
             e.name: min(found[e.name][0] for found in (left, nearer) if e.name in found) for e in self.rivals
         }
+        needed = math.sqrt(ENOUGH**2 + (tolerance(total, len(inputs)) if squares else 0.0))
         squares = squares or {None: total}
-        return tuple(Separation(self.effect.name, name, math.sqrt(square)) for name, square in squares.items())
+        return tuple(Separation(self.effect.name, name, math.sqrt(square), needed) for name, square in squares.items())
 
 
 def _left(
@@ -109,10 +114,6 @@ def _left(
     data = view.singly(regressors, noise)
     best = data.best_of_each().items()
     return data.total, {name: (max(data.total + criterion, 0.0), data.regressors[k]) for name, (criterion, k) in best}
-
-
-def _worth(found: Sequence[Separation]) -> float:
-    return sum(min(s.standard_errors, ENOUGH) ** 2 for s in found)
 
 
 def _expected(noise: Noise, inputs: Inputs) -> Noise:
@@ -150,6 +151,8 @@ def _promise(found: Sequence[Separation], minutes: float, own: Sequence[Effect])
     )
     verb = "separate" if far[0].rival else "show"
     text = f"In {minutes:.0f} minutes it would {verb} {said} standard errors."
+    if vague := [s for s in far if s.share < ALL]:
+        text += f" Fewer than {max(s.needed for s in vague):.0f} leave a doubt."
     return f"{text} It would not tell {open_}." if open_ else text
 
 
@@ -172,12 +175,12 @@ def after_pattern(pattern: Pattern, selection: Selection, fitted: FittedSet) -> 
         "local": ("reversal", f"turn the muscle about its axis at {middle}: a rub moves or goes"),
         "step": ("cycles", "mark the clamps: a slipped mount shows as a shifted length"),
         "trend": ("cycles", "tare before and after: a trend that goes on is the rig's"),
-    }.get(pattern.kind, ("pressure", "take a second specimen: what stays is the rig's"))
+    }.get(pattern.kind, ("pressure", "then measure a second muscle the same way: what both show is the rig's"))
     law = replace(selection.base.model, terms=())
     runs = [c for c in possible_runs(selection.record, law, fitted.values) if lever in c.vary]
     if not runs:
         return Experiment((lever,), f"{capital(text)}.")
-    best = min(runs, key=lambda c: c.minutes)
+    best = min(runs, key=lambda c: c.cost)
     return Experiment(
         best.vary, f"{capital(best.strokes.words())}; {text}.", minutes=best.minutes, protocol=best.strokes
     )

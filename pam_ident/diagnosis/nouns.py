@@ -110,11 +110,18 @@ class Pattern:
 
 @dataclass(frozen=True)
 class Separation:
-    """How far a run would set an effect apart from a rival, or from nothing (None), in standard errors of the noise."""
+    """How far a run would set an effect apart from a rival, or from nothing (None), in standard errors of the noise;
+    and how far is `needed`, because no form is exactly right."""
 
     effect: str
     rival: str | None
     standard_errors: float
+    needed: float
+
+    @property
+    def share(self) -> float:
+        """What the run does of what is needed, in squares: 1 where it suffices."""
+        return min(self.standard_errors / self.needed, 1.0) ** 2
 
 
 @dataclass(frozen=True)

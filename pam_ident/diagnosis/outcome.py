@@ -159,11 +159,13 @@ class Outcome:
     def floor(self) -> float:
         """The noise in N."""
         found = _as_measured(min(self._noise.whole, self._error), self.best)
+        between = [seen.sigma for one in (self.base, self.best) if (seen := repeat_noise(one))]
         if self.lacking:  # the names that are not all there are do not touch it
-            between = [seen.sigma for one in (self.base, self.best) if (seen := repeat_noise(one))]
             found = min(*(between or [found]), _as_measured(self.lacking.free.noise.whole, self.best), self.best.rmse)
-        elif self.seen and not self.fitted.terms and self.selection.record.inputs.time is not None:
+        elif self.seen and not self.named and self.selection.record.inputs.time is not None:
             found = min(found, math.sqrt(self.follows[-1].share) * self.base.rmse)  # noise follows nothing
+        if self.seen:  # what is left may hide in noise that was fitted beside it, but not in what repeats differ by
+            found = min([found, *between])
         return min(found, self.noise_N)
 
     @cached_property

@@ -15,6 +15,8 @@ HOLDS_S = (1.0, 10.0, 100.0)
 LOOPS_MM = (1.0, 3.0, 10.0)
 USUAL_MM_S = 10.0
 """Speed that a record without time is taken to have been made at."""
+USUAL_MPA = 0.6
+"""Pressure that muscles of this kind are usually rated for."""
 WARMING_K, WARMING_MIN = 15.0, 10.0
 SET_UP_MIN = 2.0
 SHORTEST = 0.15
@@ -23,10 +25,19 @@ SHORTEST = 0.15
 
 @dataclass(frozen=True)
 class PossibleRun:
-    """A run on the rig: what it varies, in the words of the contract, its strokes, and its minutes, set-up included."""
+    """A run on the rig: what it varies, in the words of the contract, its strokes, and its minutes, set-up included.
+
+    `beyond` is the record's highest pressure in MPa where the run goes higher, else None.
+    """
 
     vary: tuple[str, ...]
     strokes: Strokes
+    beyond: float | None = None
+
+    @property
+    def cost(self) -> tuple[bool, float]:
+        """What runs are put in order by: nobody knows whether the muscle bears more than it was given; and minutes."""
+        return self.beyond is not None, self.minutes
 
     @property
     def minutes(self) -> float:
@@ -44,7 +55,8 @@ def possible_runs(record: Record, model: Model, values: dict[str, float]) -> lis
     if plain is None:
         return []
     fast = plain.speeds_mm_s[-1]
-    few, spread = _pressures(record, 3), _pressures(record, 5)
+    top = float(record.levels[-1])
+    few, spread = _over_5_to_1(top, 3), _over_5_to_1(top, 5)
     speed, pressure, hold, loops = ("speed",), ("pressure",), ("hold",), ("reversal",)
     decades = tuple(round_number(v) for v in np.geomspace(fast / 100.0, fast, 4))
     slow = tuple(round_number(v) for v in (fast / 40.0, fast / 10.0))
@@ -59,6 +71,9 @@ def possible_runs(record: Record, model: Model, values: dict[str, float]) -> lis
         PossibleRun((*speed, *hold), replace(plain, speeds_mm_s=decades, hold_s=HOLDS_S)),
         PossibleRun((*pressure, *hold), replace(plain, pressures_MPa=spread, hold_s=HOLDS_S)),
     ]
+    if (higher := min(2.0 * top, USUAL_MPA)) > top:
+        runs = [replace(plain, pressures_MPa=_over_5_to_1(higher, count)) for count in (3, 5)]
+        found += [PossibleRun(pressure, run, top) for run in runs]
     if record.inputs.temperature is not None:
         found.append(PossibleRun(("temperature",), replace(plain, warming_K=WARMING_K)))
     new = speed if one_speed(record) or record.inputs.velocity is None else ()
@@ -85,9 +100,8 @@ def _plain(record: Record) -> Strokes | None:
     return Strokes(pressures, (), (round_number(fast / 20.0), fast), bottom_mm=bottom)
 
 
-def _pressures(record: Record, count: int) -> tuple[float, ...]:
-    """Pressures over 5:1, up to the record's highest: nobody knows that the muscle bears more."""
-    top = float(record.levels[-1])
+def _over_5_to_1(top: float, count: int) -> tuple[float, ...]:
+    """Pressures from a fifth of the highest to it."""
     return tuple(float(f"{p:.2g}") for p in np.geomspace(top / 5.0, top, count))
 
 

@@ -87,7 +87,7 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
         return unlike_noise(selection, fitted)
     size = selection.noise.sigma * math.sqrt(left / n)
     share = min(left / all_of_it, 1.0)
-    text = f"about {newtons(size)} rms without a shape of its own{_part(share)}"
+    text = f"about {newtons(size)} rms of no recognisable shape{_part(share)}"
     return Pattern("other", "contraction", None, "", share, text)
 
 
@@ -134,7 +134,7 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     Noise is foretold by its colour and no further: a longer linear prediction (Makhoul 1975, Proceedings of the IEEE
     63, 561–580) adds nothing.
     """
-    if selection.record.inputs.time is None:
+    if selection.record.inputs.time is None or len(selection.record) < (WINDOW + 1) * LAGS:
         return None
     own = selection.noise_left_by(fitted)
     white, seen = own.whiten(selection.view(fitted).residual), ~own.outlier
@@ -194,7 +194,7 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
         return None
     share = 1.0 - 1.0 / (NORMAL * float(far.mean()))
     worst = float(time[at[int(np.argmax(far))]])
-    text = f"jumps: what is left stands still and jumps now and then, the farthest at {number(worst)} s"
+    text = f"jumps: what is left stays level between sudden steps, the largest at {number(worst)} s"
     return Pattern("other", "time", worst, "s", share, text)
 
 

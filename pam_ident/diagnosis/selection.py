@@ -40,6 +40,11 @@ TOO_FLAT, UNSEEN = 0.02, 1.0
 in units of the noise, up to which it counts as absorbed."""
 
 
+def tolerance(excess: float, rows: int) -> float:
+    """Whitened squares that an unforeseen form may leave of the `excess` which is to be explained in so many rows."""
+    return min(FORM_TOLERANCE * excess, MOST_TOLERANCE * rows)
+
+
 def labels(terms: Sequence[Term]) -> frozenset[str]:
     """What terms are called."""
     return frozenset(term.label for term in terms)
@@ -140,7 +145,7 @@ class Selection:
         self.penalty = Penalty(
             float(np.log(max(len(self.record), 10))),
             float(base_penalty),
-            min(FORM_TOLERANCE * self.excess, MOST_TOLERANCE * len(self.record)),
+            tolerance(self.excess, len(self.record)),
             before.penalty.odds if before else dict(odds or {}),
         )
         self.cache: dict[tuple[str, ...], FittedSet] = {(): self.empty}

@@ -96,7 +96,7 @@ def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit)
     for one in found:
         names = [f"{e.title} (--also {e.name})" for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
         if names:
-            return f" Effects that are tried only on request follow {one.text}, too: {', '.join(names)}."
+            return f" These follow {one.text}, too, and are tried only if asked for: {', '.join(names)}."
     return ""
 
 

@@ -30,6 +30,7 @@ class Form(ABC):
     `uses_force` marks columns that depend on the force itself, so that the model is solved implicitly; `remembers`
     those that depend on what lies between the record's first sample and their own, which cannot be read in pieces.
     `needs` names what a record must hold, beyond what the effect needs, for the form to say more than another.
+    `same_as` is another effect, which the formula holds as well: no record tells by this form which of them it is.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Form(ABC):
     uses_force: bool = False
     remembers: bool = False
     needs: tuple[str, ...] = ()
+    same_as: str = ""
 
     @property
     def free(self) -> bool:

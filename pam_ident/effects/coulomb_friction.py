@@ -109,6 +109,7 @@ EFFECT = Effect(
             (F_C, F_BREAK, F_HOLD, HOLD_GAIN),
             gaussian_dip,
             (V_S,),
+            same_as="stribeck_friction",
         ),
         AddsForce(
             "stribeck_exponential",
@@ -116,6 +117,7 @@ EFFECT = Effect(
             (F_C, F_BREAK, F_HOLD, HOLD_GAIN),
             exponential_dip,
             (V_S,),
+            same_as="stribeck_friction",
         ),
         free_form(
             "−sgn(ε̇), in holds times exp(−t/τ_h), and −sgn(ε̇) in motion alone",

@@ -81,6 +81,7 @@ EFFECT = Effect(
             _lugre,
             (LOW, V_S, SEEN),
             remembers=True,
+            same_as="stribeck_friction",
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),

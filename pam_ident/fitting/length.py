@@ -46,6 +46,8 @@ BAND, AT_END = 4.0, 0.004
 BEFORE, STOPPED = 0.1, 8.0
 """Share of its way before the end in which it is seen to move, and bands by which it would have gone on, had nothing
 stopped it."""
+ROUNDED = 1e-6
+"""Share of the range of the pressure within which values are one pressure, but for their rounding."""
 NO_PRESSURE = 0.02
 """Share of the largest pressure below which a muscle is not inflated: what then carries the load are its threads."""
 
@@ -161,7 +163,8 @@ def _stopped(x: Array, p: Array, going: Array, band: float) -> Array:
     there would have moved it on, by its course just before."""
     low = np.sort(x)[min(len(x) // 200, len(x) - 1)]
     end, before = x <= low + band, (x > low + band) & (x <= low + band + BEFORE * np.ptp(x))
-    if np.count_nonzero(end & going) < 3 or np.count_nonzero(before) < 3 or not np.ptp(p[before]) > 0.0:
+    one_pressure = np.count_nonzero(before) < 3 or np.ptp(p[before]) <= ROUNDED * np.ptp(p)
+    if np.count_nonzero(end & going) < 3 or one_pressure:
         return np.zeros(len(x), bool)
     course = abs(np.polyfit(p[before], x[before], 1)[0])
     way = np.ptp(p[end & going]) * course

@@ -17,11 +17,11 @@ from .turning import pivots
 
 WORDS = {
     "pressure_set": r"soll\w*|set|setpoint|target|command\w*|cmd|consigne",
-    "temperature": r"temp|temperatur\w*",
+    "temperature": r"temp|temp[eé]ratur\w*",
     "contraction": r"contraction|kontraktion|verkürzung|eps|epsilon|strain",
     "force": r"force|kraft|\w+kraft|load\w*|f|fz|fx|fuerza|forza|effort|pull|tension",
     "pressure": r"press\w*|druck|\w+druck|p|pres[ií]on\w*|pression\w*|air",
-    "displacement": r"disp\w*|weg|\w+weg|stroke|hub|travel|pos\w*|way|lvdt|desplazamiento|d[ée]placement|x|s",
+    "displacement": r"disp\w*|weg|\w+weg|stroke|hub|travel|pos\w*|way|lvdt|desplazamiento|d[ée]placement|course|x|s",
     "length": r"length|l[äa]nge|laenge|longueur|longitud|l",
     "cycle": r"cycle\w*|zyklus|zyklen|loop",
     "time": r"t|time\w*|zeit\w*|uhrzeit|temps|tiempo|tempo|clock|sec|seconds?",

@@ -98,7 +98,8 @@ def _cycles(record: Record, cycle: Array) -> int:
 
 def _isobar(record: Record, level: float) -> Isobar:
     here = record.level == level
-    wander = float(record.inputs.pressure[here].std())
+    pressure = record.inputs.pressure[here]
+    wander = float(pressure.std()) if np.ptp(pressure) > 0.0 else 0.0  # a mean is rounded
     ends = [(float(x[here].min()), float(x[here].max())) for x in (record.inputs.contraction, record.force)]
     return Isobar(float(level), int(here.sum()), wander, *ends)
 

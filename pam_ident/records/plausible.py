@@ -131,6 +131,9 @@ def _doubt_pull(pull: Pull, record: Record) -> Iterator[Doubt]:
         if least > NEVER_LONG:
             what = f"no contraction is below {least:.3g} (initial_length_mm or a zero may be wrong), and {what}"
         yield _scale(what, pull.slope, grave)
+    elif pull.slope < 0.0:
+        what = "near its full length the force falls as the pressure rises"
+        yield Doubt("scale", f"{what}: a run may be in another unit, or a sign is wrong.", None, False)
     elif (
         pressure.min() > 0.9 * ATMOSPHERE_MPA
         and record.inputs.contraction.min() < AT_REST
@@ -173,6 +176,12 @@ def _doubt_range(record: Record) -> Iterator[Doubt]:
             "the displacement and initial_length_mm of the specimen."
         )
         yield Doubt("displacement_scale", text, "displacement", bool(contraction.max() > most))
+    if record.kind == "isobaric" and contraction.min() > NEVER_LONG:
+        text = (
+            f"no contraction is below {contraction.min():.3g}: the muscle never comes near its full length. Check the "
+            f"zero of the displacement and initial_length_mm of the specimen ({record.specimen.initial_length_mm:g})."
+        )
+        yield Doubt("displacement_scale", text, "displacement", False)
     if contraction.min() < -0.01:
         turned = contraction.min() < STRETCHED or -contraction.min() > max(contraction.max(), 0.06)
         text = (

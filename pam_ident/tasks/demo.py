@@ -19,7 +19,11 @@ from .setup import Setup
 STAGES = (
     ("hidden_effect", Setup("exponential_law"), "a simulated record with a hidden effect"),
     ("nothing_hidden", Setup("exponential_law"), "its twin with nothing hidden"),
-    ("dmsp20_300", Setup("chou_hannaford", free_geometry=True), "a measured static map, from the ideal law up"),
+    (
+        "dmsp20_300",
+        Setup("chou_hannaford", free_geometry=True),
+        "a measured static map, from the ideal law up, its radius and angle fitted too (--free-geometry)",
+    ),
 )
 """Data set, what is asked of it, and what it is."""
 

@@ -256,4 +256,4 @@ def _beyond(saved: SavedFit, frame: "pd.DataFrame") -> str:
     count = int(frame["outside"].to_numpy().sum())
     furthest = f". Furthest: {'; '.join(far)}" if far else ""
     rows = "1 row lies" if count == 1 else f"{count} rows lie"
-    return f"{rows} outside what was fitted; intervals there were never tried{furthest}"
+    return f"{rows} outside what was fitted, where no measurement has checked the intervals{furthest}"

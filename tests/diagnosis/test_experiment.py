@@ -68,6 +68,8 @@ def test_the_run_it_asks_for_names_the_right_one_alone(tmp_path, law, poor, effe
     told = {s.rival: s.standard_errors for s in experiment.predicted if s.effect == first.selected[0]}
     (other,) = rivals - {first.selected[0]}
     assert told[other] > 5.0 and in_words(other) in experiment.text
+    higher = max(experiment.protocol.pressures_MPa) > max(poor.pressures_MPa)
+    assert higher == ("only if the muscle is rated for it" in experiment.text)
     run = replace(plan, protocol=as_run(tmp_path, experiment.protocol))
     again = diagnose(Model.build(law), rig_record(tmp_path, run))
     assert again.selected == (effect,) and again.groups == ()
@@ -163,6 +165,15 @@ def test_numbers_are_said_as_on_the_rig():
     words = Strokes((0.3, 0.1), (30.0, 12.0), (2.0, 40.0), hold_s=(1.0, 10.0), minor_loops_mm=(1.0, 3.0)).words()
     assert words.startswith("run 0.1 and 0.3 MPa at 2 and 40 mm/s, 2 cycles each from 0 to 30 mm")
     assert "hold 1 and 10 s in turn" in words and "minor loops of 1 and 3 mm" in words
+
+
+def test_runs_above_the_record_s_pressures_are_the_last_choice(rubbing):
+    _, record, _, fitted = rubbing
+    top = record.levels[-1]
+    found = sorted(possible_runs(record, Model.build(CHOU), fitted.values), key=lambda run: run.cost)
+    above = [max(run.strokes.pressures_MPa) > top for run in found]
+    assert above == sorted(above) and set(above) == {False, True}
+    assert [run.beyond for run in found] == [top if higher else None for higher in above]
 
 
 @pytest.mark.parametrize("clock", ["samples", "seconds"])

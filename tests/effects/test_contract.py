@@ -6,6 +6,7 @@ Formulas are held against independent figures in test_physics.py.
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from pam_ident.effects import catalogue
@@ -52,3 +53,17 @@ def test_a_printed_formula_is_offered_with_a_warning_and_never_as_a_candidate():
 def test_a_form_that_says_it_remembers_does(effect, form, record):
     """Or it would be kept from records that are read in chunks for nothing."""
     assert pieces_make_the_whole(effect, replace(form, remembers=False), record) != []
+
+
+@pytest.mark.parametrize(
+    ("effect", "form"), [pytest.param(e, f, id=f"{e.name}:{f.name}") for e, f in FORMS if f.same_as]
+)
+def test_a_form_that_is_another_effect_s_too_says_the_same(effect, form, record):
+    values = {p.name: p.start for p in form.nonlinear}
+    own = form.columns(record.inputs, values, record.force)
+    theirs = [
+        other.columns(record.inputs, values, record.force)
+        for other in catalogue()[form.same_as].forms
+        if {p.name for p in other.nonlinear} <= set(values)
+    ]
+    assert any(one.shape == own.shape and np.allclose(one, own, rtol=0.0, atol=1e-12) for one in theirs)

@@ -1,5 +1,6 @@
 """Where the load is held the length answers: the model solved for it, on muscles of the virtual rig under weights."""
 
+import warnings
 from dataclasses import replace
 from functools import cache
 
@@ -9,7 +10,7 @@ import pytest
 
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.fitting import Weighing, fit, fit_together
-from pam_ident.fitting.length import Lengths, at_limit, equilibrium, implicit, load_of, weights_of
+from pam_ident.fitting.length import Lengths, _stopped, at_limit, equilibrium, implicit, load_of, weights_of
 from pam_ident.model import Model
 from pam_ident.records import Record, record_from_frame
 from pam_ident.records.turning import pivots
@@ -171,6 +172,15 @@ def test_rows_without_pressure_are_left_out():
     p = whole.inputs.pressure.copy()
     p[:50] = 0.001
     assert at_limit(replace(whole, inputs=replace(whole.inputs, pressure=p))).sum() == 50
+
+
+def test_one_pressure_but_for_its_rounding_tells_of_no_stop():
+    """A line through its rows had a warning of numpy's for each."""
+    x = np.r_[np.zeros(20), np.full(20, 0.5), np.linspace(1.0, 10.0, 60)]
+    p = np.r_[np.linspace(0.1, 0.2, 20), np.tile([0.2, np.nextafter(0.2, 1.0)], 10), np.linspace(0.2, 0.5, 60)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert not _stopped(x, p, np.ones(100, bool), 0.1).any()
 
 
 def without_pauses(made) -> Record:

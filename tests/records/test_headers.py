@@ -55,6 +55,7 @@ def test_a_temperature_is_taken_by_its_word_where_each_row_has_one(tmp_path, eve
         (",", ["Time s", "Pressure bar", "Stroke mm", "Force N"]),
         (";", ["Zeit / s", "Druck / bar", "s / mm", "Kraft / N"]),
         (";", ["t/s", "p/bar", "x/mm", "F/N"]),
+        (";", ["Temps (s)", "Pression (bar)", "Course (mm)", "Effort (N)"]),
         (",", ["time_s", "pressure_sensor_bar", "displacement_mm", "force_N"]),
     ],
 )

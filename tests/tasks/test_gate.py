@@ -293,3 +293,19 @@ def test_blas_has_one_thread_inside():
     with one_blas_thread():
         pools = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
         assert pools and all(pool["num_threads"] == 1 for pool in pools)
+
+
+def test_a_muscle_that_never_comes_near_its_full_length_may_have_another_one():
+    table = good(np.random.default_rng(3))
+    assert not [one for one in doubts_of(record_of(table)) if "full length" in one.text]
+    table[:, 2] += 25.0
+    (told,) = [one for one in doubts_of(record_of(table)) if "full length" in one.text]
+    assert not told.grave and "initial_length_mm of the specimen (200)" in told.text
+
+
+def test_a_force_that_falls_as_the_pressure_rises_is_told():
+    """Two runs, one of them in kilogram-force."""
+    table = good(np.random.default_rng(3))
+    table[table[:, 1] > np.median(table[:, 1]), 3] /= 9.81
+    told = {one.code: one.text for one in doubts_of(record_of(table))}
+    assert "the force falls as the pressure rises" in told["scale"] and "pressure_absolute" not in told
