@@ -159,7 +159,8 @@ class Outcome:
     def floor(self) -> float:
         """The noise in N."""
         found = _as_measured(min(self._noise.whole, self._error), self.best)
-        between = [seen.sigma for one in (self.base, self.best) if (seen := repeat_noise(one))]
+        fits = (self.base, self.best) if self.lacking or self.seen else ()
+        between = [seen.sigma for one in fits if (seen := repeat_noise(one))]
         if self.lacking:  # the names that are not all there are do not touch it
             found = min(*(between or [found]), _as_measured(self.lacking.free.noise.whole, self.best), self.best.rmse)
         elif self.seen and not self.named and self.selection.record.inputs.time is not None:

@@ -134,17 +134,18 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     Noise is foretold by its colour and no further: a longer linear prediction (Makhoul 1975, Proceedings of the IEEE
     63, 561–580) adds nothing.
     """
-    if selection.record.inputs.time is None or len(selection.record) < (WINDOW + 1) * LAGS:
+    enough = (WINDOW + 1) * LAGS
+    if selection.record.inputs.time is None or len(selection.record) < enough:
         return None
     own = selection.noise_left_by(fitted)
     white, seen = own.whiten(selection.view(fitted).residual), ~own.outlier
     whole = sliding_window_view(seen, LAGS + 1).all(axis=1)
-    if np.count_nonzero(whole) < (WINDOW + 1) * LAGS:  # where the motion turns every few samples, gaps foretell nothing
+    if np.count_nonzero(whole) < enough:  # where the motion turns every few samples, gaps foretell nothing
         white, whole = np.where(seen, white, 0.0), seen[LAGS:]
     white = sliding_window_view(white, LAGS + 1)[whole]
-    n = len(white) - LAGS
-    if n < WINDOW * LAGS:
+    if len(white) < enough:
         return None
+    n = len(white) - LAGS
     before, now = white[:, :-1], white[:, -1]
     weights = np.linalg.lstsq(before, now)[0]
     left = now - before @ weights

@@ -163,8 +163,8 @@ def _stopped(x: Array, p: Array, going: Array, band: float) -> Array:
     there would have moved it on, by its course just before."""
     low = np.sort(x)[min(len(x) // 200, len(x) - 1)]
     end, before = x <= low + band, (x > low + band) & (x <= low + band + BEFORE * np.ptp(x))
-    one_pressure = np.count_nonzero(before) < 3 or np.ptp(p[before]) <= ROUNDED * np.ptp(p)
-    if np.count_nonzero(end & going) < 3 or one_pressure:
+    few = min(np.count_nonzero(end & going), np.count_nonzero(before)) < 3
+    if few or np.ptp(p[before]) <= ROUNDED * np.ptp(p):
         return np.zeros(len(x), bool)
     course = abs(np.polyfit(p[before], x[before], 1)[0])
     way = np.ptp(p[end & going]) * course
