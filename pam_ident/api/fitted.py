@@ -224,5 +224,6 @@ class FitResult(Predicting):
     @worked
     def validate(self, record: Any, specimen: Any = None) -> Validation:
         """How the fit does on another record: errors, coverage of its intervals, simpler models beside it."""
-        saved = SavedFit("", self.law, self.effects, self.specimen, self.predictors, self.details.simpler)
+        simpler = {branch: one.simpler for branch, one in self.details.elsewhere.items()}
+        saved = SavedFit("", self.law, self.effects, self.specimen, self.predictors, simpler)
         return validate_fit(saved, read(record, specimen))
