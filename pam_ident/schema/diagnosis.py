@@ -88,14 +88,14 @@ def candidates(diagnosis: "Diagnosis") -> "list[Candidate]":
 
 
 def in_order(diagnosis: "Diagnosis") -> "list[Candidate]":
-    """The ranking by probability in whole per cent, those that are alike by the error that they leave; then the effects
-    that were not judged."""
+    """The ranking by probability in whole per cent, of those that are alike first what was selected, then by the error
+    that they leave; then the effects that were not judged."""
 
     def shown(one: "Candidate") -> tuple[bool, float, float, bool, str]:
         """Errors that read alike are alike: what lies behind the third digit differs by machine."""
         left = math.inf if one.rmse_after is None else float(f"{one.rmse_after:.3g}")
         judged = one.status == "candidate"
-        return not judged, -round(100 * one.probability), left, one.effect not in diagnosis.selected, one.effect
+        return not judged, -round(100 * one.probability), one.effect not in diagnosis.selected, left, one.effect
 
     return sorted(diagnosis.ranking, key=shown)
 
