@@ -1,7 +1,7 @@
 """Which effect is missing, how sure that is, and what is left."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -132,7 +132,7 @@ def diagnosing(
         base, best, heldout, after, following, known, answer, selection, fitted, lacking, named, ruled_out, noise_N
     )
     if outcome.pattern and outcome.by_form:
-        outcome = _without_doubtful(outcome, instead)
+        outcome = _without_doubtful(outcome)
         fitted, best, after, named = outcome.fitted, outcome.best, outcome.heldout_after, outcome.named
     chance, said = outcome.chance, outcome.sentence((*extra, *model.own))
     off, off_after = outcome.lengths
@@ -168,18 +168,17 @@ def diagnosing(
     yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
 
 
-def _without_doubtful(outcome: Outcome, instead: Callable[[FittedSet], bool]) -> Outcome:
+def _without_doubtful(outcome: Outcome) -> Outcome:
     """The outcome without the names for which only a form speaks: beside something unknown no form is sure. Of 13 such
     names 3 were right."""
-    kept = [t for t in outcome.fitted.terms if t.effect.name not in outcome.by_form]
+    gone = {*outcome.by_form, *outcome.ruled_out}
+    kept = [t for t in outcome.fitted.terms if t.effect.name not in gone]
     fitted = outcome.selection.refit(kept, outcome.fitted.values)
-    lacking = outcome.lacking and replace(outcome.lacking, fitted=fitted)
-    fitted, (best, after, named, ruled_out) = allowed_by_nature(
-        outcome.base, outcome.heldout, outcome.selection, fitted, instead
+    fitted, (best, after, named, wrong) = allowed_by_nature(
+        outcome.base, outcome.heldout, outcome.selection, fitted, lambda _: False
     )
-    return replace(
-        outcome, best=best, heldout_after=after, fitted=fitted, lacking=lacking, named=named, ruled_out=ruled_out
-    )
+    lacking, wrong = outcome.lacking and replace(outcome.lacking, fitted=fitted), outcome.ruled_out | wrong
+    return replace(outcome, best=best, heldout_after=after, fitted=fitted, lacking=lacking, named=named, ruled_out=wrong)
 
 
 def _selected(
