@@ -177,8 +177,9 @@ def _without_doubtful(outcome: Outcome) -> Outcome:
     fitted, (best, after, named, wrong) = allowed_by_nature(
         outcome.base, outcome.heldout, outcome.selection, fitted, lambda _: False
     )
-    lacking, wrong = outcome.lacking and replace(outcome.lacking, fitted=fitted), outcome.ruled_out | wrong
-    return replace(outcome, best=best, heldout_after=after, fitted=fitted, lacking=lacking, named=named, ruled_out=wrong)
+    lacking = outcome.lacking and replace(outcome.lacking, fitted=fitted)
+    found = replace(outcome, best=best, heldout_after=after, fitted=fitted, lacking=lacking, named=named)
+    return replace(found, ruled_out=outcome.ruled_out | wrong)
 
 
 def _selected(

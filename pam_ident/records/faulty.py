@@ -102,8 +102,8 @@ def frozen_rows(values: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _frozen(x: Array, way: Array | None) -> Array:
-    """Mask (n,) of repeats of a reading after its first, in runs that end in a jump or in which the `way` (n,), what moves
-    the reading, goes on.
+    """Mask (n,) of repeats of a reading after its first, in runs that end in a jump or in which the `way` (n,), which
+    moves the reading, goes on.
 
     A clipped sensor, a rest and a noiseless hold repeat readings too. The first is at an end of the range, and none
     ends in a step that is far larger than those before and behind.

@@ -91,7 +91,7 @@ def in_order(diagnosis: "Diagnosis") -> "list[Candidate]":
     """The ranking by probability in whole per cent, of those that are alike first what was selected, then by the error
     that they leave; then the effects that were not judged."""
 
-    def shown(one: "Candidate") -> tuple[bool, float, float, bool, str]:
+    def shown(one: "Candidate") -> tuple[bool, int, bool, float, str]:
         """Errors that read alike are alike: what lies behind the third digit differs by machine."""
         left = math.inf if one.rmse_after is None else float(f"{one.rmse_after:.3g}")
         judged = one.status == "candidate"

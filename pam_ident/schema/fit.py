@@ -48,9 +48,7 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
         "effects": next(iter(fits.values())).model.labels,
         **muscle(next(iter(fits.values()))),
         "branches": {
-            branch: _branch(one)
-            | _checks(answer.checks[branch], one)
-            | elsewhere(answer.elsewhere[branch])
+            branch: _branch(one) | _checks(answer.checks[branch], one) | elsewhere(answer.elsewhere[branch])
             for branch, one in fits.items()
         },
     }

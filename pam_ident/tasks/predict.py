@@ -25,8 +25,10 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class SavedFit:
-    """What a file with a fitted model predicts, by branch; `simpler` is empty in those of earlier versions. `undetermined`
-    are parameters that the record fitted did not determine, `written` what the file holds of each branch."""
+    """What a file with a fitted model predicts, by branch; `simpler` is empty in those of earlier versions.
+
+    `undetermined` are parameters that the record fitted did not determine, `written` what the file holds of each
+    branch."""
 
     path: str
     law: str
@@ -51,7 +53,7 @@ class SavedFit:
             text = f"the fit is not valid: its record did not determine {names}. Elsewhere it may say anything."
             found.append(Doubt("undetermined", text))
         if self.without_readings:
-            text = "no interval of readings: the file of an earlier version does not hold how far they lie off; write it again"
+            text = "no interval of readings: the file, of an earlier version, does not say how far they lie off"
             found.append(Doubt("no_readings", text))
         return tuple(found)
 

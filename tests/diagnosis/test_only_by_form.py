@@ -50,7 +50,8 @@ def test_a_snap_at_other_places_on_each_branch_is_unknown_and_no_static_effect_s
 def test_memories_do_not_stand_for_what_follows_pressure_and_contraction():
     """Strokes that are all alike: creep, lag and softening in free forms can imitate a spring, and nothing shows that
     they are memory. By a law with a spring only the friction is missing."""
-    area, slope, foot = math.pi * 100.0, 3.0 / math.tan(math.radians(25.0)) ** 2, 1.0 / math.sin(math.radians(25.0)) ** 2
+    angle = math.radians(25.0)
+    area, slope, foot = math.pi * 100.0, 3.0 / math.tan(angle) ** 2, 1.0 / math.sin(angle) ** 2
 
     def law(p, e):
         return area * p * (slope * (1.0 - 1.05 * e) ** 2 - foot) - 400.0 * e + 60.0
