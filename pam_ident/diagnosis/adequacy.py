@@ -142,11 +142,10 @@ class Adequacy:
 
     @property
     def _static_part_open(self) -> bool:
-        """Whether the error follows pressure and contraction most, and no name does: over strokes that are all alike
-        memories of them can imitate that, and nothing shows that it is memory."""
-        largest = self.selection.following.shares()[0].what
-        names = [term.effect for term in self.fitted.terms]
-        return largest == "map" and bool(self.selection.following.uncovered(names, (largest,)))
+        """Whether the error follows pressure and contraction most, and of the names none does: over strokes that are
+        all alike memories of them can imitate that, and nothing shows that it is memory."""
+        following, names = self.selection.following, [term.effect for term in self.fitted.terms]
+        return bool(names) and following.shares()[0].what == "map" and bool(following.uncovered(names, ("map",)))
 
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
