@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .api.runs import batch, track
     from .api.saved import load
     from .api.verbs import compare, diagnose, fit, ladder, report
+    from .core.errors import DataError, FitError, PamError, UsageError
 
 __version__ = "0.1.0"
 
@@ -39,6 +40,7 @@ _HOME = {
     "Model": "pam_ident.api.model.ShownModel",
     "laws": "pam_ident.api.catalogue.laws",
     "effects": "pam_ident.api.catalogue.effects",
+    **{name: f"pam_ident.core.errors.{name}" for name in ("DataError", "FitError", "PamError", "UsageError")},
 }
 _OLD = {
     "Specimen": ("pam_ident.core.Specimen", "a dictionary as specimen="),
@@ -59,8 +61,12 @@ _INSTEAD = {
 """Commands that are something else here."""
 
 __all__ = [
+    "DataError",
+    "FitError",
     "Model",
+    "PamError",
     "Record",
+    "UsageError",
     "batch",
     "compare",
     "diagnose",

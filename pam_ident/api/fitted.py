@@ -138,9 +138,10 @@ class FitResult(Predicting):
         return found
 
     def summary(self) -> str:
-        """The equation, how well it fits, and the parameters, as text."""
-        head = self._head()
-        return "\n".join([*head[:1], str(self.model), *head[1:], *([told(self.params)] if self.model.params else [])])
+        """The equation, how well it fits, the parameters, and which of them stand at a bound, as text."""
+        head, stuck = self._head(), dict.fromkeys(line for one in self.fits.values() for line in one.at_bounds)
+        table = [told(self.params)] if self.model.params else []
+        return "\n".join([*head[:1], str(self.model), *head[1:], *table, *stuck])
 
     def _head(self) -> list[str]:
         from ..notebook.lines import fit as line
@@ -224,5 +225,6 @@ class FitResult(Predicting):
     @worked
     def validate(self, record: Any, specimen: Any = None) -> Validation:
         """How the fit does on another record: errors, coverage of its intervals, simpler models beside it."""
-        saved = SavedFit("", self.law, self.effects, self.specimen, self.predictors, self.details.simpler)
+        simpler = {branch: one.simpler for branch, one in self.details.elsewhere.items()}
+        saved = SavedFit("", self.law, self.effects, self.specimen, self.predictors, simpler)
         return validate_fit(saved, read(record, specimen))

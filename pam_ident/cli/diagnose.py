@@ -17,6 +17,11 @@ TAKEN_UP = (
     "the ideal braid lacks, say --law chou_hannaford."
 )
 
+ANOTHER_LAW = (
+    "What follows pressure and contraction alike on both branches may be what this law lacks: leave --law out, and all "
+    "laws are compared."
+)
+
 
 def diagnose(
     record: Annotated[
@@ -72,6 +77,8 @@ def diagnose(
         text.say(*text.banner(doubts), *describe(found), *([f"fit it: {command}"] if found.selected else []))
         if choice is not None and choice.law != "chou_hannaford" and found.verdict == "adequate":
             text.say(TAKEN_UP)
+        if choice is None and found.verdict == "unknown_effect" and found.follows and found.follows[0].what == "map":
+            text.say(ANOTHER_LAW)
         if protocol is not None:
             text.say(write_protocol(protocol, found.next_experiment))
     if asked.json is not None and len(record) == 1:

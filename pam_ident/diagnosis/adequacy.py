@@ -126,6 +126,8 @@ class Adequacy:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
         if larger_than_noise(self.selection, self.fitted) or self.comes_back > self.selection.noise.too_small:
             return False
+        if self._static_part_open:
+            return False
         free = [term.effect.follows[:1] for term in self.fitted.terms if term.form.free]
         if len(set(free)) < len(free):  # no form speaks for either, and together they follow anything of that driver
             return False
@@ -137,6 +139,13 @@ class Adequacy:
             return odds < CLOSE + EXACT * self.selection.excess
         beyond, share = self.unexplained
         return beyond < self.selection.noise.too_small or (bool(self.fitted.terms) and share < FORM_TOLERANCE)
+
+    @property
+    def _static_part_open(self) -> bool:
+        """Whether the error follows pressure and contraction most, and of the names none does: over strokes that are
+        all alike memories of them can imitate that, and nothing shows that it is memory."""
+        following, names = self.selection.following, [term.effect for term in self.fitted.terms]
+        return bool(names) and following.shares()[0].what == "map" and bool(following.uncovered(names, ("map",)))
 
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.

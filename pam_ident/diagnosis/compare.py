@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,7 +21,8 @@ def compare(fit: Fit, follows: tuple[Follows, ...] | None = None) -> Comparison:
     """Where a fit fails: its squared error by place, and the share that is odd or even in the branch.
 
     Args:
-        fit: of any model. Errors of the answer are in N, by isobar, branch and ten equal parts of the contraction.
+        fit: of any model. Errors of the answer are in N, by isobar, or tenths of a pressure that was driven, by branch
+            and by ten equal parts of the contraction.
         follows: what its error follows, where that is known; else it is worked out, which takes longer than the rest.
 
     Example:
@@ -33,6 +35,7 @@ def compare(fit: Fit, follows: tuple[Follows, ...] | None = None) -> Comparison:
         >>> print(f"worst at {found.worst[0].pressure_MPa} MPa; {found.odd:.0%} odd in the branch")
         worst at 0.5 MPa; ...% odd in the branch
     """
+    fit = replace(fit, record=fit.record.in_tenths())
     record, rows = fit.record, fit.rows
     residual = fit.residual
     direction, contraction = record.inputs.direction, record.inputs.contraction

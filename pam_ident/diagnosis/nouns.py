@@ -9,6 +9,7 @@ import numpy as np
 
 from ..fitting import Fit
 from ..fitting.carried import length_rmse
+from ..fitting.prediction import Elsewhere
 from .strokes import Strokes
 
 Array = np.ndarray
@@ -227,3 +228,8 @@ class Ladder:
     def verdict(self) -> str:
         """Of the last rung: adequate, missing_effect or unknown_effect."""
         return self.last.verdict
+
+    @cached_property
+    def elsewhere(self) -> Elsewhere:
+        """What the record says of the last rung on others, its effects and forms kept."""
+        return Elsewhere.of(self.rungs[-1].fit)

@@ -19,7 +19,7 @@ from .confounding import groups
 from .follows import Following
 from .noise import Noise
 from .nouns import Follows, Pattern
-from .probability import BY_FORM, DOUBTFUL, LAPSE, by_form_alone, probabilities
+from .probability import BESIDE, BY_FORM, DOUBTFUL, LAPSE, by_form_alone, probabilities
 from .remainder import pattern_of, unlike_noise
 from .repeats import rounding, step_of
 from .selection import FittedSet, Selection
@@ -142,7 +142,7 @@ class Outcome:
     @cached_property
     def chance(self) -> dict[str, float]:
         """Chance, by candidate, that it belongs to the answer; beside something unknown of those that stand alone."""
-        lapse = DOUBTFUL if self.seen or self.slow or self.unfollowed else LAPSE
+        lapse = BESIDE if self.pattern else DOUBTFUL if self.seen or self.slow or self.unfollowed else LAPSE
         chance = probabilities(self.selection, self.classes, self.selected, lapse)
         kept = set(self.selected).union(*self.classes) if self.lacking else set(chance)
         doubtful = dict.fromkeys(chance, BY_FORM if self.worse else 1.0)
@@ -183,7 +183,8 @@ class Outcome:
         """All of it in words; `extra` are effects beside the catalogue's."""
         labels = [t.label for t in self.named]
         far = 0 if self._error > MORE * self._noise.whole else int(self._noise.outlier.sum())
-        said = sentence(self.base, self.best, labels, self.classes, self.pattern, self.floor, far, extra)
+        least = min((self.chance.get(name, 0.0) for name in self.selected), default=0.0)
+        said = sentence(self.base, self.best, labels, least, self.classes, self.pattern, self.floor, far, extra)
         record = self.selection.record
         if self.rounded:
             said += f" What is left may be rounding: the force was read in steps of {newtons(step_of(record.force))}."

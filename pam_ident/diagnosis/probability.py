@@ -7,11 +7,12 @@ from ..model import Term
 from .search import TEMPER
 from .selection import FittedSet, Selection
 
-LAPSE, PAIR, THREE, DOUBTFUL, LOCKED = 0.006, 0.015, 0.3, 0.15, 0.12
-"""Chance that the search was misled as a whole, by what it ended with: one name, two, three, names beside something
-unknown or that leave what passes for slow noise but may be more, any in a locked muscle, of which nobody measures how
-far the braid slides, or under weights, where length and pressure are one line each. Shares of such statements that were
-false, of the rig's sets and other hands': 4 of 1,157, 3 of 370, 20 of 58, 17 of 161, 10 of 100."""
+LAPSE, PAIR, THREE, DOUBTFUL, LOCKED, BESIDE = 0.006, 0.015, 0.3, 0.15, 0.12, 0.5
+"""Chance that the search was misled as a whole, by what it ended with: one name, two, three, names that leave what
+passes for slow noise but may be more, any in a locked muscle, of which nobody measures how far the braid slides, or
+under weights, where length and pressure are one line each, and names beside something unknown. Shares of such
+statements that were false, of the rig's sets and other hands': 4 of 1,157, 3 of 370, 20 of 58, 17 of 161, 10 of 100,
+10 of 21."""
 LITTLE, LITTLE_FREE, BY_FORM = 0.035, 0.13, 0.5
 """Share of what all names explain that the unforeseen form of another may leave, and what of that another's free form
 takes up; and the chance that a name is right which does so, follows nothing likely, or is static beside another static

@@ -309,14 +309,16 @@ class Selection:
         following = self.following
         free = [] if self.record.inputs.time is None else [following.in_newtons(following.surfaces.matrix)]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
-        left, taken = remainder(columns if columns.shape[1] < len(self.record) // 2 else view.law, view.residual)
+        if columns.shape[1] >= len(self.record) // 2:
+            return self.noise_of_best(None)[0]
+        left, taken = remainder(columns, view.residual)
         rich = self.noise_in(left, view, taken)
         if rich.shared or following.unsure is None:
             return rich
         best, _ = self.noise_of_best(rich.outlier)
         return best if best.shared and best.sigma**2 <= (1.0 + OTHER_SIZE) * rich.sigma**2 else rich
 
-    def noise_of_best(self, outlier: Array) -> tuple[Noise, int]:
+    def noise_of_best(self, outlier: Array | None) -> tuple[Noise, int]:
         """Noise in what the law and surfaces over the likeliest drivers leave, and how many columns these have.
 
         It is found once for a record, and so are the samples that are an `outlier` (n,).

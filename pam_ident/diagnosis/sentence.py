@@ -17,6 +17,11 @@ TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
 
 
+def missing(chance: float) -> str:
+    """The word before names of which the least sure has a certain chance."""
+    return "Missing" if chance >= SURE else "Probably missing" if chance >= 0.5 else "Perhaps missing"
+
+
 def start(base: Fit, floor: float) -> str:
     """What a model leaves, beside the noise in N; in a table no repeats show how small that is."""
     about = "about" if base.record.inputs.time is not None else "at most"
@@ -27,18 +32,19 @@ def sentence(
     base: Fit,
     best: Fit,
     labels: Sequence[str],
+    chance: float,
     classes: Iterable[Sequence[str]],
     pattern: Pattern | None,
     floor: float,
     far: int,
     extra: tuple[Effect, ...],
 ) -> str:
-    """What is missing, and what is left, beyond noise perhaps in `far` samples far off. `extra` are effects beside the
-    catalogue's."""
+    """What is missing, by the `chance` of the least sure name, and what is left, beyond noise perhaps in `far` samples
+    far off. `extra` are effects beside the catalogue's."""
     parts = [start(base, floor)]
     if labels:
         parts.append(
-            f"Missing: {', '.join(named(label, extra) for label in labels)}. "
+            f"{missing(chance)}: {', '.join(named(label, extra) for label in labels)}. "
             f"With {'it' if len(labels) == 1 else 'them'} the error falls to {newtons(best.rmse)}."
         )
         if pattern is None and best.rmse > MORE * floor:
@@ -69,9 +75,8 @@ def headline(names: Sequence[str], diagnoses: Iterable[Diagnosis], extra: tuple[
         chances |= {each.effect: each.probability for each in one.ranking if each.effect in one.selected}
     told = [" or ".join(in_words(each, extra) for each in (name, *rivals.get(name, ()))) for name in names]
     least = min(chances.get(name, 1.0) for name in names)
-    lead = "Missing" if least >= SURE else "Probably missing" if least >= 0.5 else "Perhaps missing"
     joint = ", and " if any(map(rivals.get, names)) else " and "
-    return f"{lead}: {joint.join(filter(None, (', '.join(told[:-1]), told[-1])))}."
+    return f"{missing(least)}: {joint.join(filter(None, (', '.join(told[:-1]), told[-1])))}."
 
 
 def reservations(

@@ -9,6 +9,7 @@ stable, and none is predicted.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -81,6 +82,7 @@ def by_length(record: Record) -> bool:
     return not record.carried and record.kind == "isotonic"
 
 
+@lru_cache(maxsize=4)
 def load_of(record: Record) -> Array:
     """What the muscle carries in N, (n,): the measured force, less what of it is a load cell's white noise; of a mass
     that was given (`load_kg`) m (g + ẍ), x the shortening."""
@@ -91,6 +93,7 @@ def load_of(record: Record) -> Array:
     return force if spell is None else calmed(force, spell)
 
 
+@lru_cache(maxsize=4)
 def weights_of(record: Record) -> Array:
     """The load in N that is held at each sample, (n,): of spells in time their medians, alike ones put together."""
     spell = spells_of(record)
@@ -104,6 +107,7 @@ def weights_of(record: Record) -> Array:
     return np.array([np.median(held[group == g]) for g in range(group.max() + 1)])[group]
 
 
+@lru_cache(maxsize=4)
 def spells_of(record: Record) -> Array | None:
     """Number of the spell of each sample, (n,), under one weight: a run, or what of it lies between clear steps of the
     load; None without time."""
@@ -140,6 +144,7 @@ def _parted(force: Array, pressure: Array, begin: int, end: int, turn: float) ->
     return [*_parted(force, pressure, begin, k, turn), k, *_parted(force, pressure, k, end, turn)]
 
 
+@lru_cache(maxsize=4)
 def at_limit(record: Record) -> Array:
     """Mask (n,) of the samples in which no balance of forces is seen: the length stands at its end while the pressure
     goes on, as on a stop or with slack threads, or there is no pressure and the threads alone carry the weight."""

@@ -280,3 +280,16 @@ def simpler(one: Fit) -> Simpler:
         values = None
     line = (float(offset), float(slope))
     return Simpler(line, values) if one.lengths is None else Simpler(None, values, line)
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """What a fit's own record says of it on others: how far readings lie off, and the simpler models it must beat."""
+
+    spread: ReadingSpread
+    simpler: Simpler
+
+    @classmethod
+    def of(cls, one: Fit) -> "Elsewhere":
+        """That of a fit, by refits without a part of its rows."""
+        return cls(reading_spread(one), simpler(one))

@@ -96,12 +96,14 @@ def _windows(x: Array, reach: int) -> Array:
 def frozen_rows(values: Mapping[str, Array]) -> dict[str, Array]:
     """Quantity → mask (n,) of the rows in which its sensor hangs, for those in which any does."""
     way = next((values[key] for key in ("displacement", "contraction", "length") if key in values), None)
-    found = {key: _frozen(values[key], way if key == "force" else None) for key in SENSORS if key in values}
+    moves = {"force": way, "pressure": values.get("pressure_set")}
+    found = {key: _frozen(values[key], moves.get(key)) for key in SENSORS if key in values}
     return {key: rows for key, rows in found.items() if rows.any()}
 
 
 def _frozen(x: Array, way: Array | None) -> Array:
-    """Mask (n,) of repeats of a reading after its first, in runs that end in a jump or in which the `way` (n,) goes on.
+    """Mask (n,) of repeats of a reading after its first, in runs that end in a jump or in which the `way` (n,), which
+    moves the reading, goes on.
 
     A clipped sensor, a rest and a noiseless hold repeat readings too. The first is at an end of the range, and none
     ends in a step that is far larger than those before and behind.

@@ -27,7 +27,7 @@ GIVE_MM_KN = 1.5
 """What threads and ends of a locked muscle give, so that its braid slides: of the size that series compliance has."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Record:
     """A measured record: force with the inputs of a force law at n samples, cut into isobars, strokes and blocks.
 

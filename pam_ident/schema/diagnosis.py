@@ -4,7 +4,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from .fit import Json, covariance, length_json, muscle, parameters
+from .fit import Json, covariance, elsewhere, length_json, muscle, parameters
 from .versions import picked, schema, warnings_json
 
 if TYPE_CHECKING:
@@ -88,14 +88,14 @@ def candidates(diagnosis: "Diagnosis") -> "list[Candidate]":
 
 
 def in_order(diagnosis: "Diagnosis") -> "list[Candidate]":
-    """The ranking by probability in whole per cent, those that are alike by the error that they leave; then the effects
-    that were not judged."""
+    """The ranking by probability in whole per cent, of those that are alike first what was selected, then by the error
+    that they leave; then the effects that were not judged."""
 
-    def shown(one: "Candidate") -> tuple[bool, float, float, bool, str]:
+    def shown(one: "Candidate") -> tuple[bool, int, bool, float, str]:
         """Errors that read alike are alike: what lies behind the third digit differs by machine."""
         left = math.inf if one.rmse_after is None else float(f"{one.rmse_after:.3g}")
         judged = one.status == "candidate"
-        return not judged, -round(100 * one.probability), left, one.effect not in diagnosis.selected, one.effect
+        return not judged, -round(100 * one.probability), one.effect not in diagnosis.selected, left, one.effect
 
     return sorted(diagnosis.ranking, key=shown)
 
@@ -188,6 +188,7 @@ def addition_json(record: str, addition: "Addition") -> Json:
         "after": _errors(addition.after, addition.heldout_after),
         "parameters": parameters(addition.after.estimates),
         **covariance(addition.after),
+        **elsewhere(addition.elsewhere),
         "warnings": warnings_json(addition.warnings),
     }
 
@@ -198,6 +199,7 @@ def _errors(one: "Fit", heldout: float) -> Json:
 
 def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -> Json:
     """Schema pam-ident/ladder/1."""
+    below = len(ladder.rungs) - 1
     return {
         "schema": schema("ladder"),
         "record": record,
@@ -213,8 +215,9 @@ def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -
                 "shares_N": list(rung.fit.shares.values()),
                 "parameters": parameters(rung.fit.estimates),
                 **covariance(rung.fit),
+                **(elsewhere(ladder.elsewhere) if k == below else {}),
             }
-            for rung in ladder.rungs
+            for k, rung in enumerate(ladder.rungs)
         ],
         "noise_floor_N": ladder.noise_floor,
         "verdict": ladder.verdict,

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ..core import Inputs, Param
     from ..fitting import Fit
     from ..fitting.fit import Estimate
-    from ..fitting.prediction import ReadingSpread, Simpler
+    from ..fitting.prediction import Elsewhere
     from ..tasks.fit import Checks, FitAnswer
 
 Json = dict[str, Any]
@@ -48,9 +48,7 @@ def fit_json(record: str, law: str, answer: "FitAnswer") -> Json:
         "effects": next(iter(fits.values())).model.labels,
         **muscle(next(iter(fits.values()))),
         "branches": {
-            branch: _branch(one)
-            | _checks(answer.checks[branch], one)
-            | _elsewhere(answer.spreads[branch], answer.simpler[branch])
+            branch: _branch(one) | _checks(answer.checks[branch], one) | elsewhere(answer.elsewhere[branch])
             for branch, one in fits.items()
         },
     }
@@ -130,8 +128,9 @@ def _checks(checks: "Checks", one: "Fit") -> Json:
     }
 
 
-def _elsewhere(spread: "ReadingSpread", plain: "Simpler") -> Json:
+def elsewhere(one: "Elsewhere") -> Json:
     """What is needed to predict readings, and what must be beaten there."""
+    spread, plain = one.spread, one.simpler
     return {
         "reading": {
             "same_N": spread.same,

@@ -1,12 +1,14 @@
 """What adding effects to a law does to the error, on held-out data too."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..core import UsageError
 from ..diagnosis import heldout_rmse
 from ..diagnosis.nested import masks_of
 from ..fitting import Fit, fit
 from ..fitting.carried import driven, nearer
+from ..fitting.prediction import Elsewhere
 from ..records import Record
 from ..records.doubt import Doubt
 from .gate import admit, computing, warnings_of
@@ -22,6 +24,11 @@ class Addition:
     heldout_before: float
     heldout_after: float
     warnings: tuple[Doubt, ...] = ()
+
+    @cached_property
+    def elsewhere(self) -> Elsewhere:
+        """What the record says of the law with the effects on others."""
+        return Elsewhere.of(self.after)
 
 
 def add_effects(record: Record, setup: Setup) -> Addition:

@@ -36,7 +36,7 @@ def _compare_length(one: Fit) -> Comparison:
     follows: tuple[Follows, ...] = ()
     if len(np.unique(one.lengths.weight[one.rows])) > 1:
         follows = what_it_follows(fit(one.model, driven(one.model, one.record, one.values)))
-    found = compare(InLength.of(replace(one, record=one.record.in_tenths())), follows)
+    found = compare(InLength.of(one), follows)
     by = {"load_N": tuple(_by_weight(one)), **found.by}
     return replace(found, fit=one, by=by, sentence=_sentence(one, replace(found, by=by)))
 

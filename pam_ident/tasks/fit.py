@@ -19,7 +19,7 @@ from ..fitting.floor import LackOfFit, RepeatNoise
 from ..fitting.identifiability import PINNED, StandIn
 from ..fitting.length import by_length
 from ..fitting.methods import MethodRow, compare_methods
-from ..fitting.prediction import Predictor, ReadingSpread, Simpler, reading_spread, simpler
+from ..fitting.prediction import Elsewhere, Predictor
 from ..fitting.profile import Profile, profile
 from ..fitting.refit import refit_weights
 from ..fitting.weigh import LOSSES, Weighing
@@ -117,19 +117,14 @@ class FitAnswer:
         return loop_energies(self.record, self.record.force) if self.record.kind == "isobaric" else {}
 
     @cached_property
-    def spreads(self) -> Mapping[str, ReadingSpread]:
-        """How far readings lie off, by branch."""
-        return {branch: reading_spread(one) for branch, one in self.fits.items()}
-
-    @cached_property
-    def simpler(self) -> Mapping[str, Simpler]:
-        """Models that this one must beat, by branch."""
-        return {branch: simpler(one) for branch, one in self.fits.items()}
+    def elsewhere(self) -> Mapping[str, Elsewhere]:
+        """What the record says of the fits on others, by branch."""
+        return {branch: Elsewhere.of(one) for branch, one in self.fits.items()}
 
     @property
     def predictors(self) -> dict[str, Predictor]:
         """The fits by branch, to be asked elsewhere."""
-        return {branch: Predictor.of(one, self.spreads[branch]) for branch, one in self.fits.items()}
+        return {branch: Predictor.of(one, self.elsewhere[branch].spread) for branch, one in self.fits.items()}
 
     @cached_property
     def warnings(self) -> tuple[Doubt, ...]:

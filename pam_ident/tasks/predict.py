@@ -25,9 +25,10 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class SavedFit:
-    """What a file with a fitted model predicts, by branch; `simpler` is empty in those of a ladder, of `add` and of
-    earlier versions. `undetermined` are parameters that the record fitted did not determine, `written` what the file
-    holds of each branch."""
+    """What a file with a fitted model predicts, by branch; `simpler` is empty in those of earlier versions.
+
+    `undetermined` are parameters that the record fitted did not determine, `written` what the file holds of each
+    branch."""
 
     path: str
     law: str
@@ -52,7 +53,7 @@ class SavedFit:
             text = f"the fit is not valid: its record did not determine {names}. Elsewhere it may say anything."
             found.append(Doubt("undetermined", text))
         if self.without_readings:
-            text = "no interval of readings: the file does not hold how far they lie off; `fit --json` learns that"
+            text = "no interval of readings: the file, of an earlier version, does not say how far they lie off"
             found.append(Doubt("no_readings", text))
         return tuple(found)
 
@@ -107,7 +108,7 @@ def _predictor(found: Answer, holder: Mapping[str, Any], model: Model, specimen:
 
 
 def _reading(table: Any, seen: Mapping[str, list[float]]) -> ReadingSpread | None:
-    """How far readings lie off; of a ladder or of `add`, which leave nothing out to learn it, only what was `seen`."""
+    """How far readings lie off; of an earlier version only what was `seen`."""
     if not isinstance(table, dict):
         if not {"pressure_MPa", "contraction"} <= set(seen):
             return None

@@ -5,7 +5,7 @@ from dataclasses import replace
 from ..core import FitError
 from ..diagnosis import compare
 from ..diagnosis.nested import HERE
-from ..diagnosis.nouns import Comparison, Diagnosis, Ladder
+from ..diagnosis.nouns import Diagnosis, Ladder
 from ..fitting import Fit, IsobarTable, fit_isobars, loop_energies
 from ..fitting.energy import energy_warning, model_loops
 from ..model import Model
@@ -34,20 +34,15 @@ def section_of(record: Record, base: Fit, diagnosis: Diagnosis, ladder: Ladder, 
     loops = model_loops({"together": best or base}) if held else {}
     return Section(
         record,
-        _compared(base),
+        compare(base),
         diagnosis,
-        _compared(best) if best is not None else None,
+        compare(best) if best is not None else None,
         ladder,
         _isobars(base.model, record) if held else (),
         loop_energies(record, record.force) if held else {},
         loops,
         _warnings(base, best or base, loops),
     )
-
-
-def _compared(one: Fit) -> Comparison:
-    """Where a fit fails, by tenths of a pressure that was driven."""
-    return compare(replace(one, record=one.record.in_tenths()))
 
 
 def completed(diagnosis: Diagnosis, ladder: Ladder) -> Fit | None:

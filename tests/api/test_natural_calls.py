@@ -365,8 +365,11 @@ def test_39_tab_shows_these_and_nothing_else():
     shown = {name for name in dir(pam) if not name.startswith("__")}
     assert shown == {
         "read", "fit", "compare", "diagnose", "ladder", "report", "batch", "track", "load", "Record", "Model", "laws",
-        "effects",
+        "effects", "PamError", "DataError", "FitError", "UsageError",
     }  # fmt: skip
+    with pytest.raises(pam.DataError, match="no such file") as refused:
+        pam.read("nowhere.csv")
+    assert isinstance(refused.value, pam.PamError)
     with pytest.raises(AttributeError, match="did you mean ladder"):
         _ = pam.lader
     for name, instead in {

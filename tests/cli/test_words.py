@@ -46,8 +46,9 @@ def test_a_diagnosis_has_none_outside_of_brackets(record, law):
 def test_no_sentence_on_any_effect_has_one(record):
     base = fit(Model.build("exponential_law"), record)
     for name, other in zip(catalogue(), [*list(catalogue())[1:], "creep"], strict=True):
-        said = sentence(base, base, [f"{name}:free"], [(name, other)], None, 2.0, True, ())
+        said = sentence(base, base, [f"{name}:free"], 0.7, [(name, other)], None, 2.0, True, ())
         said += reservations({name: 0.2}, {name: (0.8, "It explains little.")}, ())
+        assert "Probably missing" in said
         assert not codes(said) and said.count(f"({name}:free)") == said.count(f"({other})") == 1
 
 

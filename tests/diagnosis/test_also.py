@@ -114,6 +114,7 @@ def test_what_was_added_by_hand_is_named_where_it_is_asked_for(tmp_path, added, 
         assert found.best.values[f"{name}.{key}"] == pytest.approx(value, rel=0.1), key
 
 
+@pytest.mark.long
 def test_a_ladder_climbs_to_it(weighted):
     rungs = climb(LAW, thinned(weighted[0], 2000), also=("moving_mass",), detail=False).rungs
     assert rungs[-1].effects == ("moving_mass",)
@@ -127,6 +128,7 @@ def test_what_is_asked_for_leaves_another_answer_as_it_is():
     assert plain.labels == more.labels and plain.best.values == pytest.approx(more.best.values, rel=1e-6)
 
 
+@pytest.mark.long
 def test_only_may_name_it_a_form_too_and_a_wrong_name_is_refused(weighted):
     record = thinned(weighted[0], 1500)
     assert {c.effect for c in diagnose(LAW, record, only=("moving_mass",)).ranking} == {"moving_mass"}

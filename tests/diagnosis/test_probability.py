@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pam_ident.diagnosis.probability import DOUBTFUL, LAPSE, LOCKED, MISSED, PAIR, TEMPER, THREE, probabilities
+from pam_ident.diagnosis.probability import BESIDE, DOUBTFUL, LAPSE, LOCKED, MISSED, PAIR, TEMPER, THREE, probabilities
 from pam_ident.validation.calibration import reliability
 
 
@@ -55,7 +55,7 @@ def test_the_more_names_and_what_is_unknown_beside_them_the_less_sure_they_are()
     for answer, lapse, misled in kinds:
         found = probabilities(sets, [("a", "b", "c")], set(answer), lapse)
         assert found["a"] == pytest.approx(1.0 - misled)
-    assert LAPSE < PAIR < LOCKED < DOUBTFUL < THREE
+    assert LAPSE < PAIR < LOCKED < DOUBTFUL < THREE < BESIDE
 
 
 def test_no_name_is_near_certain_in_a_locked_muscle():

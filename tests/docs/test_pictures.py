@@ -36,6 +36,7 @@ def test_a_page_shows_a_picture_that_is_there_and_says_what_is_on_it(page, root)
 
 
 @pytest.mark.browser
+@pytest.mark.long
 @pytest.mark.parametrize("name", sorted({*SHOWN.values()}))
 def test_a_picture_says_what_the_program_says_now(name, maker, root, page, agree):
     page.set_viewport_size(maker.SIZE)

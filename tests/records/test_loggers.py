@@ -254,6 +254,18 @@ def test_a_sensor_hangs_through_a_hold_and_wakes_where_it_fell_asleep():
     assert name == "force" and list(np.flatnonzero(rows)) == list(range(410, 432))
 
 
+def test_a_gauge_hangs_while_its_set_pressure_goes_on_and_wakes_where_it_fell_asleep():
+    rng, columns = np.random.default_rng(3), strokes()
+    columns["pressure_set"] = np.interp(np.arange(2000) % 400, [0, 200, 400], [0.1, 0.5, 0.1])
+    columns["pressure"] = columns["pressure_set"] + rng.normal(0, 2e-3, 2000)
+    columns["pressure"][570:631] = columns["pressure"][570]
+    columns["pressure"][631] = columns["pressure"][570] + 0.002
+    ((name, rows),) = frozen_rows(columns).items()
+    assert name == "pressure" and list(np.flatnonzero(rows)) == list(range(571, 631))
+    held = columns | {"pressure_set": np.full(2000, 0.3)}
+    assert frozen_rows(held) == {}, "a pressure that is held may stay the same"
+
+
 def test_hung_rows_are_left_out_and_counted(put):
     columns = strokes()
     columns["force"][450:490] = columns["force"][450]

@@ -331,6 +331,7 @@ def test_adequate_record_needs_no_second_model(section, diagnosis):
     assert page.open == []
 
 
+@pytest.mark.long
 def test_a_ladder_without_a_step_is_neither_drawn_nor_stepped_through(section, text, diagnosis, ladder):
     low = replace(ladder, rungs=ladder.rungs[:1])
     alone = replace(diagnosis, verdict="adequate", selected=(), labels=(), groups=(), best=diagnosis.base)

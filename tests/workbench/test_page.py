@@ -237,6 +237,7 @@ def test_a_file_of_unknown_headings_without_a_specimen_is_opened_by_what_is_said
     assert (again.force == page.bench.record.force).all() and again.specimen.braid_angle_deg == 25.4
 
 
+@pytest.mark.long
 def test_another_specimen_is_typed_in_later(page):
     page.side.form.fields["braid_angle_deg"].value = "24"
     click(page, "Use this specimen")
