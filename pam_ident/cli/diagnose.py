@@ -75,6 +75,8 @@ def diagnose(
         answers.append(diagnosis_json(path, found, doubts, command) | law_choice_json(choice))
         text.say(*([""] if len(answers) > 1 else []), text.title(path, found.base.record), *text.chosen(choice))
         text.say(*text.banner(doubts), *describe(found), *([f"fit it: {command}"] if found.selected else []))
+        if found.selected and found.best.problems:
+            text.say(f"that fit is not valid: {'; '.join(found.best.problems)}")
         if choice is not None and choice.law != "chou_hannaford" and found.verdict == "adequate":
             text.say(TAKEN_UP)
         if choice is None and found.verdict == "unknown_effect" and found.follows and found.follows[0].what == "map":

@@ -197,6 +197,8 @@ def parameters(fit: "Fit", shared: bool | None = None) -> list[str]:
 
         own, shares = fit.model.own, fit.shares
         notes += [f"{INDENT}{in_words(name, own)}: {newtons(share)} rms of the force" for name, share in shares.items()]
+        free = [in_words(term.effect.name, own) for term in fit.model.terms if term.form.free]
+        notes += [f"{INDENT}{name}: the numbers of a free form draw a curve and are no constants" for name in free]
     return table(head, rows, left=(0, 4, 5)) + notes
 
 
@@ -270,7 +272,7 @@ def checks(found: "Checks", one: "Fit") -> list[str]:
         lines.append(f"{INDENT}{found.repeats.strokes} repeated strokes differ by {size(found.repeats.sigma)}{memory}")
     if found.lack is not None:
         little = found.repeats is not None and one.rmse < LITTLE * found.repeats.sigma
-        more = "hardly more than noise" if little else "more than noise"
+        more = "hardly more than noise" if little else "more than noise, and `pam-ident diagnose` says what is missing"
         verdict = "nothing but noise is left" if found.lack.adequate else f"the model leaves {more}"
         lines.append(
             f"{INDENT}lack of fit: {verdict} (F {number(found.lack.statistic, 3)}, p {found.lack.p_value:.2g})"

@@ -35,8 +35,9 @@ def compare(fit: Fit, follows: tuple[Follows, ...] | None = None) -> Comparison:
         >>> print(f"worst at {found.worst[0].pressure_MPa} MPa; {found.odd:.0%} odd in the branch")
         worst at 0.5 MPa; ...% odd in the branch
     """
-    fit = replace(fit, record=fit.record.in_tenths())
-    record, rows = fit.record, fit.rows
+    record, rows = fit.record.in_tenths(), fit.rows
+    if record is not fit.record:
+        fit = replace(fit, record=record)
     residual = fit.residual
     direction, contraction = record.inputs.direction, record.inputs.contraction
     total = max(float(np.sum(residual[rows] ** 2)), 1e-300)

@@ -54,8 +54,12 @@ def one_speed(record: Record) -> bool:
     """Whether the strokes of a record in time have practically one speed: all, or those of each isobar and direction.
 
     Where a drive slows down with the load, another speed is another pressure or branch, and proves nothing either.
+    Under a held load it is the pressure that is driven at a speed: how fast the length then goes is the answer.
     """
-    speed, moving = record.inputs.stroke_speed, record.inputs.moving
+    speed, moving, rate = record.inputs.stroke_speed, record.inputs.moving, record.inputs.pressure_rate
+    if record.carried and rate is not None:
+        _, stroke = np.unique(record.stroke, return_inverse=True)
+        speed = (np.bincount(stroke, np.abs(rate)) / np.bincount(stroke))[stroke]
     if speed is None or moving is None or not moving.any():
         return False
     level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))

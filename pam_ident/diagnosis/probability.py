@@ -77,7 +77,7 @@ def by_form_alone(
         others = [t.effect for t in named if t is not term]
         free = term.form.free and term.effect.follows[:1] != ("temperature",)  # which is measured, and like no other
         if others and selection.part(fitted, term) < (LITTLE_FREE if free else LITTLE):
-            why = f"Without it {others[0].title}, in another form, could leave as little."
+            why = f"Beside {others[0].title} it explains little, and an unforeseen form of that might, too."
             found[name] = BY_FORM if free else 1.0 - DOUBTFUL, why
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
             found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."

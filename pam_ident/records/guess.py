@@ -18,7 +18,7 @@ from .turning import pivots
 WORDS = {
     "pressure_set": r"soll\w*|set|setpoint|target|command\w*|cmd|consigne",
     "temperature": r"temp|temp[eé]ratur\w*",
-    "contraction": r"contraction|kontraktion|verkürzung|eps|epsilon|strain",
+    "contraction": r"contraction|kontraktion|shortening|verkürzung|eps|epsilon|strain",
     "force": r"force|kraft|\w+kraft|load\w*|f|fz|fx|fuerza|forza|effort|pull|tension",
     "pressure": r"press\w*|druck|\w+druck|p|pres[ií]on\w*|pression\w*|air",
     "displacement": r"disp\w*|weg|\w+weg|stroke|hub|travel|pos\w*|way|lvdt|desplazamiento|d[ée]placement|course|x|s",

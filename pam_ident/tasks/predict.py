@@ -147,7 +147,10 @@ def predict_length(branches: Mapping[str, Predictor], inputs: Inputs, load: Arra
     model = next(iter(branches.values())).model
     memory = [term.label for term in model.terms if term.form.remembers]
     if memory:
-        raise DataError(f"the fit's {memory[0]} remembers the way, which is what is to be predicted; fit without it")
+        raise DataError(
+            f"a load gives no length by this fit: its {memory[0]} depends on the way that the length went before; take "
+            "a fit without it"
+        )
     return _by_branch(branches, inputs, lambda one: one.carrying(inputs, load))
 
 
