@@ -272,7 +272,7 @@ def checks(found: "Checks", one: "Fit") -> list[str]:
         lines.append(f"{INDENT}{found.repeats.strokes} repeated strokes differ by {size(found.repeats.sigma)}{memory}")
     if found.lack is not None:
         little = found.repeats is not None and one.rmse < LITTLE * found.repeats.sigma
-        more = "hardly more than noise" if little else "more than noise, and `pam-ident diagnose` says what is missing"
+        more = "hardly more than noise" if little else "more than noise; see `pam-ident diagnose`"
         verdict = "nothing but noise is left" if found.lack.adequate else f"the model leaves {more}"
         lines.append(
             f"{INDENT}lack of fit: {verdict} (F {number(found.lack.statistic, 3)}, p {found.lack.p_value:.2g})"
