@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from ..effects import Effect
 from ..fitting import Fit
-from .adequacy import MAY_LEAVE, Adequacy, needless
+from .adequacy import MAY_LEAVE, Adequacy, FreeModel, needless
 from .confounding import groups
 from .follows import Following
 from .probability import probabilities
@@ -34,20 +34,22 @@ def answer_of(
 ) -> Selected:
     """The answer of the effects `tried`, complete or not."""
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
-    fitted = _as_followed(selection, _likely(selection, fitted))
+    fitted = _likely(selection, fitted)
     likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
     if len(likely) < len(fitted.terms) and (not likely or Adequacy.lacking(selection, fitted, False)):
         fitted = selection.refit(likely, fitted.values)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None
-    return Selected(selection, fitted, Adequacy.lacking(selection, fitted, remains))
+    lacking = Adequacy.lacking(selection, fitted, remains)
+    return Selected(selection, fitted if lacking or remains else _as_followed(selection, fitted), lacking)
 
 
 def _as_followed(selection: Selection, fitted: FittedSet) -> FittedSet:
-    """Of the sets with one name exchanged that the record does not tell from it that of which most names follow first
-    what the likeliest drivers hold: at one speed a friction that follows the direction, no damping."""
+    """Of a complete set and those, as complete, with one name exchanged that the record does not tell from it, the one
+    of which most names follow first what the likeliest drivers hold: at one speed dry friction, no damping."""
     if selection.record.inputs.time is None:
         return fitted
+    free = FreeModel.of(selection)
     chosen, shared = selection.following.chosen, len(fitted.terms) - 1
     alike = [v for v in selection.cache.values() if len(v.terms) - 1 == shared <= len(v.names & fitted.names)]
     close = [v for v in alike if v.criterion < fitted.criterion + CLOSE and v.names == v.candidates]
@@ -55,7 +57,8 @@ def _as_followed(selection: Selection, fitted: FittedSet) -> FittedSet:
     def order(one: FittedSet) -> tuple[int, float]:
         return -sum(not chosen.isdisjoint(t.effect.follows[:1]) for t in one.terms), one.criterion
 
-    return min([fitted, *close], key=order)
+    better = sorted((v for v in close if order(v)[0] < order(fitted)[0]), key=order)
+    return next((v for v in better if Adequacy(selection, v, free).complete), fitted)
 
 
 def likelier_instead(answer: Selected, others: list[Effect]) -> list[str]:
