@@ -37,8 +37,9 @@ def weights(rates, friction=0.0):
 @pytest.mark.parametrize(("rates", "one"), [((0.05,), True), ((0.02, 0.1), False)])
 def test_one_rate_is_one_speed_though_a_light_weight_goes_further(rates, one):
     record = driven(LAW, weights(rates))
+    assert record.carried and record.inputs.stroke_speed is not None
     speeds = record.inputs.stroke_speed[record.inputs.moving]
-    assert record.carried and np.quantile(speeds, 0.9) > 1.5 * np.quantile(speeds, 0.1)
+    assert np.quantile(speeds, 0.9) > 1.5 * np.quantile(speeds, 0.1)
     assert one_speed(record) == one
 
 
