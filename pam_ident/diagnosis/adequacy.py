@@ -145,7 +145,7 @@ class Adequacy:
         """Whether the error follows pressure and contraction most, and of the names none does: over strokes that are
         all alike memories of them can imitate that, and nothing shows that it is memory."""
         following, names = self.selection.following, [term.effect for term in self.fitted.terms]
-        return bool(names) and following.shares()[0].what == "map" and bool(following.uncovered(names, ("map",)))
+        return bool(names and following.uncovered(names, ("map",))) and following.shares()[0].what == "map"
 
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.

@@ -44,7 +44,6 @@ REST = "the rest"
 """What follows nothing, where nobody knows that it is noise."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
-
 STATIC = 500.0
 """Loss of evidence by which nothing takes the place of pressure and contraction: four static records lost 1,380 to
 1,680, where 1 % of the evidence was 277,000 and more."""
@@ -53,18 +52,23 @@ STATIC = 500.0
 def one_speed(record: Record) -> bool:
     """Whether the strokes of a record in time have practically one speed: all, or those of each isobar and direction.
 
-    Where a drive slows down with the load, another speed is another pressure or branch, and proves nothing either.
-    Under a held load it is the pressure that is driven at a speed: how fast the length then goes is the answer.
+    Where a drive slows down with the load, another speed is another pressure or branch, and proves nothing either;
+    under a held load the pressure is driven at a speed, and how fast the length then goes is the answer.
     """
     speed, moving, rate = record.inputs.stroke_speed, record.inputs.moving, record.inputs.pressure_rate
     if record.carried and rate is not None:
-        _, stroke = np.unique(record.stroke, return_inverse=True)
-        speed = (np.bincount(stroke, np.abs(rate)) / np.bincount(stroke))[stroke]
+        speed = _mean_of_each(record.stroke, np.abs(rate))
     if speed is None or moving is None or not moving.any():
         return False
     level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
     cells = (level + 1j * record.inputs.direction)[moving]  # a pair as one number
     return all(_one(speed[moving][cells == cell]) for cell in np.unique(cells))
+
+
+def _mean_of_each(group: Array, values: Array) -> Array:
+    """The mean of some values (n,) over each sample's group (n,), shape (n,)."""
+    _, one = np.unique(group, return_inverse=True)
+    return (np.bincount(one, weights=values) / np.bincount(one))[one]
 
 
 def _one(speeds: Array) -> bool:
@@ -100,9 +104,7 @@ def _without_sensor(record: Record) -> Inputs:
     inputs = record.inputs
     if inputs.time is None or inputs.pressure_rate is not None:
         return inputs
-    _, level = np.unique(record.level, return_inverse=True)
-    means = np.bincount(level, weights=inputs.pressure) / np.bincount(level)
-    return replace(inputs, pressure=means[level])
+    return replace(inputs, pressure=_mean_of_each(record.level, inputs.pressure))
 
 
 def what_it_follows(fit: Fit) -> tuple[Follows, ...]:

@@ -199,7 +199,7 @@ def _errors(one: "Fit", heldout: float) -> Json:
 
 def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -> Json:
     """Schema pam-ident/ladder/1."""
-    below = len(ladder.rungs) - 1
+    last = len(ladder.rungs) - 1
     return {
         "schema": schema("ladder"),
         "record": record,
@@ -215,7 +215,7 @@ def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -
                 "shares_N": list(rung.fit.shares.values()),
                 "parameters": parameters(rung.fit.estimates),
                 **covariance(rung.fit),
-                **(elsewhere(ladder.elsewhere) if k == below else {}),
+                **(elsewhere(ladder.elsewhere) if k == last else {}),
             }
             for k, rung in enumerate(ladder.rungs)
         ],
