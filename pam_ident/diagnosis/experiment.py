@@ -45,7 +45,7 @@ def next_experiment(selection: Selection, fitted: FittedSet, classes: Sequence[S
 
     The first name of a group is an effect of the set, the others are its rivals. None where nothing is open.
     """
-    record, known = selection.record, {e.name: e for e in selection.weighed}
+    record, known = selection.record, {a.effect: a.term.effect for a in selection.regressors}
     terms = {t.effect.name: t for t in fitted.terms}
     questions = [Question(selection, fitted, terms[group[0]], [known[n] for n in group[1:]]) for group in classes]
     if not questions:
