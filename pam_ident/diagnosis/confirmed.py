@@ -10,10 +10,10 @@ from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
 from ..model import Model, Term
 from .follows import looked_at
-from .heldout import fit_quickly, heldout_rmse, in_best_forms
+from .heldout import SHORT, fit_quickly, heldout_rmse, in_best_forms
 from .nouns import Pattern
 from .search import CLOSE
-from .select import EXACT, RIVALS
+from .select import RIVALS
 from .selection import FittedSet, Selection
 
 
@@ -133,7 +133,7 @@ def _confirmed(
     predicted better, and these choose the forms, too. In time what a cycle leaves to be foretold at an end of the
     record says nothing of a name.
     """
-    table = base.record.inputs.time is None and len(base.record) <= EXACT and not math.isnan(heldout)
+    table = base.record.inputs.time is None and len(base.record) <= SHORT and not math.isnan(heldout)
 
     def attempt(terms: list[Term]) -> tuple[float, Fit, list[Term]]:
         if not terms:

@@ -30,6 +30,7 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
             twins += [n for n in _same_when_locked(selection, term.effect) if n not in twins]
         if one_speed(selection.record):
             twins += [n for n in _same_at_one_speed(selection, rest, term.effect) if n not in twins]
+        twins += [n for n in _same_by_time(selection, rest, term.effect) if n not in twins]
         twins = [n for n in twins if n not in fitted.names]
         if twins:
             found.append((term.effect.name, *twins[:3]))
@@ -127,3 +128,24 @@ def _same_at_one_speed(selection: Selection, rest: FittedSet, effect: Effect) ->
     levered = [e.name for e in selection.candidates if "speed" in e.levers or "speed" in effect.levers]
     close = [n for n, g in gains.items() if n != effect.name and n in levered and g > mine - max(CLOSE, 0.02 * mine)]
     return sorted(close, key=lambda n: -gains[n])
+
+
+def _same_by_time(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:
+    """Creep, for an effect that follows the cycle, where that explains as much with the time since the isobar began in
+    place of the count: a muscle that is pressurised creeps, too, and no form of creep foresees from when."""
+    inputs = selection.record.inputs
+    driven = inputs.pressure_rate is not None
+    if effect.follows[:1] != ("cycle",) or driven or inputs.time is None or inputs.cycle is None:
+        return []
+    if "creep" not in {regressor.effect for regressor in selection.regressors}:
+        return []
+    _, first, place = np.unique(selection.record.level, return_index=True, return_inverse=True)
+    since = inputs.time - inputs.time[first][place]
+    count = 1.0 + since * (float(np.max(inputs.cycle)) - 1.0) / float(np.max(since))  # as if all took equally long
+    record = replace(selection.record, inputs=replace(inputs, cycle=count))
+    counting = replace(effect, forms=tuple(form for form in effect.forms if not form.remembers))
+    mine, other = (
+        -selection.beyond(rest, [one], among).best_of_each()[effect.name][0]
+        for one, among in ((effect, None), (counting, record))
+    )
+    return ["creep"] if other > mine - max(CLOSE, 0.02 * mine) else []

@@ -135,7 +135,6 @@ def diagnosing(
         outcome = _without_doubtful(outcome)
         fitted, best, after, named = outcome.fitted, outcome.best, outcome.heldout_after, outcome.named
     chance, said = outcome.chance, outcome.sentence((*extra, *model.own))
-    off, off_after = outcome.lengths
     found = Diagnosis(
         base,
         best,
@@ -152,10 +151,10 @@ def diagnosing(
         said,
         outcome.follows,
         {"followed": following.newtons_followed} if len(steady) == len(record) else {},
-        rmse_mm=off,
-        rmse_after_mm=off_after,
     )
     yield found
+    said += outcome.held_load
+    off, off_after = outcome.lengths
     if outcome.pattern:
         rest = outcome.follows if best is base else Following.of(best).shares()
         said += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
@@ -165,7 +164,8 @@ def diagnosing(
     if experiment and experiment.protocol and record.drives_pressure:
         experiment = replace(experiment, text=experiment.text + ANOTHER_RIG)
     ranking = ranked(base, selection, candidates, named, chance, (best.rmse, after))
-    yield replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
+    found = replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
+    yield replace(found, rmse_mm=off, rmse_after_mm=off_after)
 
 
 def _without_doubtful(outcome: Outcome) -> Outcome:

@@ -1,9 +1,10 @@
 """The next experiment: the shortest run that is predicted to separate what a record leaves together.
 
 Each candidate run is predicted with the effect that was found; then its rivals, in all their forms and with the law
-fitted anew, try to follow it. What they cannot follow, in squared standard errors of the record's noise, is how well
-the run would separate them: the T-criterion of Atkinson & Fedorov 1975, Biometrika 62, 57–70, linearised. A run is
-judged by itself, for so it will be diagnosed: that an effect stays away in it decides nothing.
+fitted anew, try to follow it, and it tries to follow them. What they cannot follow, in squared standard errors of the
+record's noise, is how well the run would separate them: the T-criterion of Atkinson & Fedorov 1975, Biometrika 62,
+57–70, linearised. A run is judged by itself, for so it will be diagnosed: that an effect stays away in it decides
+nothing.
 """
 
 import math
@@ -44,7 +45,7 @@ def next_experiment(selection: Selection, fitted: FittedSet, classes: Sequence[S
 
     The first name of a group is an effect of the set, the others are its rivals. None where nothing is open.
     """
-    record, known = selection.record, {e.name: e for e in selection.weighed}
+    record, known = selection.record, {a.effect: a.term.effect for a in selection.regressors}
     terms = {t.effect.name: t for t in fitted.terms}
     questions = [Question(selection, fitted, terms[group[0]], [known[n] for n in group[1:]]) for group in classes]
     if not questions:
@@ -68,7 +69,7 @@ def next_experiment(selection: Selection, fitted: FittedSet, classes: Sequence[S
     split = [s for s in found if s.standard_errors >= BARELY]
     if not split:
         return _out_of_reach(questions, found)
-    own = [e for q in questions for e in (q.effect, *q.rivals)]
+    own = [e for q in questions for e in q.effects]
     text = f"To {_aim(split, own)}: {best.strokes.words()}. {_promise(found, best.minutes, own)}"
     if best.beyond is not None:
         text += f" This goes above the {best.beyond:g} MPa of the record: only if the muscle is rated for it."
@@ -76,35 +77,50 @@ def next_experiment(selection: Selection, fitted: FittedSet, classes: Sequence[S
 
 
 class Question:
-    """Whether a run would separate one effect of a set from its rivals, or from nothing where there are none."""
+    """Whether a run would separate one effect of a set from its rivals, whichever is true, or from nothing where there
+    are none."""
 
     def __init__(self, selection: Selection, fitted: FittedSet, term: Term, rivals: Sequence[Effect]) -> None:
-        self.effect, self.rivals, self.noise = term.effect, rivals, selection.noise
-        self.whole = selection.base.model.adding(*fitted.terms)
-        self.rest = selection.base.model.adding(*fitted.without(term))
-        self.values = fitted.values
+        self.effects, self.noise, self.law = (term.effect, *rivals), selection.noise, selection.base.model
+        self.ways = [(fitted, term.effect, rivals)]
+        for rival in rivals:
+            names = fitted.names - {term.effect.name} | {rival.name}
+            instead = [v for v in selection.cache.values() if v.names == names]
+            self.ways += [(one, rival, [term.effect]) for one in sorted(instead, key=lambda v: v.criterion)[:1]]
 
     def separations(self, inputs: Inputs) -> tuple[Separation, ...]:
-        """Predicted separation from each rival by a run that gives a force law `inputs`."""
+        """Predicted separation from each rival by a run that gives a force law `inputs`, the lesser of both ways."""
+        first, *others = [self._if_true(inputs, *way) for way in self.ways]
+        found = {s.rival: s for s in first}
+        for (back,) in others:
+            ways = found[back.effect], replace(back, effect=first[0].effect, rival=back.effect)
+            found[back.effect] = min(ways, key=lambda s: (s.share, s.standard_errors))
+        return tuple(found.values())
+
+    def _if_true(
+        self, inputs: Inputs, fitted: FittedSet, effect: Effect, rivals: Sequence[Effect]
+    ) -> tuple[Separation, ...]:
+        """The same of an effect of a set that is true."""
+        rest = self.law.adding(*(t for t in fitted.terms if t.effect.name != effect.name))
+        force = self.law.adding(*fitted.terms).force(inputs, fitted.values)
         none = np.zeros(len(inputs), int)
-        force = self.whole.force(inputs, self.values)
-        view = View(Record("run", inputs, force, inputs.pressure, none, none, inputs), self.rest, self.values)
+        view = View(Record("run", inputs, force, inputs.pressure, none, none, inputs), rest, fitted.values)
         noise = _expected(self.noise, inputs)
-        total, left = _left(view, noise, [a for rival in self.rivals for a in view.regressors(rival)])
+        total, left = _left(view, noise, [a for rival in rivals for a in view.regressors(rival)])
         near = [
             regressor
-            for rival in self.rivals
+            for rival in rivals
             for regressor in regressors_at(
                 rival, left[rival.name][1].term.form, closer(left[rival.name][1], NEAR), inputs, view.around
             )
         ]
         _, nearer = _left(view, noise, near)
         squares: dict[str | None, float] = {
-            e.name: min(found[e.name][0] for found in (left, nearer) if e.name in found) for e in self.rivals
+            e.name: min(found[e.name][0] for found in (left, nearer) if e.name in found) for e in rivals
         }
         needed = math.sqrt(ENOUGH**2 + (tolerance(total, len(inputs)) if squares else 0.0))
         squares = squares or {None: total}
-        return tuple(Separation(self.effect.name, name, math.sqrt(square), needed) for name, square in squares.items())
+        return tuple(Separation(effect.name, name, math.sqrt(square), needed) for name, square in squares.items())
 
 
 def _left(
@@ -159,7 +175,7 @@ def _promise(found: Sequence[Separation], minutes: float, own: Sequence[Effect])
 def _out_of_reach(questions: Sequence[Question], found: Sequence[Separation]) -> Experiment:
     """No run of strokes separates them: what would, by the effects' own tests."""
     most = max(s.standard_errors for s in found)
-    effects = {e.name: e for q in questions for e in (q.effect, *q.rivals)}
+    effects = {e.name: e for q in questions for e in q.effects}
     tests = "; ".join(f"for {e.title}: {e.test}" for e in effects.values())
     levers = tuple(dict.fromkeys(lever for e in effects.values() for lever in e.levers))
     names = " from ".join(e.title for e in effects.values())

@@ -16,6 +16,9 @@ from ..records import Record
 from ..records.folds import folds
 
 Array = np.ndarray
+SHORT = 500
+"""Rows up to which a record is short: every candidate is fitted to the last digit, and held-out data choose the forms
+of a table."""
 ALIKE = 1.01
 """Ratio of held-out errors up to which forms predict alike."""
 

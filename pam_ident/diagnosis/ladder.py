@@ -1,7 +1,7 @@
 """From a law up to the noise floor, one effect a rung."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -62,11 +62,28 @@ def climb(
         [] 5.8 N
         ['pressure_friction'] 2.1 N
     """
+    *_, (rungs, found) = climbing(model, record, extra, without, only, odds, also, detail)
+    assert found is not None, "the last step is a diagnosis"
+    return Ladder(rungs, found.noise_floor, found)
+
+
+def climbing(
+    model: Model,
+    record: Record,
+    extra: tuple[Effect, ...] = (),
+    without: tuple[str, ...] = (),
+    only: tuple[str, ...] = (),
+    odds: Mapping[str, float] | None = None,
+    also: tuple[str, ...] = (),
+    detail: bool = True,
+) -> Iterator[tuple[tuple[Rung, ...], Diagnosis | None]]:
+    """The rungs as `climb` finds them, and the last diagnosis: first the law alone, then after each diagnosis."""
     record = driven(model, record)
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(first.model, record, first), "the law alone")]
-    noise = math.inf
-    while True:
+    yield tuple(rungs), None
+    noise, new = math.inf, rungs
+    while new:
         with part(f"step {len(rungs)}"):
             found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, also, detail, noise)
         noise = found.noise_floor
@@ -75,9 +92,8 @@ def climb(
             rungs = [_along(rung, record) for rung in rungs]
         terms = [t for t in found.best.model.terms if t.effect.name in found.selected]
         new = _rungs(rungs[-1], terms, model, found) if terms and len(rungs) <= MOST_RUNGS else []
-        if not new:
-            return Ladder(tuple(rungs), found.noise_floor, found)
         rungs += new
+        yield tuple(rungs), found
 
 
 def _along(rung: Rung, record: Record) -> Rung:

@@ -135,14 +135,15 @@ def estimate_noise(
     a motion that curves between two samples looks rough, too. `outlier` (mask) is found when not given; `white` forbids
     colour. What comes back with every cycle is left out.
     """
-    found = _estimated(record, residual, slope, parameters, outlier, white, unsure)
+    first = _estimated(record, residual, slope, parameters, outlier, white, unsure)
     slopes = []  # without what the track shares, and without any noise of the driven sensors
-    if found.shared:
+    if first[0].shared:
         slopes = [slope, np.zeros_like(slope)]
     elif slope.any():
         slopes = [np.zeros_like(slope)]
-    others = (_estimated(record, residual, one, parameters, found.outlier, white) for one in slopes)
-    return min((found, *others), key=lambda noise: noise.deviance)
+    others = (_estimated(record, residual, one, parameters, first[0].outlier, white) for one in slopes)
+    _, in_its_colour = min((first, *others), key=lambda one: one[0].deviance)
+    return in_its_colour()
 
 
 def _estimated(
@@ -153,8 +154,9 @@ def _estimated(
     outlier: Array | None,
     white: bool,
     unsure: TrackError | None = None,
-) -> Noise:
-    """The same with the noise of the driven sensors as they show it."""
+) -> tuple[Noise, Callable[[], Noise]]:
+    """The same with the noise of the driven sensors as they show it, of the first order; and what gives it in the
+    likeliest of all colours."""
     middle, shared, calm = _middle(residual), None, residual
     if unsure:
         for _ in range(2):  # the noise's own size is known better once the shared part is down to it
@@ -181,17 +183,23 @@ def _estimated(
     deviance += float(whole_left - left) * (middle / sigma) ** 2
     if shared:
         deviance += shared.volume
-    size = sigma
-    if colour.share > 0.0:
+    more = float(np.mean(seen.apart[~outlier])) if not outlier.all() else 0.0
+    largest = math.sqrt(float(np.sum(residual[~outlier] ** 2)) / max((~outlier).sum() - parameters, 1))
+
+    def whole(size: float) -> float:
+        return min(size * math.sqrt(1.0 + more), max(largest, size))
+
+    noise = Noise(sigma, whole(sigma), *colour, decay, gain, spread, outlier, deviance, shared)
+
+    def in_its_colour() -> Noise:
+        if colour.share == 0.0:
+            return noise
         even = _filled(series[:, 0], outlier) / np.sqrt(1.0 + seen.apart)
         steps = tuple(advance for advance, _ in _clocks(record.inputs).values())
         gained, scale = likelier_colour(even, steps, rough.decay(record.inputs), rough.share)
-        deviance -= gained
-        size = middle * scale if gained > 0.0 else sigma
-    more = float(np.mean(seen.apart[~outlier])) if not outlier.all() else 0.0
-    largest = math.sqrt(float(np.sum(residual[~outlier] ** 2)) / max((~outlier).sum() - parameters, 1))
-    whole = min(size * math.sqrt(1.0 + more), max(largest, size))
-    return Noise(sigma, whole, *colour, decay, gain, spread, outlier, deviance, shared)
+        return replace(noise, whole=whole(middle * scale), deviance=deviance - gained) if gained > 0.0 else noise
+
+    return noise, in_its_colour
 
 
 def _filled(z: Array, gaps: Array) -> Array:

@@ -195,10 +195,6 @@ class Outcome:
         elif self.unfollowed:
             too = " and ".join(one.text for one in self.follows if one.what in self.unfollowed)
             said += f" Less sure: the error follows {too}, too, and no effect that was tried does."
-        if record.carried:
-            told = " → ".join(millimetres(one) for one in dict.fromkeys(self.lengths) if one is not None)
-            said += " A load was held and the length answered: errors are those of the force at the measured length"
-            said += f"; fitted to the length, the model errs by {told}." if told else "."
         if self.worse:
             said += " Less sure: with what is named, held-out data are predicted worse than without."
         return said + reservations({name: self.unknown_instead[name] for name in self.selected}, self.by_form, extra)
@@ -208,6 +204,15 @@ class Outcome:
         """Error in mm of the law, and with the names, fitted to the length where that answered."""
         off = length_rmse(self.base)
         return off, off if self.best is self.base else length_rmse(self.best)
+
+    @property
+    def held_load(self) -> str:
+        """Of a record in which a load was held, what its errors are, in words."""
+        if not self.base.record.carried:
+            return ""
+        told = " → ".join(millimetres(one) for one in dict.fromkeys(self.lengths) if one is not None)
+        said = " A load was held and the length answered: errors are those of the force at the measured length"
+        return said + (f"; fitted to the length, the model errs by {told}." if told else ".")
 
 
 def _as_measured(noise: float, found: Fit) -> float:

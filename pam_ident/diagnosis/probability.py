@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Sequence
+from itertools import chain
 
 from ..model import Term
 from .search import TEMPER
@@ -48,11 +49,10 @@ def probabilities(
     locked = selection.record.inputs.locked or selection.record.carried
     kinds = {PAIR: names == 2, THREE: names > 2, LOCKED: locked}
     lapse = max([lapse, *(misled for misled, holds in kinds.items() if holds)])
-    rivals = (e for e in selection.rivals if any(e.name in group for group in groups))
-    for candidate in (*selection.candidates, *rivals):
-        alike = {candidate.name}.union(*(group for group in groups if candidate.name in group))
+    for name in dict.fromkeys([*(e.name for e in selection.candidates), *chain.from_iterable(groups)]):
+        alike = {name}.union(*(group for group in groups if name in group))
         share = sum(weight for names, weight in sets if names & alike) / total
-        chance[candidate.name] = (1.0 - lapse) * share + MISSED * (1.0 - share)
+        chance[name] = (1.0 - lapse) * share + MISSED * (1.0 - share)
     return chance
 
 

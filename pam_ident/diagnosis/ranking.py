@@ -9,9 +9,8 @@ from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record
 from .follows import looked_at
-from .heldout import fit_quickly, heldout_nearby, heldout_rmse
+from .heldout import SHORT, fit_quickly, heldout_nearby, heldout_rmse
 from .nouns import Candidate
-from .select import EXACT
 from .selection import Selection
 
 ENDED_BADLY = 1.01
@@ -62,7 +61,7 @@ def _alone(model: Model, record: Record, start: Mapping[str, float]) -> tuple[fl
     """Error in N that a model leaves of all rows, and of those held out; a short record pays for every refit."""
     if len(record) - len(model.params) <= 2:
         return math.nan, math.nan
-    if len(record) <= EXACT:
+    if len(record) <= SHORT:
         whole = fit(model, record, detail=False)
         return whole.rmse, heldout_rmse(model, record, whole)
     values, error = fit_quickly(model, record, start)

@@ -49,13 +49,9 @@ class Frame:
 
     def __init__(self, law: Array, residual: Array) -> None:
         self.basis = orthonormal(law)
-        self.residual = self.free(residual)
+        self.residual = residual - self.basis @ (self.basis.T @ residual)
         self.total = float(self.residual @ self.residual)
         self.rows = np.ascontiguousarray(np.column_stack([self.basis, self.residual]).T)
-
-    def free(self, columns: Array) -> Array:
-        """Columns (m, …) less what the model can follow."""
-        return columns - self.basis @ (self.basis.T @ columns)
 
 
 class Compressed:
@@ -84,9 +80,8 @@ class Compressed:
     @classmethod
     def together(cls, regressors: Sequence[Regressor], matrix: Array, frame: Frame) -> "Compressed":
         """From all signatures side by side and whitened, `matrix` (m, k)."""
-        before = np.einsum("mk,mk->k", matrix, matrix)
-        matrix = frame.free(matrix)
-        return cls(regressors, before, matrix.T @ matrix, matrix.T @ frame.residual, frame.total)
+        own, seen = matrix.T @ matrix, frame.rows @ matrix
+        return cls(regressors, np.diag(own), own - seen[:-1].T @ seen[:-1], seen[-1], frame.total)
 
     @classmethod
     def singly(cls, blocks: Sequence["FormBlock"], frame: Frame) -> "Compressed":

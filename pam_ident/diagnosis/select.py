@@ -31,8 +31,6 @@ EXPLAINED = 3.0
 """Whitened squares beyond their number, in standard deviations, up to which nothing is left."""
 RIVALS = 3
 """Rivals of other names that are refined."""
-EXACT = 500
-"""Rows up to which pairs are fitted exactly, and held-out data choose the forms of a table."""
 FORMS = 4
 """Forms of an effect that are fitted in place of another."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
@@ -187,9 +185,6 @@ def _fitted_leaders(selection: Selection) -> list[FittedSet]:
     for choice in _leaders(selection, beam_search(selection.data, selection.penalty, MOST)):
         second = sorted(v.criterion for v in [selection.empty, *pool])[:2][-1]
         pool.append(selection.refit_choice(selection.data, choice, selection.empty, second))
-    static = selection.record.inputs.time is None or selection.record.carried
-    if static and len(selection.record) <= EXACT:
-        pool += _pairs(selection)
     return sorted([selection.empty, *pool], key=lambda v: v.criterion)
 
 
@@ -203,24 +198,6 @@ def _refined(selection: Selection, leaders: Sequence[FittedSet]) -> FittedSet:
         if not first.terms or not first.exclusion_groups <= rival.exclusion_groups:
             best = min(best, _refine(selection, rival), key=lambda v: v.criterion)
     return best
-
-
-def _pairs(selection: Selection) -> list[FittedSet]:
-    """The best single effect in each of its forms, with every other in each of its own, all fitted exactly but those
-    that are given up.
-
-    A law without free parameters leaves so much that signatures at its own values say little of pairs.
-    """
-    singles = [Term(effect, form) for effect in selection.candidates for form in effect.forms]
-    best = min(singles, key=lambda t: selection.refit([t]).criterion).effect if singles else None
-    found: list[FittedSet] = []
-    for a in (t for t in singles if t.effect is best):
-        alone = selection.refit([a])
-        least = min([alone, *found], key=lambda v: v.criterion)
-        for b in (t for t in singles if t.effect is not best):
-            found.append(selection.refit([a, b], alone.values, best=least.criterion))
-            least = min(least, found[-1], key=lambda v: v.criterion)
-    return found
 
 
 def _leaders(selection: Selection, choices: Sequence[Choice]) -> list[Choice]:

@@ -8,6 +8,7 @@ from ..core import FitError, UsageError
 from ..core.digits import newtons
 from ..core.prose import capital
 from ..diagnosis import climb, diagnose, heldout_rmse
+from ..diagnosis.ladder import climbing
 from ..diagnosis.nested import HERE, nested
 from ..diagnosis.nouns import Diagnosis, Ladder, Rung
 from ..fitting import Fit, fit
@@ -61,7 +62,8 @@ def _nested(found: Ladder, record: Record, setup: Setup, executor: Executor) -> 
         return diagnose(model, record, *setup.tried)
 
     # Effects of the user's own could not be looked up by another process.
-    who, again = (HERE, partial(_again, setup)) if setup.own else (executor, partial(_again, setup.bare()))
+    who, bare = (HERE, setup) if setup.own else (executor, setup.bare())
+    again = partial(_again, bare, len(found.rungs))
     try:
         return nested(found, again, ended, setup.held_out, who)
     except (FitError, UsageError):
@@ -70,11 +72,15 @@ def _nested(found: Ladder, record: Record, setup: Setup, executor: Executor) -> 
         return found
 
 
-def _again(setup: Setup, part: Record) -> list[Fit]:
-    """The rungs on some rows of a record, the law among what is chosen anew where nobody named it."""
+def _again(setup: Setup, count: int, part: Record) -> list[Fit]:
+    """The rungs on some rows of a record, up to `count`, the law chosen anew too where nobody named it."""
     with computing(part):
         own = settle(part, replace(setup, law=AUTO))[0] if setup.chosen else setup
-        return [rung.fit for rung in climb(in_best_forms(part, own)[0], part, *own.tried, detail=False).rungs]
+        rungs: tuple[Rung, ...] = ()
+        for rungs, _ in climbing(in_best_forms(part, own)[0], part, *own.tried, detail=False):
+            if len(rungs) >= count:
+                break  # what more there is would not be read
+        return [rung.fit for rung in rungs]
 
 
 def ladder_by_hand(

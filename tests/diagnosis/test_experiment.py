@@ -80,13 +80,15 @@ def test_the_predicted_separation_is_what_refits_on_the_rig_s_run_find(tmp_path,
     plan, record, selection, fitted = rubbing
     question = Question(selection, fitted, fitted.terms[0], [get_effect("viscous_damping")[0]])
     strokes = possible_runs(record, Model.build(CHOU), fitted.values)[0].strokes
-    (forecast,) = question.separations(strokes.inputs(record.specimen))
+    inputs = strokes.inputs(record.specimen)
+    (forecast,), (both_ways,) = question._if_true(inputs, *question.ways[0]), question.separations(inputs)
     run = rig_record(tmp_path, replace(plan, protocol=as_run(tmp_path, strokes)))
     run = replace(run, inputs=run.steady)
     forms = [f"viscous_damping:{form.name}" for form in get_effect("viscous_damping")[0].forms]
     squares = [np.sum(fit(Model.build(CHOU, (name,)), run, detail=False).residual ** 2) for name in forms]
     truth = np.sum(fit(Model.build(CHOU, ("coulomb_friction",)), run, detail=False).residual ** 2)
     assert forecast.standard_errors == pytest.approx(np.sqrt(min(squares) - truth) / plan.sigma_N, rel=0.25)
+    assert both_ways.standard_errors < forecast.standard_errors  # friction could follow damping that thins
 
 
 def test_power_without_a_rival_is_the_closed_form_of_one_more_column(rubbing):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
+from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.dictionary import grid
 from pam_ident.diagnosis.patterns import patterns
 from pam_ident.diagnosis.scan import ENOUGH, Remainder, _best, _found
@@ -101,3 +102,27 @@ def test_columns_are_made_and_whitened_in_the_precision_of_the_inputs(record):
                 assert columns.dtype == np.float32
                 exact = form.columns(record.inputs, grid(form)[0], remainder.view.around.force)
                 np.testing.assert_allclose(selection.noise.whiten(columns), selection.noise.whiten(exact), atol=1e-4)
+
+
+@pytest.mark.long
+def test_a_wave_as_short_as_the_distance_of_readings_does_not_follow_the_length_sensors_noise():
+    """Strokes that are read at the same places each time, where the force is steep: it was a ripple of 1.30 mm."""
+    rng = np.random.default_rng(0)
+    part, soft = np.arange(29) / 29, 0.05
+    way = np.where(part < soft, part**2 / (2 * soft), part - soft / 2)
+    way = np.where(part > 1 - soft, 1 - soft - (1 - part) ** 2 / (2 * soft), way) / (1 - soft)
+    x, p, t, now = [], [], [], 0.0
+    for pressure in (0.43, 0.22, 0.58, 0.3, 0.5):
+        for speed in np.repeat((2.4, 8.8, 32.0), 3):
+            for stroke in (way, 1.0 - way):
+                x.append(1.5 + 36.0 * stroke)
+                p.append(np.full(29, pressure))
+                t.append(now + part * 36.0 / speed)
+                now += 36.0 / speed
+        now += 20.0
+    x, p, t = map(np.concatenate, (x, p, t))
+    e = x / 200.0
+    force = 1600.0 * p - 40.0 + (70.0 + 1365.0 * p) * np.exp(-38.0 * e) - (60.0 + 1000.0 * p) * e
+    seen, noise = x + 0.023 * rng.standard_normal(len(x)), 1.28 * rng.standard_normal(len(x))
+    record = build_record("soft", Specimen(), p, seen / 200.0, force + noise, time=t)
+    assert diagnose(Model.build("exponential_law"), record, detail=False).verdict == "adequate"

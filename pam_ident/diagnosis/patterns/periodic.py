@@ -1,19 +1,45 @@
 """A ripple over displacement, such as the pitch of a spindle leaves."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from ...core import Inputs
 from ...core.digits import number
 from ...effects import AddsForce, Form
-from ...effects._history import way_since_reversal
+from ...effects._history import runs, way_since_reversal
 from ...effects.base import Array, Values, slip
-from .base import SINCE_REVERSAL, WAVE, Extent, PatternShape, searched, wave
+from ...records.roughness import position_noise
+from ...records.smoothing import FEWEST, smooth_basis
+from .base import SINCE_REVERSAL, WAVE, Extent, PatternShape, like, searched, wave
+
+NEARLY = 3.0
+"""Noises of the length that a smooth course may miss of a stroke: it speeds up and brakes."""
+
+
+@lru_cache(maxsize=8)
+def _course(inputs: Inputs) -> Array:
+    """The displacement in mm, (n,), along the smooth course of each stroke that has one.
+
+    In strokes that are read at the same places again, a wave as short as their distance would follow what the sensor
+    is off there, and with it the error that this makes of the force.
+    """
+    x = inputs.displacement_mm.astype(float)
+    if inputs.time is None or inputs.moving is None:
+        return like(inputs, x)
+    for part in runs(inputs):
+        rows = part.start + np.flatnonzero(inputs.moving[part])
+        if len(rows) >= FEWEST and np.ptp(inputs.time[rows]) > 0.0:
+            basis = np.linalg.qr(smooth_basis(inputs.time[rows], len(rows)))[0]
+            smooth = basis @ (basis.T @ x[rows])
+            if np.std(x[rows] - smooth) < NEARLY * position_noise(x[rows], inputs.time[rows]):
+                x[rows] = smooth
+    return like(inputs, x)
 
 
 def _ripple(inputs: Inputs, values: Values, force: Array) -> Array:
-    return wave(inputs.displacement_mm, values["period"])
+    return wave(_course(inputs), values["period"])
 
 
 def _loaded_ripple(inputs: Inputs, values: Values, force: Array) -> Array:
