@@ -133,19 +133,21 @@ def _same_at_one_speed(selection: Selection, rest: FittedSet, effect: Effect) ->
 def _same_by_time(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:
     """Creep, for an effect that follows the cycle, where that explains as much with the time since the isobar began in
     place of the count: a muscle that is pressurised creeps, too, and no form of creep foresees from when."""
-    inputs = selection.record.inputs
-    driven = inputs.pressure_rate is not None
-    if effect.follows[:1] != ("cycle",) or driven or inputs.time is None or inputs.cycle is None:
+    inputs, level = selection.record.inputs, selection.record.level
+    counting = tuple(form for form in effect.forms if not form.remembers)
+    tried = "creep" in {regressor.effect for regressor in selection.regressors}
+    if effect.follows[:1] != ("cycle",) or not (tried and counting) or inputs.time is None or inputs.cycle is None:
         return []
-    if "creep" not in {regressor.effect for regressor in selection.regressors}:
+    _, first, isobar = np.unique(
+        np.cumsum(np.diff(level, prepend=level[0]) != 0.0), return_index=True, return_inverse=True
+    )
+    since = inputs.time - inputs.time[first][isobar]
+    if inputs.pressure_rate is not None or not since.any():
         return []
-    _, first, place = np.unique(selection.record.level, return_index=True, return_inverse=True)
-    since = inputs.time - inputs.time[first][place]
     count = 1.0 + since * (float(np.max(inputs.cycle)) - 1.0) / float(np.max(since))  # as if all took equally long
     record = replace(selection.record, inputs=replace(inputs, cycle=count))
-    counting = replace(effect, forms=tuple(form for form in effect.forms if not form.remembers))
     mine, other = (
         -selection.beyond(rest, [one], among).best_of_each()[effect.name][0]
-        for one, among in ((effect, None), (counting, record))
+        for one, among in ((effect, None), (replace(effect, forms=counting), record))
     )
     return ["creep"] if other > mine - max(CLOSE, 0.02 * mine) else []
