@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -62,22 +63,16 @@ def climb(
         [] 5.8 N
         ['pressure_friction'] 2.1 N
     """
-    *_, (rungs, found) = climbing(model, record, extra, without, only, odds, also, detail)
+    *_, (rungs, found) = climbing(model, record, extra, without, only, odds, also, detail=detail)
     assert found is not None, "the last step is a diagnosis"
     return Ladder(rungs, found.noise_floor, found)
 
 
 def climbing(
-    model: Model,
-    record: Record,
-    extra: tuple[Effect, ...] = (),
-    without: tuple[str, ...] = (),
-    only: tuple[str, ...] = (),
-    odds: Mapping[str, float] | None = None,
-    also: tuple[str, ...] = (),
-    detail: bool = True,
+    model: Model, record: Record, *tried: Any, detail: bool = True
 ) -> Iterator[tuple[tuple[Rung, ...], Diagnosis | None]]:
-    """The rungs as `climb` finds them, and the last diagnosis: first the law alone, then after each diagnosis."""
+    """The rungs as `climb` finds them, with what is `tried` by its arguments from `extra` to `also`, and the last
+    diagnosis: first the law alone, then after each diagnosis."""
     record = driven(model, record)
     first = fit(model, record)
     rungs = [Rung(first, heldout_rmse(first.model, record, first), "the law alone")]
@@ -85,7 +80,7 @@ def climbing(
     noise, new = math.inf, rungs
     while new:
         with part(f"step {len(rungs)}"):
-            found = diagnose(rungs[-1].fit.model, record, extra, without, only, odds, also, detail, noise)
+            found = diagnose(rungs[-1].fit.model, record, *tried, detail=detail, noise_N=noise)
         noise = found.noise_floor
         if record.carried and found.base.record is not record:  # it lies nearer to the lengths as measured
             record = found.base.record
