@@ -20,6 +20,8 @@ Array = np.ndarray
 
 FLAT = 1e-9
 """Singular value, relative to the largest, below which columns of unit norm count as dependent."""
+ROUNDED = 1e-7
+"""Share of a column that rounding leaves of it once the law, which can follow it, has been taken off its squares."""
 NEARLY = 1e-10
 """Share of a column's square that hides what rounding does to columns that nearly depend on others."""
 TEMPER = 4.0
@@ -68,8 +70,9 @@ class Compressed:
         self.starts = np.r_[0, np.cumsum([a.columns.shape[1] for a in regressors])].astype(int)
         before = self.before = np.sqrt(before)
         norm = np.sqrt(np.maximum(np.diag(gram), 0.0))
-        self.left = np.divide(norm, before, out=np.zeros_like(before), where=before > 0)
-        self.scale = np.where(norm > 1e-7 * np.maximum(before, 1e-300), norm, np.inf)
+        more = norm > ROUNDED * np.maximum(before, 1e-300)
+        self.left = np.divide(norm, before, out=np.zeros_like(before), where=more)
+        self.scale = np.where(more, norm, np.inf)
         self.gram = gram / self.scale / self.scale[:, None]
         self.product = product / self.scale
         self.total = total
