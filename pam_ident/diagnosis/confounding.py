@@ -126,7 +126,7 @@ def _same_at_one_speed(selection: Selection, rest: FittedSet, effect: Effect) ->
     gains = {name: -criterion for name, (criterion, _) in data.best_of_each().items()}
     mine = gains.get(effect.name, 0.0)
     levered = [e.name for e in selection.candidates if "speed" in e.levers or "speed" in effect.levers]
-    close = [n for n, g in gains.items() if n != effect.name and n in levered and g > mine - max(CLOSE, 0.02 * mine)]
+    close = [n for n, g in gains.items() if n != effect.name and n in levered and _as_much(g, mine)]
     return sorted(close, key=lambda n: -gains[n])
 
 
@@ -150,4 +150,9 @@ def _same_by_time(selection: Selection, rest: FittedSet, effect: Effect) -> list
         -selection.beyond(rest, [one], among).best_of_each()[effect.name][0]
         for one, among in ((effect, None), (replace(effect, forms=counting), record))
     )
-    return ["creep"] if other > mine - max(CLOSE, 0.02 * mine) else []
+    return ["creep"] if _as_much(other, mine) else []
+
+
+def _as_much(gain: float, mine: float) -> bool:
+    """Whether a gain in squares is as much as another, but for what two answers may differ by and a form may leave."""
+    return gain > mine - max(CLOSE, 0.02 * mine)

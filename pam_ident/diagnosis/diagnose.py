@@ -164,8 +164,14 @@ def diagnosing(
     if experiment and experiment.protocol and record.drives_pressure:
         experiment = replace(experiment, text=experiment.text + ANOTHER_RIG)
     ranking = ranked(base, selection, candidates, named, chance, (best.rmse, after))
-    found = replace(found, ranking=ranking, next_experiment=experiment, sentence=said)
-    yield replace(found, rmse_mm=off, rmse_after_mm=off_after)
+    yield replace(
+        found,
+        ranking=ranking,
+        next_experiment=experiment,
+        sentence=said,
+        rmse_mm=off,
+        rmse_after_mm=off_after,
+    )
 
 
 def _without_doubtful(outcome: Outcome) -> Outcome:

@@ -84,9 +84,8 @@ class Question:
         self.effects, self.noise, self.law = (term.effect, *rivals), selection.noise, selection.base.model
         self.ways = [(fitted, term.effect, rivals)]
         for rival in rivals:
-            names = fitted.names - {term.effect.name} | {rival.name}
-            instead = [v for v in selection.cache.values() if v.names == names]
-            self.ways += [(one, rival, [term.effect]) for one in sorted(instead, key=lambda v: v.criterion)[:1]]
+            if instead := selection.best_of(fitted.names - {term.effect.name} | {rival.name}):
+                self.ways.append((instead, rival, [term.effect]))
 
     def separations(self, inputs: Inputs) -> tuple[Separation, ...]:
         """Predicted separation from each rival by a run that gives a force law `inputs`, the lesser of both ways."""

@@ -50,10 +50,10 @@ class Frame:
     """
 
     def __init__(self, law: Array, residual: Array) -> None:
-        self.basis = orthonormal(law)
-        self.residual = residual - self.basis @ (self.basis.T @ residual)
-        self.total = float(self.residual @ self.residual)
-        self.rows = np.ascontiguousarray(np.column_stack([self.basis, self.residual]).T)
+        basis = orthonormal(law)
+        residual = residual - basis @ (basis.T @ residual)
+        self.total = float(residual @ residual)
+        self.rows = np.ascontiguousarray(np.column_stack([basis, residual]).T)
 
 
 class Compressed:

@@ -235,7 +235,11 @@ class Selection:
 
     def in_best_forms(self, fitted: FittedSet) -> FittedSet:
         """The best set of the same names that was fitted."""
-        return min((v for v in self.cache.values() if v.names == fitted.names), key=lambda v: v.criterion)
+        return self.best_of(fitted.names) or fitted
+
+    def best_of(self, names: Collection[str]) -> FittedSet | None:
+        """The best set of some names that was fitted, if any was."""
+        return min((v for v in self.cache.values() if v.names == names), key=lambda v: v.criterion, default=None)
 
     @property
     def best_static(self) -> FittedSet:

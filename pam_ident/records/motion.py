@@ -10,7 +10,7 @@ import numpy as np
 from ..core import Array
 from . import turning
 from .roughness import NORMAL_MEDIAN, position_noise, roughness
-from .smoothing import FEWEST, LARGEST, NOISE_ONLY, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
+from .smoothing import FEWEST, LARGEST, NOISE_ONLY, along, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
 from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
 Read = Callable[[int, int], tuple[Array, Array, Array, Array]]
@@ -180,12 +180,12 @@ def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Arr
         even = np.linspace(t[0], t[-1], len(t))  # between few rows at rest a curve could do as it likes
         way, still = np.interp(even, t, x[rows]), np.interp(even, t, held[rows].astype(float)) > 0.0
         waves = chebyshev_waves(even, min(SLOW_ORDERS, len(t) // 3))
-        missed.append(_less(way, waves))
+        missed.append(way - along(waves, way))
         resting = np.interp(even, t, sharp[rows].astype(float)) > 0.5
         for part in np.split(np.arange(len(t)), np.flatnonzero(np.diff(resting)) + 1):
             level = resting[part[0]] or len(part) < 4
             basis = np.ones((len(part), 1)) if level else smooth_basis(even[part], len(part))
-            by_rests += float(np.sum(_less(way[part], basis) ** 2))
+            by_rests += float(np.sum((way[part] - along(basis, way[part])) ** 2))
             freedom[1] += len(part) - basis.shape[1]
         freedom[0] += len(t) - waves.shape[1]
         rests.append(still)
@@ -243,11 +243,6 @@ def _rest_longer(found: Motion, x: Array, answer: Array, noise: float) -> None:
         moving[corners], found.velocity[corners] = False, 0.0
         for track in (found.direction, found.stroke, found.stroke_speed, found.position):
             track[corners] = track[corners - 1]
-
-
-def _less(values: Array, basis: Array) -> Array:
-    """What a basis (n, k) cannot follow of values (n,)."""
-    return values - basis @ np.linalg.lstsq(basis, values, rcond=None)[0]
 
 
 def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: float) -> Array:

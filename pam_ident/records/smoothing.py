@@ -97,11 +97,11 @@ def smooth_holds(position: Array, time: Array, x: Array, rest: Array, noise: flo
     settle = _settle(time, x, holds)
     for hold in holds:
         basis = settling_basis(time[hold]) if settle and len(hold) >= SETTLING else None
-        off = x[hold] - (quantile(x[hold], 0.5) if basis is None else _curve(basis, x[hold]))
+        off = x[hold] - (quantile(x[hold], 0.5) if basis is None else along(basis, x[hold]))
         if np.std(off) < 2.0 * noise:
             still = np.abs(off) <= 3.0 * max(1.4826 * quantile(np.abs(off), 0.5), noise)
             seen = x[hold[still]]
-            position[hold[still]] = seen.mean() if basis is None else _curve(basis[still], seen)
+            position[hold[still]] = seen.mean() if basis is None else along(basis[still], seen)
 
 
 def _settle(time: Array, x: Array, holds: list[Array]) -> bool:
@@ -112,7 +112,7 @@ def _settle(time: Array, x: Array, holds: list[Array]) -> bool:
             basis = settling_basis(time[hold])
             more, rest = more + basis.shape[1] - 1, rest + len(hold) - basis.shape[1]
             level += float(np.sum((x[hold] - x[hold].mean()) ** 2))
-            curve += float(np.sum((x[hold] - _curve(basis, x[hold])) ** 2))
+            curve += float(np.sum((x[hold] - along(basis, x[hold])) ** 2))
     return level > curve > 0.0 and _beyond_chance(level, curve, more, rest)
 
 
@@ -129,7 +129,8 @@ def settling_basis(time: Array) -> Array:
     return chebyshev.chebvander(2.0 * np.sqrt((time - time[0]) / max(float(np.ptp(time)), 1e-9)) - 1.0, 2)
 
 
-def _curve(basis: Array, x: Array) -> Array:
+def along(basis: Array, x: Array) -> Array:
+    """What a basis (n, k) follows of values x (n,), shape (n,)."""
     return basis @ np.linalg.lstsq(basis, x, rcond=None)[0]
 
 

@@ -11,7 +11,7 @@ from ...effects import AddsForce, Form
 from ...effects._history import runs, way_since_reversal
 from ...effects.base import Array, Values, slip
 from ...records.roughness import position_noise
-from ...records.smoothing import FEWEST, smooth_basis
+from ...records.smoothing import FEWEST, along, smooth_basis
 from .base import SINCE_REVERSAL, WAVE, Extent, PatternShape, like, searched, wave
 
 NEARLY = 3.0
@@ -31,8 +31,7 @@ def _course(inputs: Inputs) -> Array:
     for part in runs(inputs):
         rows = part.start + np.flatnonzero(inputs.moving[part])
         if len(rows) >= FEWEST and np.ptp(inputs.time[rows]) > 0.0:
-            basis = np.linalg.qr(smooth_basis(inputs.time[rows], len(rows)))[0]
-            smooth = basis @ (basis.T @ x[rows])
+            smooth = along(smooth_basis(inputs.time[rows], len(rows)), x[rows])
             if np.std(x[rows] - smooth) < NEARLY * position_noise(x[rows], inputs.time[rows]):
                 x[rows] = smooth
     return like(inputs, x)
