@@ -8,7 +8,7 @@ from ..core import Inputs
 from ..effects import Effect
 from ..effects.base import Values
 from ..model import Term
-from .follows import one_speed
+from .schedule import one_speed
 from .search import CLOSE
 from .select import best_forms
 from .selection import FORM_TOLERANCE, FittedSet, Selection
@@ -30,7 +30,6 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
             twins += [n for n in _same_when_locked(selection, term.effect) if n not in twins]
         if one_speed(selection.record):
             twins += [n for n in _same_at_one_speed(selection, rest, term.effect) if n not in twins]
-        twins += [n for n in _same_by_time(selection, rest, term.effect) if n not in twins]
         twins = [n for n in twins if n not in fitted.names]
         if twins:
             found.append((term.effect.name, *twins[:3]))
@@ -86,15 +85,16 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
 
 def _near(selection: Selection, effect: Effect) -> dict[str, float]:
     """Criterion within which each other effect could be meant, by name. What a form may leave that is not exactly right
-    is in it where the form alone tells the two apart: the other follows the same first, or what the likeliest drivers
-    hold, and this one does not."""
-    chosen, first, tolerance = selection.following.chosen, effect.follows[:1], selection.penalty.tolerance
+    is in it where the form alone tells the two apart: the other follows the same first, or what goes the same course,
+    or what the likeliest drivers hold, and this one does not."""
+    chosen, first, penalty = selection.following.chosen, effect.follows[:1], selection.penalty
 
     def by_form(other: Effect) -> bool:
         likelier = chosen.isdisjoint(first) and not chosen.isdisjoint(other.follows[:1])
-        return bool(first) and (other.follows[:1] == first or likelier)
+        one = penalty.followed(other)[:1] == penalty.followed(effect)[:1]
+        return bool(first) and (one or likelier)
 
-    return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in selection.weighed}
+    return {e.name: CLOSE + (penalty.tolerance if by_form(e) else 0.0) for e in selection.weighed}
 
 
 def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:
@@ -128,29 +128,6 @@ def _same_at_one_speed(selection: Selection, rest: FittedSet, effect: Effect) ->
     levered = [e.name for e in selection.candidates if "speed" in e.levers or "speed" in effect.levers]
     close = [n for n, g in gains.items() if n != effect.name and n in levered and _as_much(g, mine)]
     return sorted(close, key=lambda n: -gains[n])
-
-
-def _same_by_time(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:
-    """Creep, for an effect that follows the cycle, where that explains as much with the time since the isobar began in
-    place of the count: a muscle that is pressurised creeps, too, and no form of creep foresees from when."""
-    inputs, level = selection.record.inputs, selection.record.level
-    counting = tuple(form for form in effect.forms if not form.remembers)
-    tried = "creep" in {regressor.effect for regressor in selection.regressors}
-    if effect.follows[:1] != ("cycle",) or not (tried and counting) or inputs.time is None or inputs.cycle is None:
-        return []
-    _, first, isobar = np.unique(
-        np.cumsum(np.diff(level, prepend=level[0]) != 0.0), return_index=True, return_inverse=True
-    )
-    since = inputs.time - inputs.time[first][isobar]
-    if inputs.pressure_rate is not None or not since.any():
-        return []
-    count = 1.0 + since * (float(np.max(inputs.cycle)) - 1.0) / float(np.max(since))  # as if all took equally long
-    record = replace(selection.record, inputs=replace(inputs, cycle=count))
-    mine, other = (
-        -selection.beyond(rest, [one], among).best_of_each()[effect.name][0]
-        for one, among in ((effect, None), (replace(effect, forms=counting), record))
-    )
-    return ["creep"] if _as_much(other, mine) else []
 
 
 def _as_much(gain: float, mine: float) -> bool:

@@ -89,7 +89,10 @@ def _rest(inputs: Inputs) -> Array | None:
     resting = [np.log1p(held / tau) * inputs.direction for tau in (0.3, 10.0)]
     longest = float(np.clip(0.1 * np.ptp(inputs.time), 2.0, 100.0))  # what takes longer is the clock's
     relaxed = [relax(inputs, inputs.way, float(tau)) for tau in np.geomspace(0.5, longest, 6)]
-    return np.column_stack(relaxed + resting)
+    begun = inputs.time[np.flatnonzero(np.diff(inputs.segment, prepend=-1))]
+    since = inputs.time - begun[np.cumsum(np.diff(inputs.segment, prepend=-1) != 0) - 1]
+    pressed = [np.log1p(since / tau) for tau in (1.0, 10.0)]
+    return np.column_stack(relaxed + resting + pressed)
 
 
 def _cycle(inputs: Inputs) -> Array | None:
@@ -122,7 +125,7 @@ MAP = ((0, 0), (1, 0), (0, 1), (1, 2), (0, 5), (2, 2), (1, 4), (4, 2), (3, 4), (
 RATES = ((0,), (0, 1, 2), (0, 1, 2, 3))
 ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
 COUNTED = ((0,), (1,), (2,), (3,), (4,), (0, 1, 2), (2, 3, 4), (0, 1, 2, 3, 4))
-RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (0, 1, 2, 3, 4, 5, 6, 7))
+RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (8, 9), (0, 1, 2, 3, 4, 5, 6, 7, 8, 9))
 DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 DRIVERS = (
     Driver("map", "pressure and contraction, alike on both branches", lambda i: np.ones((len(i), 1)), orders=MAP),

@@ -28,6 +28,7 @@ from .dictionary import slopes
 from .drivers import DRIVERS
 from .nouns import Follows
 from .repeats import comes_back, memory_of
+from .schedule import mean_of_each, one_speed
 from .search import CLOSE, TEMPER, orthonormal
 from .surfaces import Surfaces
 from .track import SharedNoise, TrackError
@@ -38,8 +39,6 @@ ROWS = 5_000
 NO_NOISE = 3.0
 """Standard deviations by which a model leaves more of a record with steady inputs than with measured ones, from which
 what was taken off was no noise."""
-SPEED_RATIO = 1.5
-"""Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
 REST = "the rest"
 """What follows nothing, where nobody knows that it is noise."""
 BESIDE = 0.01
@@ -47,33 +46,6 @@ BESIDE = 0.01
 STATIC = 500.0
 """Loss of evidence by which nothing takes the place of pressure and contraction: four static records lost 1,380 to
 1,680, where 1 % of the evidence was 277,000 and more."""
-
-
-def one_speed(record: Record) -> bool:
-    """Whether the strokes of a record in time have practically one speed: all, or those of each isobar and direction.
-
-    Where a drive slows down with the load, another speed is another pressure or branch, and proves nothing either;
-    under a held load the pressure is driven at a speed, and how fast the length then goes is the answer.
-    """
-    speed, moving, rate = record.inputs.stroke_speed, record.inputs.moving, record.inputs.pressure_rate
-    if record.carried and rate is not None:
-        speed = _mean_of_each(record.stroke, np.abs(rate))
-    if speed is None or moving is None or not moving.any():
-        return False
-    level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
-    cells = (level + 1j * record.inputs.direction)[moving]  # a pair as one number
-    return all(_one(speed[moving][cells == cell]) for cell in np.unique(cells))
-
-
-def _mean_of_each(group: Array, values: Array) -> Array:
-    """The mean of some values (n,) over each sample's group (n,), shape (n,)."""
-    _, one = np.unique(group, return_inverse=True)
-    return (np.bincount(one, weights=values) / np.bincount(one))[one]
-
-
-def _one(speeds: Array) -> bool:
-    """Whether most of some speeds are practically one."""
-    return float(np.quantile(speeds, 0.95)) < SPEED_RATIO * float(np.quantile(speeds, 0.05))
 
 
 def looked_at(record: Record) -> Record:
@@ -104,7 +76,7 @@ def _without_sensor(record: Record) -> Inputs:
     inputs = record.inputs
     if inputs.time is None or inputs.pressure_rate is not None:
         return inputs
-    return replace(inputs, pressure=_mean_of_each(record.level, inputs.pressure))
+    return replace(inputs, pressure=mean_of_each(record.level, inputs.pressure))
 
 
 def what_it_follows(fit: Fit) -> tuple[Follows, ...]:

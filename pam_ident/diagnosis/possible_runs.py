@@ -8,7 +8,7 @@ import numpy as np
 from ..core import Inputs
 from ..model import Model
 from ..records import Record
-from .follows import one_speed
+from .schedule import one_speed
 from .strokes import Strokes
 
 HOLDS_S = (1.0, 10.0, 100.0)

@@ -8,6 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ..core.digits import newtons, number, percent
 from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
+from .repeats import step_of
 from .selection import FittedSet, Selection
 
 Array = np.ndarray
@@ -179,13 +180,16 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
     between = (sums[at + APART] - 2.0 * sums[at] + sums[at - APART]) / APART
     beside = squares[at + APART] - squares[at + 1] + squares[at] - squares[at - APART + 1]
     seen = (piece[at + APART - 1] == piece[at - APART]) & (beside > 0.0)
-    at, far = at[seen], between[seen] ** 2 / beside[seen]
+    at, between = at[seen], between[seen]
+    far = between**2 / beside[seen]
     pace = np.round(np.log2((time[at + APART - 1] - time[at - APART]) / APART)) if len(at) else at
     enough = np.zeros(len(at), bool)
     for one in np.unique(pace):  # as fast as it is read, slow noise steps on, or is another each time
         alike = pace == one
         enough |= alike & (np.count_nonzero(alike) >= WINDOW * APART // 2)
         far[alike] /= np.median(far[alike])
+    rounded = np.abs(between) <= step_of(selection.record.force)  # of what does not move it may be all
+    far[rounded] = np.minimum(far[rounded], 1.0 / NORMAL)
     at, far = at[enough], far[enough]
     if not len(far):
         return None

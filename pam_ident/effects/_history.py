@@ -36,6 +36,21 @@ def relax(inputs: Inputs, drive: Array, tau: float | Array) -> Array:
     return decaying_sum(kept, np.diff(drive) * answer)
 
 
+def relax_from_none(inputs: Inputs, drive: Array, tau: float, anew: float) -> Array:
+    """As `relax`, of a drive that began at the first sample from 0, and between segments went back by the share `anew`
+    of its way from there."""
+    assert inputs.time is not None and inputs.segment is not None
+    first = drive - since_first(inputs, drive)
+    carried = relax(inputs, drive, tau) + first * inputs.xp.exp(-since_first(inputs, inputs.time) / tau)
+    if inputs.live is not None:
+        return carried
+    jumps = np.flatnonzero(np.diff(inputs.segment))
+    kept, gain = np.exp(-np.diff(inputs.time) / tau), np.zeros(len(carried) - 1)
+    kept[jumps] *= 1.0 - anew
+    gain[jumps] = anew * (drive[jumps + 1] - carried[jumps + 1])
+    return carried + decaying_sum(kept, gain)
+
+
 def _relax_live(live: Live, inputs: Inputs, drive: Array, tau: Array) -> Array:
     assert inputs.time is not None
     xp, now = inputs.xp, inputs.time

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from ..core import Inputs, Param
-from ._history import stop_operator, time_held
+from ._history import dahl_operator, time_held
 from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, one, slip, speed
 
 F_C = Param("F_c", "N", "friction force in motion", 0.0, 2000.0, start=0.0, scale=10.0)
@@ -17,8 +17,10 @@ V_0 = Param("v_0", "mm/s", "speed at which friction is fully developed", 0.05, 4
 GROWTH = Param("growth", "1", "exponent of the contact area", -6.0, 6.0, start=1.0, grid=(1.5, -1.5))
 TAU_H = Param("tau_h", "s", "time in which friction fades in a hold", 0.05, 1000.0, start=2.0, grid=(0.7, 3.0))
 
-CONTACT_MM = 0.05
-"""Travel before the contact slides, which a sample's step hides; a longer one shows, and is presliding."""
+CONTACT = Param(
+    "x_s", "mm", "travel in which the contact bends before it slides", 0.02, 0.5, start=0.1, grid=(0.05, 0.2)
+)
+"""With the load cell and the fixture behind it; a longer one shows in minor loops, and is presliding."""
 
 
 def _sliding(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -39,7 +41,7 @@ def _stuck(inputs: Inputs, values: Values, force: Array) -> Array:
     """Friction holds all of its force at rest, and lets go over a short way after a reversal."""
     if inputs.time is None:
         return _sliding(inputs, values, force)
-    return one(-stop_operator(inputs, CONTACT_MM))
+    return one(-dahl_operator(inputs, values["x_s"]))
 
 
 def _area(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -98,7 +100,7 @@ EFFECT = Effect(
             (F_IN, F_OUT, F_HOLD),
             _asymmetric,
         ),
-        AddsForce("stuck", "−F_c clip(Δx/0.05 mm, ±1)", (F_C,), _stuck, remembers=True),
+        AddsForce("stuck", "dz/dx = (1 − z sgn ẋ)/x_s, −F_c z", (F_C,), _stuck, (CONTACT,), remembers=True),
         AddsForce(
             "relaxing", "−F_c sgn(ε̇), F_hold exp(−t/τ_h) in holds", (F_C, F_HOLD), _relaxing, (TAU_H,), remembers=True
         ),

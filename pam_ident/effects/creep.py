@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core import Inputs, Param
-from ._history import relax, since_first
+from ._history import relax, relax_from_none, since_first
 from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
 from .bladder_elasticity import hoop_force
 from .force_drift import elapsed
@@ -59,6 +59,12 @@ def _begun(inputs: Inputs, values: Values, force: Array) -> Array:
 def _late(inputs: Inputs, drive: Array, tau: float) -> Array:
     since, first = elapsed(inputs), drive - since_first(inputs, drive)
     return inputs.xp.stack([first * inputs.xp.exp(-since / (tau * ratio)) for ratio in RATIOS]).T
+
+
+def _pressurised(inputs: Inputs, values: Values, force: Array) -> Array:
+    """The pressure strains the rubber, too: from none when an isobar begins, or from what it was on the one before."""
+    taus = (values["tau"] * ratio for ratio in RATIOS)
+    return -inputs.xp.stack([relax_from_none(inputs, inputs.pressure, tau, values["new"]) for tau in taus]).T
 
 
 def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -115,6 +121,17 @@ EFFECT = Effect(
             unit=("N", 100.0),
             remembers=True,
             name="free_begun",
+        ),
+        free_form(
+            "−q_i, q̇_i = ṗ − q_i/τ_i, each isobar from (1 − new) · the one before, τ_i = τ/10, τ, 10 τ",
+            _pressurised,
+            3,
+            pressure=0,
+            contraction=1,
+            nonlinear=(MIDDLE, NEW),
+            unit=("N/MPa", 100.0),
+            remembers=True,
+            name="free_pressurised",
         ),
         free_form(
             "+q_i, q̇_i = Ḟ − q_i/τ_i, q_i(0) = new · F(0), τ_i = τ/10, τ, 10 τ",

@@ -14,18 +14,18 @@ WIDTH = Param(
     "x_s",
     "mm",
     "travel after a reversal until sliding",
-    0.05,
+    0.5,
     80.0,
     start=3.0,
-    grid=(0.4, 1.0, 2.5, 6.0, 15.0),
+    grid=(0.5, 1.0, 2.5, 6.0, 15.0),
 )
+"""Over a shorter one a contact bends that slides, and the rig behind it: that is dry friction's."""
 WIDE = replace(WIDTH, lower=1.0, grid=(1.0, 2.5, 4.0, 6.0, 10.0, 15.0))
 """Shorter than this a friction that grows with pressure is dry."""
 LONG = replace(WIDTH, lower=3.0, start=3.0, grid=WIDE.grid[2:])
 """With a shorter one of three, of any dependence on the pressure, few samples would tell it from dry friction."""
 LOW = replace(PEAK, grid=(1.2,))
-SEEN = replace(WIDTH, lower=0.4, grid=(0.7, 1.5, 3.0, 7.0))
-"""A shorter one is a Stribeck friction's alone."""
+SEEN = replace(WIDTH, grid=(0.7, 1.5, 3.0, 7.0))
 THREE = tuple(
     Param(f"W_{k}", "N", f"friction force of the {word} element", 0.0, 2000.0, scale=10.0)
     for k, word in enumerate(("shortest", "middle", "longest"), 1)

@@ -1,8 +1,9 @@
 """Dry friction that grows with the contact pressure of the braid."""
 
 from ..core import Inputs, Param
-from ._history import stop_operator
+from ._history import dahl_operator
 from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, one, slip
+from .coulomb_friction import CONTACT
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
 MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
@@ -18,8 +19,6 @@ GROWTH = Param(
 
 P_0 = Param("p_0", "MPa", "pressure of the braid on the bladder by itself", 0.0, 1.0, start=0.2, grid=(0.1, 0.4))
 POWER = Param("n", "1", "exponent of the pressure over 0.3 MPa", 0.3, 2.5, start=1.0, grid=(0.7, 1.4))
-WIDTH = Param("x_s", "mm", "travel in which the contact bends before it slides", 0.02, 1.0, start=0.2, grid=(0.1, 0.4))
-"""A longer one is presliding, which has the same form under a name of its own."""
 
 
 def _constant(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -40,7 +39,7 @@ def _area(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _bending(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-stop_operator(inputs, values["x_s"]) * (inputs.pressure + values["p_0"]))
+    return one(-dahl_operator(inputs, values["x_s"]) * (inputs.pressure + values["p_0"]))
 
 
 def _power(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -56,7 +55,9 @@ EFFECT = Effect(
         AddsForce("textbook", "−μ_f p sgn(ε̇)", (MU,), _constant),
         AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
         AddsForce("preloaded", "−μ_f (p + p_0) sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _preloaded, (P_0,)),
-        AddsForce("bending", "−μ_f (p + p_0) clip(Δx/x_s, ±1)", (MU,), _bending, (P_0, WIDTH), remembers=True),
+        AddsForce(
+            "bending", "dz/dx = (1 − z sgn ẋ)/x_s, −μ_f (p + p_0) z", (MU,), _bending, (P_0, CONTACT), remembers=True
+        ),
         AddsForce("power", "−μ_f 0.3 MPa (p/0.3 MPa)^n sgn(ε̇)", (MU, MU_HOLD), _power, (POWER,)),
         AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
         free_form(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pam_ident.diagnosis import diagnose
-from pam_ident.diagnosis.follows import one_speed
+from pam_ident.diagnosis.schedule import one_speed
 from pam_ident.model import Model
 from pam_ident.records import Record, read_record, thinned
 from pam_ident.records.datasets import dataset_record

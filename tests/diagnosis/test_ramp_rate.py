@@ -7,7 +7,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
-from pam_ident.diagnosis.follows import one_speed
+from pam_ident.diagnosis.schedule import one_speed
 from pam_ident.fitting.carried import driven
 from pam_ident.model import Model
 from pam_ident.records import build_record

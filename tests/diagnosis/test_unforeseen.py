@@ -278,6 +278,19 @@ def test_slow_noise_wanders_all_the_time_and_is_not_most_of_what_is_left(cell):
     assert found.base.rmse > (1.2 if cell is slow else 2.0) * NOISE_N
 
 
+def test_what_rounds_where_the_muscle_rests_does_not_jump():
+    """A rest has one reading for long, and what it lacks of the force is another at the next."""
+    rng, step, rest = np.random.default_rng(8), 2.6 * NOISE_N, 40
+    rise = np.linspace(0.0, 1.0, 200)[1:-1]
+    there = np.r_[np.zeros(rest), rise, np.ones(rest), rise[::-1]]
+    x, pressure = np.tile(there, 12), np.repeat([0.15, 0.25, 0.4, 0.5], 3 * len(there))
+    contraction = STROKE_MM * x / SPECIMEN.initial_length_mm
+    calm = build_record("made", SPECIMEN, pressure, contraction, 0.0 * x, time=0.1 * np.arange(len(x)))
+    force = LAW.force(calm.inputs, TRUE) + 0.1 * step * rng.standard_normal(len(x))
+    found = diagnose(LAW, replace(calm, force=step * np.round(force / step)))
+    assert (found.verdict, found.selected) == ("adequate", ()), found.sentence
+
+
 def stroke_number(v):
     """Of each sample, from its velocity: how many strokes began so far."""
     return np.cumsum((v != 0.0) & (np.r_[0.0, v[:-1]] == 0.0))

@@ -34,6 +34,7 @@ REMEMBER = {
             "following",
             "free",
             "free_begun",
+            "free_pressurised",
             "free_tension",
         )
     ),
