@@ -237,6 +237,16 @@ def moved(**more):
     return inputs([0.1, 0.2, 0.1, 0.0], 0.5, **MOTION, **more)
 
 
+@pytest.mark.parametrize(("new", "begun"), [(1.0, 0.4), (0.0, 0.2 * math.exp(-1.2) + 0.2 * math.exp(-0.2))])
+def test_what_the_pressure_strains_relaxes_from_none_or_from_the_isobar_before(new, begun):
+    """Isobars of 0.2 and 0.4 MPa, with 2 s between them: a rig goes to its next start at once, and rests there."""
+    time, p = np.array([0.0, 5.0, 10.0, 12.0, 17.0]), np.array([0.2, 0.2, 0.2, 0.4, 0.4])
+    given = inputs(np.full(5, 0.1), p, time=time, segment=[0, 0, 0, 1, 1])
+    state = -columns("creep:free_pressurised", given, tau=10.0, new=new)[:, 2]  # of the middle time, at ε⁰
+    expected = [*(0.2 * np.exp(-time[:3] / 10.0)), begun, begun * math.exp(-0.5)]
+    np.testing.assert_allclose(state, expected, rtol=1e-12)
+
+
 def test_coulomb_friction_opposes_the_motion_and_may_keep_another_value_in_holds():
     np.testing.assert_allclose(columns("coulomb_friction", moved())[:, 0], [-1.0, 0.0, 1.0, 0.0])
     held = columns("coulomb_friction:held", moved()) @ [20.0, 5.0]
