@@ -85,13 +85,15 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
 
 def _near(selection: Selection, effect: Effect) -> dict[str, float]:
     """Criterion within which each other effect could be meant, by name. What a form may leave that is not exactly right
-    is in it where the form alone tells the two apart: the other follows the same first, or what goes the same course,
-    or what the likeliest drivers hold, and this one does not."""
-    chosen, first, penalty = selection.following.chosen, effect.follows[:1], selection.penalty
+    is in it where the form alone tells the two apart: the other follows the same first, or what the likeliest drivers
+    hold, and this one does not. Nor is it known by what measure softening fades, way, stroke or energy: where the error
+    may follow the cycle and rest, the time since an isobar began is one more."""
+    following, first, penalty = selection.following, effect.follows[:1], selection.penalty
+    chosen, fading = following.chosen, {"cycle", "rest"} if following.drivers >= {"cycle", "rest"} else set()
 
     def by_form(other: Effect) -> bool:
         likelier = chosen.isdisjoint(first) and not chosen.isdisjoint(other.follows[:1])
-        one = penalty.followed(other)[:1] == penalty.followed(effect)[:1]
+        one = other.follows[:1] == first or fading.issuperset({*first, *other.follows[:1]})
         return bool(first) and (one or likelier)
 
     return {e.name: CLOSE + (penalty.tolerance if by_form(e) else 0.0) for e in selection.weighed}

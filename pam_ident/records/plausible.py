@@ -20,9 +20,9 @@ SLIPS = (
     (1000.0, "kPa and MPa, or kN and N (1000)"),
 )
 """By how much the force is wrong beside the pressure if two units are taken for each other."""
-LIKELY = (0.4, 2.5)
-"""Slope of the force over the pressure beside the ideal braid's. Measured muscles (Festo DMSP-20 of two laboratories, a
-hand-made one of a third) and the bundled data sets lie between 0.71 and 1.35."""
+LIKELY, MEASURED = (0.4, 2.5), (0.7, 1.4)
+"""Slope of the force over the pressure beside the ideal braid's that a unit can be right with, and that of measured
+muscles: Festo DMSP-20 of two laboratories, a hand-made one of a third, and the bundled data sets, 0.71 to 1.35."""
 ALONE = (0.25, 2.5)
 """The force itself beside the ideal braid's, where only one pressure was measured."""
 ENOUGH_MPA = 0.2
@@ -159,8 +159,8 @@ def _from_vacuum(record: Record, pull: Pull) -> bool:
 
 
 def _scale(what: str, ratio: float, grave: bool) -> Doubt:
-    size = max(ratio, 1.0 / ratio) if ratio > 0.0 else np.inf
-    known = [words for factor, words in SLIPS if 1.0 / 1.5 < size / factor < 1.5]
+    put_right = ((ratio / factor if ratio > 1.0 else ratio * factor, words) for factor, words in SLIPS)
+    known = [words for slope, words in put_right if MEASURED[0] < slope < MEASURED[1]]
     slip = f"Slips of about that size: {'; '.join(known)}." if known else "Check units and radius."
     kind = "a unit of force, pressure or radius is wrong, or the muscle is of another kind"
     return Doubt("scale", f"{what}: {kind}. {slip}", None, grave)

@@ -205,6 +205,12 @@ def test_a_doubt_names_the_column_as_the_file_does():
     assert turned.column == "Force (kN)"
 
 
+@pytest.mark.parametrize(("times", "slip"), [(1.0 / 10.0, "bar and MPa (10)"), (1.0 / 145.0, "psi and MPa (145)")])
+def test_slips_of_about_that_size_are_those_that_a_measured_muscle_allows(fine, times, slip):
+    (told,) = [doubt.text for doubt in doubts_of(replace(fine, force=times * fine.force)) if doubt.code == "scale"]
+    assert slip in told and "psi and kPa" not in told and "psi and bar" not in told, told
+
+
 def test_a_force_that_answers_nothing_is_grave(fine):
     noise = np.random.default_rng(2).normal(100.0, 1.0, len(fine))
     for force in (np.full(len(fine), 100.0), noise):
