@@ -88,7 +88,7 @@ def _near(selection: Selection, effect: Effect) -> dict[str, float]:
     is in it where the form alone tells the two apart: the other follows the same first, or what the likeliest drivers
     hold, and this one does not. Nor is it known by what measure softening fades, way, stroke or energy: where the error
     may follow the cycle and rest, the time since an isobar began is one more."""
-    following, first, penalty = selection.following, effect.follows[:1], selection.penalty
+    following, first, tolerance = selection.following, effect.follows[:1], selection.penalty.tolerance
     chosen, fading = following.chosen, {"cycle", "rest"} if following.drivers >= {"cycle", "rest"} else set()
 
     def by_form(other: Effect) -> bool:
@@ -96,7 +96,7 @@ def _near(selection: Selection, effect: Effect) -> dict[str, float]:
         one = other.follows[:1] == first or fading.issuperset({*first, *other.follows[:1]})
         return bool(first) and (one or likelier)
 
-    return {e.name: CLOSE + (penalty.tolerance if by_form(e) else 0.0) for e in selection.weighed}
+    return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in selection.weighed}
 
 
 def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str]:

@@ -11,6 +11,7 @@ from ..effects._history import (
     acceleration,
     cycles_of_test,
     relax,
+    since_begun,
     since_first,
     time_held,
     way_since_reversal,
@@ -89,8 +90,7 @@ def _rest(inputs: Inputs) -> Array | None:
     resting = [np.log1p(held / tau) * inputs.direction for tau in (0.3, 10.0)]
     longest = float(np.clip(0.1 * np.ptp(inputs.time), 2.0, 100.0))  # what takes longer is the clock's
     relaxed = [relax(inputs, inputs.way, float(tau)) for tau in np.geomspace(0.5, longest, 6)]
-    begun = inputs.time[np.flatnonzero(np.diff(inputs.segment, prepend=-1))]
-    since = inputs.time - begun[np.cumsum(np.diff(inputs.segment, prepend=-1) != 0) - 1]
+    since = since_begun(inputs.time, np.diff(inputs.segment, prepend=-1) != 0)
     pressed = [np.log1p(since / tau) for tau in (1.0, 10.0)]
     return np.column_stack(relaxed + resting + pressed)
 

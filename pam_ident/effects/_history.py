@@ -87,8 +87,12 @@ def time_held(inputs: Inputs, held: Array) -> Array:
             return xp.where(mark > before, now, begin), mark
 
         return now - inputs.live.step((now, mark), advance)[0]
-    begins = np.r_[True, held[1:] & ~held[:-1]]
-    return inputs.time - inputs.time[np.maximum.accumulate(np.where(begins, np.arange(len(inputs)), 0))]
+    return since_begun(inputs.time, np.r_[True, held[1:] & ~held[:-1]])
+
+
+def since_begun(time: Array, begins: Array) -> Array:
+    """Seconds since the last sample at which something begins, by that mask, first sample included, shape (n,)."""
+    return time - time[np.maximum.accumulate(np.where(begins, np.arange(len(time)), 0))]
 
 
 def greatest_so_far(inputs: Inputs, values: Array) -> Array:
