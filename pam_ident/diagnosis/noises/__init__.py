@@ -44,7 +44,7 @@ def likelier_colour(z: Array, clocks: Sequence[Array], decay: Array, share: floa
     """
     gain, spread = filter_gains(decay[:, None], np.array([share]), np.zeros(len(z)))
     first = _deviance(innovations(z[:, None], decay, gain[:, 0]), spread)
-    others = _Mixtures.of(tuple(steps.tobytes() for steps in clocks)).deviances(z)
+    others = _Mixtures.of(tuple(catalogue()), tuple(steps.tobytes() for steps in clocks)).deviances(z)
     deviances, squares = (np.concatenate(parts) for parts in zip(first, others, strict=True))
     best = int(np.argmin(deviances))
     return float(deviances[0] - deviances[best]), float(np.sqrt(squares[best]))
@@ -68,9 +68,9 @@ class _Mixtures:
 
     @classmethod
     @lru_cache(maxsize=2)
-    def of(cls, clocks: tuple[bytes, ...]) -> "_Mixtures":
-        """Those of steps from sample to sample (n,) as bytes."""
-        each = [(np.frombuffer(clock), colour) for colour in catalogue().values() for clock in clocks]
+    def of(cls, names: tuple[str, ...], clocks: tuple[bytes, ...]) -> "_Mixtures":
+        """Those of colours by their names, and of steps from sample to sample (n,) as bytes."""
+        each = [(np.frombuffer(clock), catalogue()[name]) for name in names for clock in clocks]
         made = [(steps, *colour.mixtures(float(np.sum(steps)))) for steps, colour in each]
         k = max(len(memory) for _, memory, _ in made)
         decays, parts = [], []
