@@ -32,8 +32,9 @@ class Param:
     `start` is where a fit begins and, for the size of an effect, `neutral` is the value at which
     the effect vanishes. `grid` lists values of a shape parameter from which fits are started,
     because the error has several minima in it. `scale` is a typical magnitude in `unit`, `range` where nature
-    ends, None where no source says. Of one that is held both bounds are its value. A relaxation time says how much
-    longer the `slowest` is that its form has: none outlasts a record, for what relaxes more slowly is elastic there.
+    ends, None where no source says. Of one that is held both bounds are its value. `slowest`, of a relaxation time,
+    is the longest that its form has, over this one: none outlasts a record, for what relaxes more slowly is elastic
+    there; 0 of any other parameter.
 
     Raises UsageError when the bounds do not hold `start`.
     """

@@ -59,8 +59,8 @@ def _deviance(innovation: Array, spread: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class _Mixtures:
-    """The Kalman filters of all colours' mixtures on some clocks, at one gait: memory from the sample before and gains,
-    (n, k, m), and deviations of the innovations (n, m)."""
+    """The Kalman filters of all colours' mixtures on some clocks, side by side: memory from the sample before and
+    gains, (n, k, m), and deviations of the innovations (n, m)."""
 
     decay: Array
     gain: Array
