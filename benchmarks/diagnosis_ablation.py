@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack, contextmanager
-from functools import partial
+from functools import cached_property, partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from typing import Any
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from pam_ident.diagnosis.search import CLOSE
 from pam_ident.validation.challenge import answer_case, questions
 from pam_ident.validation.score import Score, score
 
@@ -55,6 +56,29 @@ RULES: dict[str, Rule] = {
     "groups by what was fitted": ("confounding", "_fitted", lambda selection, fitted, effect: []),
     "groups at one speed": ("confounding", "_same_at_one_speed", lambda selection, rest, effect: []),
     "names by their form alone": ("outcome", "by_form_alone", lambda *_: {}),
+    "groups by a free form": ("confounding", "_general", lambda *_: []),
+    "groups by what a search finds": ("confounding", "_close", lambda *_: []),
+    "rivals of one driver differ by more than a form": (
+        "confounding",
+        "_near",
+        lambda selection, _: {e.name: CLOSE for e in selection.weighed},
+    ),
+    "of alike sets the one that follows the drivers": ("answer", "_as_followed", lambda selection, fitted: fitted),
+    "the map must be named where it is most": ("adequacy", "Adequacy._static_part_open", property(lambda self: False)),
+    "a free form must change in the record": ("selection", "stands", lambda *_: False),
+    "names of one driver earn twice": ("search", "_lengths_own", lambda effect: (effect.name,)),
+    "drivers in place of another": ("follows", "Following.possible", property(lambda self: self.likely)),
+    "drivers beside others": ("follows", "Following.drivers", property(lambda self: self.likely)),
+    "free forms in place of values against nature": ("confirmed", "_in_free_forms", lambda *_: []),
+    "what is too small goes": ("confirmed", "_large_enough", lambda base, named, fitted, least: named),
+    "doubtful names go beside something unknown": ("diagnose", "_without_doubtful", lambda outcome: outcome),
+    "more noise in place of a name": (
+        "select",
+        "_told_from_noise",
+        lambda selection, compared: (compared[0][1], compared[0][2]),
+    ),
+    "no other noise where sure": ("select", "_sure", lambda selection, fitted: False),
+    "a held pressure is its mean": ("follows", "_without_sensor", lambda record: record.inputs),
 }
 """Where a rule lives in pam_ident.diagnosis, and what stands there without it."""
 Case = tuple[Path, str]
@@ -86,11 +110,13 @@ def watched(name: str, reached: set[str], known: Any) -> Any:
             reached.add(name)
         return found
 
-    return property(ask) if isinstance(known, property) else ask
+    return property(ask) if isinstance(known, property | cached_property) else ask
 
 
 def call(rule: Any, *args: Any) -> Any:
     """What a rule, or a property of its one argument, gives."""
+    if isinstance(rule, cached_property):
+        return rule.func(*args)
     return rule.fget(*args) if isinstance(rule, property) else rule(*args)
 
 

@@ -129,7 +129,7 @@ def promising(
     target = white(left_by(model, record, values))
     for term in (t for t in known.terms if t.effect.name not in selected):
         best = (0.0, {})
-        for regressor in regressors_at(term.effect, term.form, grid(term.form), record.inputs, around):
+        for regressor in regressors_at(term.effect, term.form, grid(term.form, record.inputs), record.inputs, around):
             columns = white(regressor.columns)
             columns = columns - basis @ (basis.T @ columns)
             sizes = np.linalg.lstsq(columns, target, rcond=1e-9)[0]
@@ -181,7 +181,7 @@ def sindy(everything: bool) -> Callable[[Record, Setup], dict]:
         basis = np.linalg.qr(white(jacobian(model, record.inputs, base.values, record.force)))[0]
         names, columns = [], []
         for term in known.terms:
-            for regressor in regressors_at(term.effect, term.form, grid(term.form), record.inputs, around):
+            for regressor in regressors_at(term.effect, term.form, grid(term.form, record.inputs), record.inputs, around):
                 whole = white(regressor.columns)
                 left = whole - basis @ (basis.T @ whole)
                 seen = np.linalg.norm(left, axis=0) > 0.05 * np.linalg.norm(whole, axis=0) + 1e-9

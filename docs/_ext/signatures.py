@@ -65,7 +65,7 @@ def around_law(law: str) -> Around:
 def _columns(effect: Effect, inputs: Inputs, around: Slopes) -> list[Array]:
     """Signatures (n, k) of the simplest form over its grid, in N per unit."""
     form = effect.forms[0]
-    found = [signature(form, inputs, point, around) for point in grid(form)]
+    found = [signature(form, inputs, point, around) for point in grid(form, inputs)]
     return [columns for columns in found if np.all(np.isfinite(columns)) and np.any(columns)]
 
 

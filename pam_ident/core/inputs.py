@@ -147,6 +147,11 @@ class Inputs:
         return self.contraction * self.specimen.initial_length_mm
 
     @property
+    def seconds(self) -> float:
+        """From the first sample to the last; without end where no time was recorded."""
+        return math.inf if self.time is None else float(self.time[-1] - self.time[0])
+
+    @property
     def way(self) -> Array:
         """Contraction of the braid, along which it slides and rubs, shape (n,)."""
         return self.contraction if self.slide is None else self.slide

@@ -32,7 +32,9 @@ class Param:
     `start` is where a fit begins and, for the size of an effect, `neutral` is the value at which
     the effect vanishes. `grid` lists values of a shape parameter from which fits are started,
     because the error has several minima in it. `scale` is a typical magnitude in `unit`, `range` where nature
-    ends, None where no source says. Of one that is held both bounds are its value.
+    ends, None where no source says. Of one that is held both bounds are its value. `slowest`, of a relaxation time,
+    is the longest that its form has, over this one: none outlasts a record, for what relaxes more slowly is elastic
+    there; 0 of any other parameter.
 
     Raises UsageError when the bounds do not hold `start`.
     """
@@ -48,6 +50,7 @@ class Param:
     symbol: str = ""
     grid: tuple[float, ...] = ()
     range: Range | None = None
+    slowest: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.lower <= self.start <= self.upper:
@@ -58,6 +61,14 @@ class Param:
     def where_measured(self, force_N: float) -> "Param":
         """The parameter with its `range` in a record with a largest force."""
         return self if self.range is None else replace(self, range=self.range.where_measured(force_N))
+
+    def within(self, seconds: float) -> "Param":
+        """The parameter with its bounds, start and grid in a record of that length."""
+        upper = max(seconds / self.slowest, self.lower) if self.slowest else self.upper
+        if upper >= self.upper:
+            return self
+        grid = tuple(dict.fromkeys(min(value, upper) for value in self.grid))
+        return replace(self, upper=upper, start=min(self.start, upper), grid=grid)
 
     def clip(self, value: float) -> float:
         """`value` moved into the bounds."""

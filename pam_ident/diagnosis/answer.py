@@ -36,7 +36,7 @@ def answer_of(
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
     likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
-    if len(likely) < len(fitted.terms) and (not likely or Adequacy.lacking(selection, fitted, False)):
+    if len(likely) < len(fitted.terms):
         fitted = selection.refit(likely, fitted.values)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None

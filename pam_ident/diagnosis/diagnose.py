@@ -19,7 +19,6 @@ from .follows import Following, steadied
 from .heldout import heldout_rmse
 from .nouns import Diagnosis
 from .outcome import Outcome
-from .ranking import ranked
 from .selection import OTHER_SIZE, FittedSet
 from .sentence import could_be_tried
 
@@ -133,40 +132,21 @@ def diagnosing(
     )
     if outcome.pattern and outcome.by_form:
         outcome = _without_doubtful(outcome)
-        fitted, best, after, named = outcome.fitted, outcome.best, outcome.heldout_after, outcome.named
-    chance, said = outcome.chance, outcome.sentence((*extra, *model.own))
-    found = Diagnosis(
-        base,
-        best,
-        outcome.verdict,
-        outcome.selected,
-        tuple(t.label for t in named),
-        outcome.classes,
-        ranked(base, selection, candidates, named, chance, (best.rmse, after), errors=False),
-        outcome.floor,
-        heldout,
-        after,
-        outcome.pattern,
-        None,
-        said,
-        outcome.follows,
-        {"followed": following.newtons_followed} if len(steady) == len(record) else {},
-    )
+    found = outcome.diagnosis(candidates, (*extra, *model.own))
     yield found
-    said += outcome.held_load
+    said = found.sentence + outcome.held_load
     off, off_after = outcome.lengths
     if outcome.pattern:
-        rest = outcome.follows if best is base else Following.of(best).shares()
-        said += could_be_tried(rest, [e for e in allowed if not e.candidate], best)
-        experiment = after_pattern(outcome.pattern, selection, fitted)
+        rest = outcome.follows if outcome.best is base else Following.of(outcome.best).shares()
+        said += could_be_tried(rest, [e for e in allowed if not e.candidate], outcome.best)
+        experiment = after_pattern(outcome.pattern, selection, outcome.fitted)
     else:
-        experiment = next_experiment(selection, fitted, outcome.classes)
+        experiment = next_experiment(selection, outcome.fitted, outcome.classes)
     if experiment and experiment.protocol and record.drives_pressure:
         experiment = replace(experiment, text=experiment.text + ANOTHER_RIG)
-    ranking = ranked(base, selection, candidates, named, chance, (best.rmse, after))
     yield replace(
         found,
-        ranking=ranking,
+        ranking=outcome.ranking(candidates),
         next_experiment=experiment,
         sentence=said,
         rmse_mm=off,

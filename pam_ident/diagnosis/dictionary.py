@@ -70,10 +70,10 @@ def regressors_at(
     return found
 
 
-def closer(regressor: Regressor, points: int = 41) -> list[dict[str, float]]:
+def closer(regressor: Regressor, inputs: Inputs, points: int = 41) -> list[dict[str, float]]:
     """Points around a regressor's own, one parameter at a time, as far as the neighbours on its grid."""
     found = []
-    for p in regressor.term.form.nonlinear:
+    for p in _within(regressor.term.form, inputs):
         grid = np.unique(np.r_[p.grid, p.lower, p.upper])
         here = regressor.point[p.name]
         below, above = grid[grid < here - 1e-12], grid[grid > here + 1e-12]
@@ -99,7 +99,12 @@ def same_around_any(form: Form) -> bool:
     return isinstance(form, AddsForce) and not form.uses_force
 
 
-def grid(form: Form) -> list[dict[str, float]]:
-    """All combinations of the values from which a form's nonlinear parameters are searched."""
-    names = [p.name for p in form.nonlinear]
-    return [dict(zip(names, point, strict=True)) for point in product(*(p.grid or (p.start,) for p in form.nonlinear))]
+def grid(form: Form, inputs: Inputs) -> list[dict[str, float]]:
+    """All combinations of the values from which a form's nonlinear parameters are searched in a record."""
+    params = _within(form, inputs)
+    names = [p.name for p in params]
+    return [dict(zip(names, point, strict=True)) for point in product(*(p.grid or (p.start,) for p in params))]
+
+
+def _within(form: Form, inputs: Inputs) -> list[Param]:
+    return [p.within(inputs.seconds) for p in form.nonlinear]

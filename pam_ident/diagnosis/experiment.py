@@ -110,7 +110,7 @@ class Question:
             regressor
             for rival in rivals
             for regressor in regressors_at(
-                rival, left[rival.name][1].term.form, closer(left[rival.name][1], NEAR), inputs, view.around
+                rival, left[rival.name][1].term.form, closer(left[rival.name][1], inputs, NEAR), inputs, view.around
             )
         ]
         _, nearer = _left(view, noise, near)

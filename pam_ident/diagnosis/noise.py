@@ -15,7 +15,7 @@ from ..records.roughness import noise_around
 from .noises import likelier_colour
 from .repeats import without_repeats
 from .track import SharedNoise, TrackError
-from .whitening import BlockFilter, filter_gains, innovations
+from .whitening import filter_gains, innovations
 
 Array = np.ndarray
 Place = tuple[int, int]
@@ -88,13 +88,9 @@ class Noise:
         """Scale and decorrelate rows so that noise has unit variance; (n,) or (n, k) in N → the same, as precise."""
         flat = columns.ndim == 1
         table = columns[:, None] if flat else columns
-        filtered = self.coloured and table.size > 0  # a law without parameters has no columns
-        single = table.dtype == np.float32
-        if filtered:
-            out = (self._single_blocks if single else self._blocks).filter(table)
-        else:
-            out = table * self._weight[:, None].astype(table.dtype)
-        if self.shared and table.size > 0:
+        out = innovations(table, self.decay, self._read) if self.coloured else table
+        out = out * self._weight[:, None].astype(table.dtype)
+        if self.shared and table.size > 0:  # a law without parameters has no columns
             out = self.shared.even(out)
         return out[:, 0] if flat else out
 
@@ -110,13 +106,9 @@ class Noise:
         return np.where(self.outlier, 0.0, 1.0 / (self.sigma * self.spread))
 
     @cached_property
-    def _blocks(self) -> "BlockFilter":
-        return BlockFilter.of(self.decay, self.gain, self._weight)
-
-    @cached_property
-    def _single_blocks(self) -> "BlockFilter":
-        whole = self._blocks
-        return BlockFilter(*(part.astype(np.float32) for part in (whole.rows, whole.first, whole.onward, whole.kept)))
+    def _read(self) -> Array:
+        """The gains without those of outliers, which no other row hears of."""
+        return np.where(self.outlier, 0.0, self.gain)
 
 
 def estimate_noise(

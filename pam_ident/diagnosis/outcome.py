@@ -18,8 +18,9 @@ from .confirmed import impossible_alone
 from .confounding import groups
 from .follows import Following
 from .noise import Noise
-from .nouns import Follows, Pattern
+from .nouns import Candidate, Diagnosis, Follows, Pattern
 from .probability import BESIDE, BY_FORM, DOUBTFUL, LAPSE, by_form_alone, probabilities
+from .ranking import ranked
 from .remainder import pattern_of, unlike_noise
 from .repeats import rounding, step_of
 from .selection import FittedSet, Selection
@@ -178,6 +179,32 @@ class Outcome:
     @cached_property
     def _noise(self) -> Noise:
         return self.selection.noise_left_by(self.fitted) if self.patterns else self.selection.noise
+
+    def ranking(self, candidates: list[Effect], errors: bool = True) -> tuple[Candidate, ...]:
+        """Every candidate, as `ranked` has it."""
+        after = self.best.rmse, self.heldout_after
+        return ranked(self.base, self.selection, candidates, self.named, self.chance, after, errors)
+
+    def diagnosis(self, candidates: list[Effect], extra: tuple[Effect, ...]) -> Diagnosis:
+        """All of it but its details; `extra` are effects beside the catalogue's."""
+        whole = len(self.following.record) == len(self.base.record)
+        return Diagnosis(
+            self.base,
+            self.best,
+            self.verdict,
+            self.selected,
+            tuple(t.label for t in self.named),
+            self.classes,
+            self.ranking(candidates, errors=False),
+            self.floor,
+            self.heldout,
+            self.heldout_after,
+            self.pattern,
+            None,
+            self.sentence(extra),
+            self.follows,
+            {"followed": self.following.newtons_followed} if whole else {},
+        )
 
     def sentence(self, extra: tuple[Effect, ...]) -> str:
         """All of it in words; `extra` are effects beside the catalogue's."""

@@ -93,7 +93,7 @@ def scan(effect: Effect, remainders: Sequence[Remainder]) -> list[Scanned]:
     found: list[_Best | None] = [None] * len(remainders)
     tried = 0
     for form in effect.forms:
-        points = grid(form)
+        points = grid(form, remainders[0].view.record.inputs)
         tried += len(points)
         parts = [range(len(remainders))] if same_around_any(form) else [range(k, k + 1) for k in range(len(remainders))]
         for part in parts:
@@ -110,7 +110,7 @@ def _zoom(effect: Effect, remainder: Remainder, best: _Best, tried: int) -> Scan
     inputs, around = remainder.view.record.inputs, remainder.view.around
     regressor = regressors_at(effect, best.form, [best.point], inputs, around)[0]
     for _ in range(2):
-        points = closer(regressor)
+        points = closer(regressor, inputs)
         if points:
             best = _better(best, _found(best.form, points, [remainder])[0])
             regressor = regressors_at(effect, best.form, [best.point], inputs, around)[0]

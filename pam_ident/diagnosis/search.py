@@ -281,14 +281,13 @@ class Penalty:
     """What an effect must earn, in whitened squares: per parameter and per name.
 
     `per_name_alone` is the part for the search among candidates; `tolerance` what an unforeseen form may leave. `odds`
-    are the prior odds of effects by name, over those that any effect has. `alike` drivers that a record makes one.
+    are the prior odds of effects by name, over those that any effect has.
     """
 
     per_parameter: float
     per_name_alone: float
     tolerance: float
     odds: Mapping[str, float] = field(default_factory=dict)
-    alike: frozenset[str] = frozenset()
 
     @property
     def per_name(self) -> float:
@@ -309,16 +308,17 @@ class Penalty:
         effect in a form that nobody foresaw is likelier than two that follow the same. Here a rate is a rate, whether
         of the length or of the pressure."""
         terms = list(terms)
-        followed = [self.followed(t.effect) for t in terms if t.effect.follows]
+        followed = [_lengths_own(t.effect) for t in terms if t.effect.follows]
         again = len(followed) - len(set(followed))
         each = sum(self.alone(t) + self.tolerance + SPECIAL * bool(t.effect.special_case_of) for t in terms)
         return each + again * self.tolerance
-
-    def followed(self, effect: Effect) -> tuple[str, ...]:
-        """What an effect follows, drivers that are one by one word."""
-        return tuple("course" if d in self.alike else d for d in effect.follows if d != "pressure_rate")
 
     def alone(self, term: Term) -> float:
         """Penalty of a term where no tolerance is needed."""
         prior = 2.0 * TEMPER * math.log(self.odds.get(term.effect.name, 1.0))
         return self.per_parameter * len(term.form.params) + self.per_name_alone - prior
+
+
+def _lengths_own(effect: Effect) -> tuple[str, ...]:
+    """What an effect follows, but for what it follows of the pressure as of the length."""
+    return tuple(driver for driver in effect.follows if driver != "pressure_rate")

@@ -19,7 +19,6 @@ from ..model import Model, Term
 from ..records import Record
 from .follows import Following
 from .noise import Noise, estimate_noise
-from .schedule import one_course
 from .search import Choice, Compressed, FormBlock, Penalty, remainder
 from .view import View
 
@@ -148,7 +147,6 @@ class Selection:
             float(base_penalty),
             tolerance(self.excess, len(self.record)),
             before.penalty.odds if before else dict(odds or {}),
-            one_course(self.record),
         )
         self.cache: dict[tuple[str, ...], FittedSet] = {(): self.empty}
         self.known: dict[tuple[str, ...], FittedSet] = {} if before is None else before.known

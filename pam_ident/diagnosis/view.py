@@ -41,12 +41,11 @@ class View:
         return [a for form in effect.forms for a in self._regressors_in(effect, form)]
 
     def _regressors_in(self, effect: Effect, form: Form) -> list[Regressor]:
-        if not same_around_any(form):
-            return regressors_at(effect, form, grid(form), self.record.inputs, self.around)
-        key = f"{effect.name}:{form.name}"
-        if key not in self.kept:
-            self.kept[key] = regressors_at(effect, form, grid(form), self.record.inputs, self.around)
-        return self.kept[key]
+        key, inputs = f"{effect.name}:{form.name}", self.record.inputs
+        found = self.kept.get(key) or regressors_at(effect, form, grid(form, inputs), inputs, self.around)
+        if same_around_any(form):
+            self.kept[key] = found
+        return found
 
     def frame(self, noise: Noise) -> Frame:
         """What the model can follow and what it leaves, whitened."""

@@ -1,61 +1,18 @@
-"""Filters that make coloured noise white: gains of a first-order process, and the filter in blocks of rows."""
+"""Filters that make coloured noise white, and their gains for a first-order process."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..core.recursion import decaying_sum
 
 Array = np.ndarray
-BLOCK = 16
-"""Rows that are filtered as one."""
-
-
-@dataclass(frozen=True)
-class BlockFilter:
-    """A filter in blocks of rows, each a small matrix, so that many columns pass at the speed of matrix products.
-
-    A block takes its rows z (BLOCK, k) and the prediction p (k,) of the first of them to `rows` · z + `first` ⊗ p, and
-    hands on the prediction `onward` · z + `kept` p.
-    """
-
-    rows: Array
-    first: Array
-    onward: Array
-    kept: Array
-
-    @classmethod
-    def of(cls, decay: Array, gain: Array, weight: Array) -> "BlockFilter":
-        """Innovations under a filter, times `weight`, shape (n,) each; rows of no weight are not read."""
-        short = -len(decay) % BLOCK
-        keep = np.r_[decay[1:] * (1.0 - gain[:-1]), np.zeros(short + 1)].reshape(-1, BLOCK)
-        take = np.r_[decay[1:] * gain[:-1], np.zeros(short + 1)].reshape(-1, BLOCK)
-        scale = np.r_[weight, np.zeros(short)].reshape(-1, BLOCK)
-        read = scale > 0.0
-        rows, state = np.zeros((len(keep), BLOCK, BLOCK + 1)), np.zeros((len(keep), BLOCK + 1))
-        state[:, BLOCK] = 1.0
-        for j in range(BLOCK):
-            rows[:, j] = -scale[:, j, None] * state
-            rows[:, j, j] += scale[:, j]
-            state *= keep[:, j, None]
-            state[:, j] += take[:, j] * read[:, j]
-        return cls(rows[:, :, :BLOCK] * read[:, None, :], rows[:, :, BLOCK], state[:, None, :BLOCK], state[:, BLOCK])
-
-    def filter(self, z: Array) -> Array:
-        """Columns (n, k) → (n, k)."""
-        n, k = z.shape
-        short = -n % BLOCK
-        parts = (np.vstack([z, np.zeros((short, k), z.dtype)]) if short else z).reshape(-1, BLOCK, k)
-        out = self.rows @ parts
-        begun = decaying_sum(self.kept[:-1], (self.onward @ parts)[:-1, 0])
-        out += self.first[:, :, None] * begun.astype(z.dtype)[:, None, :]
-        return out.reshape(-1, k)[:n]
 
 
 def innovations(z: Array, decay: Array, gain: Array) -> Array:
-    """One-step prediction errors of each column of z (n, k) under a filter, decay and gain (n,)."""
-    return z - decaying_sum(decay[1:] * (1.0 - gain[:-1]), (decay[1:] * gain[:-1])[:, None] * z[:-1])
+    """One-step prediction errors of each column of z (n, k) under a filter, decay and gain (n,), as precise as z."""
+    taken = (decay[1:] * gain[:-1]).astype(z.dtype)
+    return z - decaying_sum(decay[1:] * (1.0 - gain[:-1]), taken[:, None] * z[:-1])
 
 
 def filter_gains(decay: Array, share: Array, extra: Array) -> tuple[Array, Array]:

@@ -12,11 +12,16 @@ from .force_drift import elapsed
 
 G = Param("G", "N", "relaxing force per contraction", 0.0, 1e5, scale=100.0)
 G_P = Param("G_p", "N/MPa", "growth of that force with pressure", 0.0, 1e6, scale=300.0)
-TAU = Param("tau", "s", "relaxation time", 0.2, 3000.0, start=10.0, grid=(0.3, 1.0, 3.0, 10.0, 30.0, 100.0))
+TAU = Param(
+    "tau", "s", "relaxation time", 0.2, 3000.0, start=10.0, grid=(0.3, 1.0, 3.0, 10.0, 30.0, 100.0), slowest=1.0
+)
 """What relaxes faster than 0.2 s is damping: −G q is −G τ ε̇ then."""
 SLOW = replace(TAU, lower=0.5, grid=TAU.grid[1:])
 """What lags less and grows with pressure is the gas."""
-MIDDLE = Param("tau", "s", "middle relaxation time", 2.0, 3000.0, start=10.0, grid=(3.0, 10.0, 30.0, 100.0))
+MIDDLE = Param(
+    "tau", "s", "middle relaxation time", 2.0, 3000.0, start=10.0, grid=(3.0, 10.0, 30.0, 100.0), slowest=10.0
+)
+LATE_TAU = replace(MIDDLE, doc="relaxation time", slowest=1.0)
 THREE = tuple(
     Param(f"G_{k}", "N", f"relaxing force per contraction, {word} term", 0.0, 1e5, scale=100.0)
     for k, word in enumerate(("fastest", "middle", "slowest"), 1)
@@ -101,7 +106,7 @@ EFFECT = Effect(
         AddsForce("elastic", "+E_r q, q̇ = ḟ − q/τ, E f the bladder's force", (E_R,), _elastic, (TAU,), remembers=True),
         AddsForce("force_driven", "+share · q, q̇ = Ḟ − q/τ", (SHARE,), _force, (TAU,), uses_force=True, remembers=True),
         AddsForce(
-            "following", "−late · q, q̇ = Ḟ − q/τ", (LATE,), _following, (MIDDLE,), uses_force=True, remembers=True
+            "following", "−late · q, q̇ = Ḟ − q/τ", (LATE,), _following, (LATE_TAU,), uses_force=True, remembers=True
         ),
         free_form(
             "−q_i, τ_i = τ/10, τ, 10 τ",

@@ -17,6 +17,9 @@ from .solvers import QUICK, Solver, VariableProjection
 ACTING = 1.03
 """How much larger the sum of squares may be before the force acts back as the model's own, not as measured."""
 
+NUDGE_N = 1e-3
+"""Step of the force itself in central differences."""
+
 
 def solve(
     model: Model,
@@ -102,17 +105,35 @@ def _remembering(model: Model, inputs: Inputs, acting: Array | None = None) -> M
 
 
 def whole(model: Model, inputs: Inputs, force: Array, start: Mapping[str, float], whiten: Whiten = all_rows) -> Problem:
-    """All parameters as nonlinear ones, for models in which the force, (n,) in N, acts back on itself."""
+    """All parameters as nonlinear ones, for models in which the force, (n,) in N, acts back on itself.
+
+    Where it does so at once, G(F, θ) = F, its slopes are ∂G/∂θ / (1 − ∂G/∂F).
+    """
     model, near = _remembering(model, inputs), force
 
-    def design(values: Mapping[str, float]) -> tuple[Array, Array]:
+    def solved(values: Mapping[str, float]) -> Array:
         nonlocal near
         found = model.force(inputs, values, near)
         if np.all(np.isfinite(found)):
             near = found
-        return np.empty((len(inputs), 0)), found
+        return found
 
-    return Problem((), model.bounded(inputs), design, force, start, whiten)
+    def design(values: Mapping[str, float]) -> tuple[Array, Array]:
+        return np.empty((len(inputs), 0)), solved(values)
+
+    def slopes(values: Mapping[str, float]) -> Array:
+        acting, linear = solved(values), np.array([values[p.name] for p in model.linear])
+
+        def given(force: Array) -> Array:
+            columns, fixed = model.design(inputs, values, force)
+            return fixed + columns @ linear
+
+        back = 1.0 - (given(acting + NUDGE_N) - given(acting - NUDGE_N)) / (2.0 * NUDGE_N)
+        alone = separated(model, inputs, force, {}, acting=acting).jacobian(values)
+        return np.where(back[:, None] > 0.0, alone / np.where(back > 0.0, back, 1.0)[:, None], 0.0)
+
+    at_once = not any(term.form.uses_force and term.form.remembers for term in model.terms)
+    return Problem((), model.bounded(inputs), design, force, start, whiten, slopes=slopes if at_once else None)
 
 
 def table(model: Model, inputs: Inputs, values: Mapping[str, float], force: Array, whiten: Whiten = all_rows) -> Array:

@@ -131,8 +131,13 @@ def stacked(parts: Sequence[Problem], shared: Collection[str]) -> Problem:
 
 
 def _union(each: Sequence[Sequence[Param]], shared: Collection[str]) -> list[Param]:
-    named = (replace(p, name=_own(p.name, k, shared)) for k, params in enumerate(each) for p in params)
-    return list({p.name: p for p in named}.values())
+    """Of a shared one the widest bounds."""
+    found: dict[str, Param] = {}
+    for k, p in ((k, p) for k, params in enumerate(each) for p in params):
+        name = _own(p.name, k, shared)
+        if name not in found or p.upper > found[name].upper:
+            found[name] = replace(p, name=name)
+    return list(found.values())
 
 
 def _own(name: str, k: int, shared: Collection[str]) -> str:

@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
-from pam_ident.diagnosis.schedule import one_course
 from pam_ident.model import Model
-from pam_ident.records import Record, build_record, read_record
+from pam_ident.records import Record, read_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
 
 CHOU = "modified_chou_hannaford"
@@ -28,16 +26,6 @@ def test_what_creeps_since_it_was_pressurised_is_creep(tmp_path):
     crept = replace(record, force=record.force + 15.0 * record.inputs.pressure * np.log1p((since + 5.0) / 4.0))
     found = diagnose(Model.build(CHOU), crept)
     assert found.verdict == "missing_effect" and found.selected == ("creep",)
-
-
-@pytest.mark.parametrize(("pause", "one"), [(0.0, True), (40.0, False)])
-def test_where_each_isobar_is_driven_alike_the_way_and_the_time_are_one(pause, one):
-    """Two isobars of four strokes; the second may rest in the middle."""
-    x, step = np.tile(np.r_[np.linspace(0.0, 40.0, 20), np.linspace(40.0, 0.0, 20)], 4), np.full(160, 0.5)
-    step[120] += pause
-    pressure = np.repeat([0.2, 0.4], 80)
-    record = build_record("made", Specimen(), pressure, x / 200.0, 100.0 - x, time=np.cumsum(step), level=pressure)
-    assert bool(one_course(record)) == one
 
 
 @pytest.mark.long

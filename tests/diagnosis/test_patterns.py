@@ -71,7 +71,7 @@ def test_what_single_precision_finds_is_as_good_as_what_double_finds(record, beg
     remainder = Remainder(selection, selection.empty)
     for effect in patterns(later.inputs):
         for form in effect.forms:
-            points = grid(form)
+            points = grid(form, later.inputs)
             rough, precise = _found(form, points, [remainder])[0], _best(form, points, [remainder])[0]
             assert 0.98 * precise.gain <= rough.gain <= (1.0 + 1e-9) * precise.gain
 
@@ -84,7 +84,7 @@ def test_a_third_of_the_samples_shows_what_all_of_them_show():
     strong = 0
     for effect in patterns(record.inputs):
         for form in effect.forms:
-            rough, precise = (f(form, grid(form), [remainder])[0].gain for f in (_found, _best))
+            rough, precise = (f(form, grid(form, record.inputs), [remainder])[0].gain for f in (_found, _best))
             if precise > 0.1 * len(record):
                 strong += 1
                 assert rough > 0.98 * precise, form.name
@@ -98,9 +98,9 @@ def test_columns_are_made_and_whitened_in_the_precision_of_the_inputs(record):
     for effect in patterns(record.inputs):
         for form in effect.forms:
             if form.nonlinear:
-                columns = form.columns(samples.inputs, grid(form)[0], samples.around.force)
+                columns = form.columns(samples.inputs, grid(form, record.inputs)[0], samples.around.force)
                 assert columns.dtype == np.float32
-                exact = form.columns(record.inputs, grid(form)[0], remainder.view.around.force)
+                exact = form.columns(record.inputs, grid(form, record.inputs)[0], remainder.view.around.force)
                 np.testing.assert_allclose(selection.noise.whiten(columns), selection.noise.whiten(exact), atol=1e-4)
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from pam_ident.core import Inputs, Specimen
 from pam_ident.effects import get_effect
+from pam_ident.model import Model
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.0, 2.0)
 
@@ -82,3 +83,20 @@ def test_what_relaxes_within_a_fifth_of_a_second_is_no_creep():
         for p in (p for p in form.nonlinear if p.unit == "s"):
             fastest = p.lower / (10.0 if form.name == "prony_3" else 1.0)
             assert fastest >= 0.2
+
+
+@pytest.mark.parametrize(
+    ("form", "slowest", "least"),
+    [("textbook", 1.0, 1.0), ("following", 1.0, 2.0), ("prony_3", 10.0, 2.0), ("free", 10.0, 2.0)],
+)
+def test_nothing_relaxes_more_slowly_than_the_record_lasts_for_that_is_elastic(form, slowest, least):
+    def bound(seconds):
+        time = None if seconds is None else np.array([5.0, 6.0, 5.0 + seconds])
+        inputs = Inputs(np.full(3, 0.3), np.array([0.0, 0.1, 0.0]), MUSCLE, np.zeros(3), time=time)
+        (tau,) = (p for p in Model.build("polynomial", (f"creep:{form}",)).bounded(inputs) if p.name == "creep.tau")
+        assert tau.lower <= tau.start <= tau.upper and max(tau.grid) <= tau.upper
+        return tau.upper
+
+    assert bound(70.0) == pytest.approx(70.0 / slowest)
+    assert bound(1.0) == least
+    assert bound(1e6) == bound(None) == 3000.0

@@ -10,6 +10,7 @@ from scipy.optimize import curve_fit, lsq_linear
 from pam_ident.core import DataError, FitError, Inputs, Param, Specimen
 from pam_ident.fitting import fit, fit_branches, fit_isobars, loop_energies
 from pam_ident.fitting.problem import within_bounds
+from pam_ident.fitting.solve import whole
 from pam_ident.model import Model
 from pam_ident.records import build_record, read_record
 from pam_ident.records.datasets import dataset_record
@@ -138,6 +139,18 @@ def test_series_compliance_is_solved_for_the_force():
     np.testing.assert_allclose(force, chou(record.inputs.pressure, moved, 1.0, 1.1, 5.0), rtol=1e-8, atol=1e-6)
     for near in (0.9 * force, force + 50.0):
         np.testing.assert_allclose(model.force(record.inputs, values, near), force, rtol=1e-9, atol=1e-8)
+
+
+@pytest.mark.parametrize("form", ["textbook", "stiffening", "free"])
+def test_slopes_of_a_force_that_acts_back_on_itself_are_those_by_differences(form):
+    hidden = Model.build("exponential_law", (f"series_compliance:{form}",))
+    record = table(lambda p, e: 400.0 + 2500.0 * p - (900.0 + 5500.0 * p) * e)
+    size = {p.name: 3.0 if p.unit == "mm/kN" else p.start for p in hidden.nonlinear}
+    values = {**PAPER["contraction"], **size}
+    problem = whole(hidden, record.inputs, record.force, values)
+    by_differences = replace(problem, slopes=None).jacobian(values)
+    unit = np.abs(by_differences).max(axis=0)
+    np.testing.assert_allclose(problem.jacobian(values) / unit, by_differences / unit, atol=1e-6)
 
 
 def test_series_compliance_is_recovered():

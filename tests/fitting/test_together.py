@@ -7,6 +7,8 @@ import pytest
 
 from pam_ident.core import Specimen, UsageError
 from pam_ident.fitting import fit, fit_together
+from pam_ident.fitting.solve import separated
+from pam_ident.fitting.together import stacked
 from pam_ident.model import Model
 from pam_ident.records import Record, build_record
 
@@ -95,6 +97,15 @@ def test_a_muscle_of_one_isobar_is_fitted_by_what_it_shares():
     loose = fit_together(LAW, records, ["mu"])
     assert loose[0].valid and not loose[1].valid
     assert "a1" in next(e.verdict.text for e in loose[1].estimates if e.name == "a0")
+
+
+def test_a_shared_relaxation_time_may_be_as_long_as_the_longest_record():
+    model = Model.build("exponential_law", ("creep",))
+    records = [muscle(0, time=True), muscle(1, time=True, pressures=(0.3,))]
+    parts = [separated(model, one.inputs, one.force, {}) for one in records]
+    for order in (parts, parts[::-1]):
+        (tau,) = (p for p in stacked(order, {"creep.tau"}).nonlinear if p.name == "creep.tau")
+        assert tau.upper == pytest.approx(records[0].inputs.seconds)
 
 
 def test_what_is_held_is_held_in_all():

@@ -44,8 +44,8 @@ def likelier_colour(z: Array, clocks: Sequence[Array], decay: Array, share: floa
     """
     gain, spread = filter_gains(decay[:, None], np.array([share]), np.zeros(len(z)))
     first = _deviance(innovations(z[:, None], decay, gain[:, 0]), spread)
-    others = [_Mixtures.of(name, steps.tobytes()).deviances(z) for name in catalogue() for steps in clocks]
-    deviances, squares = (np.concatenate(parts) for parts in zip(first, *others, strict=True))
+    others = _Mixtures.of(tuple(catalogue()), tuple(steps.tobytes() for steps in clocks)).deviances(z)
+    deviances, squares = (np.concatenate(parts) for parts in zip(first, others, strict=True))
     best = int(np.argmin(deviances))
     return float(deviances[0] - deviances[best]), float(np.sqrt(squares[best]))
 
@@ -59,37 +59,51 @@ def _deviance(innovation: Array, spread: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class _Mixtures:
-    """The Kalman filters of a colour's mixtures on a clock: memory from the sample before, (n, 1, k), gains (n, m, k)
-    and deviations of the innovations (n, m)."""
+    """The Kalman filters of all colours' mixtures on some clocks, side by side: memory from the sample before and
+    gains, (n, k, m), and deviations of the innovations (n, m)."""
 
     decay: Array
     gain: Array
     spread: Array
 
     @classmethod
-    @lru_cache(maxsize=4)
-    def of(cls, name: str, clock: bytes) -> "_Mixtures":
-        """Those of a colour by its name, and of steps from sample to sample (n,) as bytes."""
-        steps = np.frombuffer(clock)
-        memory, variance = catalogue()[name].mixtures(float(np.sum(steps)))
-        decay = np.exp(-steps[:, None, None] / memory)
-        white = 1.0 - variance.sum(axis=1)
-        unit = variance[:, :, None] * np.eye(len(memory))
-        covariance, fresh = unit.copy(), unit * (1.0 - decay**2)[:, :, :, None]
-        gain, spread = np.empty((len(steps), *variance.shape)), np.empty((len(steps), len(variance)))
-        for k, (kept, new) in enumerate(zip(decay, fresh, strict=True)):
-            covariance = covariance * (kept[:, :, None] * kept[:, None, :]) + new if k else covariance
-            seen = covariance.sum(axis=2)
-            total = seen.sum(axis=1) + white
-            gain[k], spread[k] = seen / total[:, None], total
-            covariance = covariance - gain[k][:, :, None] * seen[:, None, :]
+    @lru_cache(maxsize=2)
+    def of(cls, names: tuple[str, ...], clocks: tuple[bytes, ...]) -> "_Mixtures":
+        """Those of colours by their names, and of steps from sample to sample (n,) as bytes."""
+        each = [(np.frombuffer(clock), catalogue()[name]) for name in names for clock in clocks]
+        made = [(steps, *colour.mixtures(float(np.sum(steps)))) for steps, colour in each]
+        k = max(len(memory) for _, memory, _ in made)
+        decays, parts = [], []
+        for steps, memory, variance in made:
+            decay = np.exp(-steps[:, None] / np.pad(memory, (0, k - len(memory)), constant_values=1.0))
+            decays.append(np.repeat(decay[:, :, None], len(variance), axis=2))
+            parts.append(np.pad(variance, ((0, 0), (0, k - len(memory)))).T)
+        return cls._filtering(np.concatenate(decays, axis=2), np.concatenate(parts, axis=1))
+
+    @classmethod
+    def _filtering(cls, decay: Array, variance: Array) -> "_Mixtures":
+        """Of memories (n, k, m) and variances (k, m); the first sample remembers nothing."""
+        decay[0] = 1.0
+        k, m = variance.shape
+        white, fresh = 1.0 - variance.sum(axis=0), variance * (1.0 - decay**2)
+        gain, spread = np.empty(decay.shape), np.empty((len(decay), m))
+        covariance = np.zeros((k, k, m))
+        covariance[range(k), range(k)] = variance
+        diagonal = covariance.reshape(k * k, m)[:: k + 1]
+        for kept, new, own, total in zip(decay, fresh, gain, spread, strict=True):
+            covariance *= kept[:, None] * kept
+            diagonal += new
+            seen = covariance.sum(axis=0)
+            np.add(seen.sum(axis=0), white, out=total)
+            np.divide(seen, total, out=own)
+            covariance -= seen[:, None] * own
         return cls(decay, gain, np.sqrt(spread))
 
     def deviances(self, z: Array) -> tuple[Array, Array]:
         """Of a series (n,), with the squares of its scale, shape (m,) each."""
         state, left = np.zeros(self.gain.shape[1:]), np.empty(self.spread.shape)
-        for k, value in enumerate(z):
-            state = state * self.decay[k]
-            left[k] = value - state.sum(axis=1)
-            state += self.gain[k] * left[k][:, None]
+        for value, decay, gain, error in zip(z, self.decay, self.gain, left, strict=True):
+            state *= decay
+            np.subtract(value, state.sum(axis=0), out=error)
+            state += gain * error
         return _deviance(left, self.spread)
