@@ -72,11 +72,6 @@ RULES: dict[str, Rule] = {
     "free forms in place of values against nature": ("confirmed", "_in_free_forms", lambda *_: []),
     "what is too small goes": ("confirmed", "_large_enough", lambda base, named, fitted, least: named),
     "doubtful names go beside something unknown": ("diagnose", "_without_doubtful", lambda outcome: outcome),
-    "more noise in place of a name": (
-        "select",
-        "_told_from_noise",
-        lambda selection, compared: (compared[0][1], compared[0][2]),
-    ),
     "no other noise where sure": ("select", "_sure", lambda selection, fitted: False),
     "a held pressure is its mean": ("follows", "_without_sensor", lambda record: record.inputs),
 }

@@ -181,7 +181,8 @@ def sindy(everything: bool) -> Callable[[Record, Setup], dict]:
         basis = np.linalg.qr(white(jacobian(model, record.inputs, base.values, record.force)))[0]
         names, columns = [], []
         for term in known.terms:
-            for regressor in regressors_at(term.effect, term.form, grid(term.form, record.inputs), record.inputs, around):
+            points = grid(term.form, record.inputs)
+            for regressor in regressors_at(term.effect, term.form, points, record.inputs, around):
                 whole = white(regressor.columns)
                 left = whole - basis @ (basis.T @ whole)
                 seen = np.linalg.norm(left, axis=0) > 0.05 * np.linalg.norm(whole, axis=0) + 1e-9

@@ -122,8 +122,10 @@ def _head(found: "Track") -> list[str]:
     stretch = "a whole stride" if course.window is None else f"{course.window.duration_s:g} s of a stride"
     where = "in the multibody prototype" if found.prototype else "in the reduced leg"
     where += "" if found.ground is None else " on the ground"
+    muscle = found.loop.pair.muscle.specimen
     lines = [
         f"knee of gait {course.gait.name} at {course.gait.cadence_Hz:g} Hz, {stretch}, {where}",
+        f"two muscles as the fit's: {muscle.initial_length_mm:g} mm long, {muscle.initial_radius_mm:g} mm in radius",
         f"PID tuned by hand ({found.by_hand.runs} runs): {_gains(found.by_hand.gains)}; "
         f"{found.by_hand.rms_deg:.2f}° rms, {_worst(found.by_hand.worst_deg)}",
         f"PID {'tuned automatically' if found.automatic.runs else 'as given'}: {_gains(gains)}; "

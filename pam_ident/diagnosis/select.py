@@ -77,7 +77,7 @@ def investigate(
     select_again(selection.noise_left_by(selection.empty))
     last, answer = selections[-1]
     select_again(last.noise_left_by(answer))
-    noise, found = _told_from_noise(selection, _compared(selections))
+    _, noise, found = _compared(selections)[0]
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
     return final, final.refit(seen, found.values)
@@ -126,18 +126,6 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
     largest = selections[0][0].base.rmse
     possible = [item for item in weighed if item[1].whole <= largest or not item[2].terms]
     return sorted(possible or weighed, key=lambda item: item[0])
-
-
-def _told_from_noise(
-    selection: Selection, compared: Sequence[tuple[float, Noise, FittedSet]]
-) -> tuple[Noise, FittedSet]:
-    """The noise and the set of the least full criterion, less what more noise in its place explains nearly as well; but
-    noise it is not, where the free model is likelier."""
-    least, noise, best = compared[0]
-    most = math.inf if selection.record.inputs.time is None else FreeModel.of(selection).criterion + CLOSE
-    most = min(least + CLOSE, most)
-    close = [(own, v) for criterion, own, v in compared if criterion < most and v.labels <= best.labels]
-    return min(close, key=lambda item: len(item[1].terms), default=(noise, best))
 
 
 def _sure(selection: Selection, fitted: FittedSet) -> bool:

@@ -59,6 +59,7 @@ def test_it_says_the_same_in_words(ran):
     result, found, _ = ran
     for words in ("0.2 s of a stride", "in the reduced leg", "Kp 2.70 MPa/rad", "PID + the plant's own model"):
         assert words in result.stdout
+    assert "two muscles as the fit's: " in result.stdout and " mm long, " in result.stdout
     assert f"{found['rungs'][0]['rms_deg']:.3f}" in result.stdout
     assert f"{found['budget']['muscle']:+.3f}" in result.stdout
 
