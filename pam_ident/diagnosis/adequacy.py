@@ -64,8 +64,7 @@ class FreeModel:
     @lru_cache(maxsize=4)
     def of(cls, selection: Selection) -> "FreeModel":
         """For the record, law and likeliest drivers of a selection."""
-        noise, freedom = selection.noise_of_best(selection.noise.outlier)
-        return cls(noise.deviance + selection.penalty.per_parameter * freedom, noise)
+        return cls(selection.criterion_of_best, selection.noise_of_best(selection.noise.outlier)[0])
 
     def odds(self, selection: Selection, fitted: FittedSet) -> float:
         """Twice its log odds against a set with whatever noise that leaves."""

@@ -106,9 +106,7 @@ def _followed(selection: Selection, fitted: FittedSet) -> Pattern | None:
     part, and is then likelier than surfaces with so many columns."""
     if selection.record.inputs.time is None:
         return None
-    noise, freedom = selection.noise_of_best(selection.noise.outlier)
-    with_surfaces = noise.deviance + selection.penalty.per_parameter * freedom
-    if with_surfaces > selection.noise_left_by(fitted).deviance + LIKELIER:
+    if selection.criterion_of_best > selection.noise_left_by(fitted).deviance + LIKELIER:
         return None
     first, *_ = shares = selection.following.shares()
     share = sum(one.share for one in shares if one.what != "noise")

@@ -336,6 +336,12 @@ class Selection:
             self.of_best.append((noise, freedom))
         return self.of_best[0]
 
+    @property
+    def criterion_of_best(self) -> float:
+        """Deviance of these surfaces with the noise they leave, plus their penalty."""
+        noise, freedom = self.noise_of_best(self.noise.outlier)
+        return noise.deviance + self.penalty.per_parameter * freedom
+
     def noise_in(
         self, left: Array, view: View, taken: float, outlier: Array | None = None, white: bool = False
     ) -> Noise:
