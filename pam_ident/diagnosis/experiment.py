@@ -20,11 +20,12 @@ from ..effects import Effect, in_words
 from ..model import Term
 from ..records import Record
 from .dictionary import Regressor, closer, regressors_at
-from .noise import Noise, filter_gains
+from .noise import Noise
 from .nouns import Experiment, Pattern, Separation
 from .possible_runs import PossibleRun, possible_runs
 from .selection import FittedSet, Selection, tolerance
 from .view import View
+from .whitening import filter_gains
 
 Array = np.ndarray
 STEADIEST = 0.9999

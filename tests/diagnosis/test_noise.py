@@ -5,15 +5,14 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.core.recursion import decaying_sum
-from pam_ident.diagnosis.noise import (
+from pam_ident.diagnosis.colour import (
     COARSE,
     MEMORY_SAMPLES,
     SHARES,
-    Noise,
+    Seen,
     _likeliest,
-    _Seen,
-    estimate_noise,
 )
+from pam_ident.diagnosis.noise import Noise, estimate_noise
 from pam_ident.diagnosis.track import TrackError
 from pam_ident.diagnosis.whitening import filter_gains, innovations
 from pam_ident.records import build_record
@@ -122,7 +121,7 @@ def test_the_likeliest_colour_is_that_of_the_whole_grid():
     advance = np.ones(1500)
     z = coloured(0.85, 1500) + 0.6 * np.random.default_rng(8).standard_normal(1500)
     places = [(k, j) for k in range(len(MEMORY_SAMPLES)) for j in range(len(SHARES))]
-    seen = _Seen(z[:, None], np.zeros(1500), np.zeros(1500, bool), None)
+    seen = Seen(z[:, None], np.zeros(1500), np.zeros(1500, bool), None)
     whole = seen.deviances(places, advance)
     place, least = _likeliest(lambda some: seen.deviances(some, advance), COARSE)
     assert place == places[int(np.argmin(whole))] and least == pytest.approx(min(whole), rel=1e-12)
