@@ -70,6 +70,13 @@ def test_coloured_noise_is_whitened_and_keeps_its_size(record, rho):
     assert np.std(left) == pytest.approx(1.0, rel=0.03)
 
 
+def test_a_little_white_noise_beside_slow_noise_leaves_the_whole_as_large_as_it_is(record):
+    white = np.random.default_rng(13).standard_normal(4000)
+    residual = 4.0 * (np.sqrt(0.97) * coloured(np.exp(-1.0 / 13.0)) + np.sqrt(0.03) * white)
+    noise = estimate_noise(record, residual, np.zeros(4000), 8)
+    assert noise.share in (0.95, 0.98) and noise.whole == pytest.approx(np.std(residual), rel=0.1)
+
+
 def test_noise_of_the_driven_sensors_is_not_taken_where_it_is_less_likely(record):
     seen = record.inputs.displacement_mm + 0.02 * np.random.default_rng(6).standard_normal(4000)
     noisy = build_record("loop", SPECIMEN, np.full(4000, 0.3), seen / 200.0, record.force, time=record.inputs.time)
