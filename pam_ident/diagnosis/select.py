@@ -51,10 +51,10 @@ def investigate(
 
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
     colour is, the record is judged again against the noise that the law alone would imply, and against that which the
-    answer then leaves; the answers and all their parts, fitted against the likeliest of these noises, are then compared
-    by their full likelihood, each with its own noise. Nothing of this where no noise could take the place of any name:
-    a little colour is what a form leaves that is not exactly right. Nor where the answer is no noise, and the free
-    model is likelier than each of its parts with the noise that it leaves: noise is then what the free model leaves.
+    answer then leaves; the answers and all their parts, fitted against the first or the likeliest of these noises, are
+    then compared by their full likelihood, each with its own noise. Nothing of this where no noise could take the place
+    of any name: a little colour is what a form leaves that is not exactly right. Nor where the answer is no noise, and
+    the free model is likelier than each of its parts with the noise that it leaves: noise is then what that leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection)
@@ -138,7 +138,8 @@ def _sure(selection: Selection, fitted: FittedSet) -> bool:
 def _likeliest(
     selections: Sequence[Selection], terms: Sequence[Term], start: Mapping[str, float]
 ) -> tuple[Selection, FittedSet]:
-    """The fit of a set against the noise, one of some selections', by which it is likeliest; and that selection."""
+    """The likelier fit of a set, against the first noise of some selections' or that by which it is then likeliest; and
+    that selection. Against slow noise a fit may leave to it what the set can explain."""
     first_of = selections[0]
     first = first_of.refit(terms, start)
     left = first_of.residual(first_of.base.model.adding(*terms), first.values)
@@ -148,7 +149,8 @@ def _likeliest(
         return float(white @ white) + selection.noise.volume
 
     best = min(selections, key=deviance)
-    return best, best.refit(terms, first.values)
+    fits = [(best, best.refit(terms, first.values)), (first_of, first)]
+    return min(fits, key=lambda one: full_criterion(*one)[0])
 
 
 def _subsets(terms: Sequence[Term]) -> list[tuple[Term, ...]]:
