@@ -25,7 +25,8 @@ COARSE = tuple(product(range(0, len(MEMORY_SAMPLES), 2), (0, 2, 4, 6, 8, 10)))
 BEYOND_WHITE = 12.0
 """Deviance by which a colour must be better than none."""
 UNEVEN, SELDOM = 0.5, 0.01
-"""Share of the usual step by which another differs, and share of all steps, up to which the time tells what they do."""
+"""Share of the usual step by which another differs, and share of steps that differ by more, up to which samples count
+time."""
 WANDERS = 2.0
 """Size of slow noise, over that of what is left, up to which it may be: it cannot have been small all the time."""
 
