@@ -24,6 +24,7 @@ from ..fitting.estimate import at_bound
 from ..fitting.solve import jacobian
 from ..model import Model
 from ..records import Record, thinned
+from ..records.roughness import position_noise
 from .dictionary import slopes
 from .drivers import DRIVERS
 from .nouns import Follows
@@ -87,8 +88,8 @@ def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
 class Following:
     """What a model leaves, and how much of it smooth surfaces over each set of drivers explain.
 
-    `variance` is that of what the richest surfaces over all drivers leave, and `memory` the samples of it that count as
-    one. `unsure` is how far the driven track may be off: what it makes of the force is evened out, and where it is
+    `variance` is that of what the richest surfaces over all drivers leave, `memory` the samples of it that count as
+    one, and `rough` the size of its white part. `unsure` is how far the driven track may be off: what it makes of the force is evened out, and where it is
     unread nothing is looked at.
     """
 
@@ -101,9 +102,12 @@ class Following:
         self._look(model, values)
         if unsure is not None:
             slope = unsure.slope(slopes(model, record.inputs, values), record.specimen)
-            self.shared = unsure.in_force(slope, math.sqrt(self.variance), every=True)
-            if self.shared:
+            # Once for the record: noise with and without what rows share has likelihoods that nothing compares.
+            if unsure.matters(slope, self.rough):
+                self.shared = unsure.in_force(slope, math.sqrt(self.variance), every=True)
                 self._look(model, values)
+            else:
+                self.unsure = replace(unsure, blocks=())
 
     def _look(self, model: Model, values: Mapping[str, float]) -> None:
         """Work out what is left, surfaces and noise, what rows share of it evened out."""
@@ -118,6 +122,7 @@ class Following:
         remainder = self.left - self.surfaces.explained(richest)
         self.variance = float(remainder @ remainder) / max(int(self.read.sum()) - self.surfaces.of(richest)[1], 1.0)
         self.memory = memory_of(remainder)
+        self.rough = position_noise(remainder, self.record.inputs.time)
 
     def _richest(self) -> frozenset[int]:
         """The richest group of each driver; of a short record, one that leaves half of its rows to the noise."""
