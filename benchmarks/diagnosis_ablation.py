@@ -73,7 +73,12 @@ RULES: dict[str, Rule] = {
     "what is too small goes": ("confirmed", "_large_enough", lambda base, named, fitted, least: named),
     "doubtful names go beside something unknown": ("diagnose", "_without_doubtful", lambda outcome: outcome),
     "no other noise where sure": ("select", "_sure", lambda selection, fitted: False),
-    "a held pressure is its mean": ("follows", "_without_sensor", lambda record: record.inputs),
+    "a held pressure is its mean": ("follows", "without_sensor", lambda record: record.inputs),
+    "sets of drivers compete in their own noise": (
+        "follows",
+        "Following._criteria",
+        property(lambda self: {one: -self.evidence(one) for one in {self._search[0], *self._search[1].values()}}),
+    ),
 }
 """Where a rule lives in pam_ident.diagnosis, and what stands there without it."""
 Case = tuple[Path, str]

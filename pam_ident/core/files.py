@@ -41,7 +41,7 @@ def read_toml(path: str | Path, absent: str = "", wrong: type[PamError] = DataEr
     """The content of a TOML file. Raises `wrong`, DataError by default, where it cannot be read, saying `absent` where
     it is not there."""
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         if absent and isinstance(error, FileNotFoundError):
             raise wrong(f"{path}: {absent}") from None

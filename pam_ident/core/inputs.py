@@ -14,6 +14,9 @@ import numpy as np
 from .errors import DataError
 from .recursion import Array, Live
 
+THINNEST_MM = 0.01
+"""A wall that is thinner is no bladder's, but given in another unit."""
+
 
 @dataclass(frozen=True)
 class Sensors:
@@ -44,7 +47,7 @@ class Specimen:
         sensors: those of the rig it was measured on, None where they are not known.
 
     Raises:
-        DataError: for a length that is not positive, or an angle out of range.
+        DataError: for a length that is not positive, a wall as thick as the radius, or an angle out of range.
 
     Example:
         >>> from pam_ident.core import Specimen
@@ -65,6 +68,12 @@ class Specimen:
             value = getattr(self, key)
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise DataError(f"specimen {self.name}: {key} = {value}; expected a length above 0 mm")
+        wall = self.wall_thickness_mm
+        if wall is not None and not THINNEST_MM <= wall < self.initial_radius_mm:
+            raise DataError(
+                f"specimen {self.name}: wall_thickness_mm = {wall}; expected {THINNEST_MM:g} mm or more, and less than "
+                f"the radius of {self.initial_radius_mm:g} mm"
+            )
         if not 5.0 <= self.braid_angle_deg <= 54.0:
             raise DataError(
                 f"specimen {self.name}: braid_angle_deg = {self.braid_angle_deg}; expected 5 to 54 degrees "

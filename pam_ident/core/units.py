@@ -29,9 +29,8 @@ TO_INTERNAL = {
 
 ATMOSPHERE_MPA = 0.101325
 """What is taken off an absolute pressure."""
-_STRANGE = {"v", "mv", "ma", "%fs", "raw", "counts", "digits", "atm", "torr", "mmhg", "inhg", "inh2o", "ksi", "ft"}
-_STRANGE |= {"kgf/cm2", "kgf/cm²", "n/mm2", "n/mm²", "lb", "ozf"}
-"""Units of other programs and of raw signals, of which nobody knows what they are here."""
+_STRANGE = {"lb", "lbs", "ozf", "g", "gf", "kp", "ft", "inch", "ksi", "atm", "torr", "mmhg", "inhg", "mv", "hr", "us"}
+"""Units of other programs, as a suffix: in brackets, whatever is not known is one."""
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)\s*[\])]\s*$")
 _AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge|rel|relative)\)?\.?$", re.IGNORECASE)
 """A unit of pressure with what it counts from: `bara`, `bar abs`, `bar(g)`, `kPa_gauge`."""
@@ -71,10 +70,11 @@ def _parted(text: str, loose: bool) -> tuple[str, str | None]:
 
 
 def strange_unit(header: str) -> str | None:
-    """What a header has in brackets that is a unit, `P (V)`, but none of those that are known."""
+    """What a header has for a unit, in brackets, `P (V)`, or at its end, `mass_lb`, that is none of those known."""
     found = _BRACKETS.match(header.strip())
-    unit = found["unit"].strip() if found else ""
-    return unit if unit.lower() in _STRANGE else None
+    unit = found["unit"].strip().replace("°", "") if found else header.strip().rpartition("_")[2]
+    strange = not is_unit(unit) if found else "_" in header and unit.lower() in _STRANGE
+    return unit if unit and strange else None
 
 
 def is_unit(text: str) -> bool:

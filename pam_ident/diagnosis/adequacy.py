@@ -14,12 +14,12 @@ import numpy as np
 from ..core.digits import newtons
 from ..effects import Effect
 from .follows import Following
-from .noise import Noise
+from .noise import OTHER_SIZE, Noise
 from .nouns import Pattern
 from .remainder import OF_ALL, ONE_IN_100
 from .repeats import comes_back
 from .search import CLOSE
-from .selection import FORM_TOLERANCE, OTHER_SIZE, FittedSet, Selection
+from .selection import FORM_TOLERANCE, FittedSet, Selection
 
 EXACT = 0.001
 """Share of what is to be explained that forms may leave which follow the same, because together they can come near to

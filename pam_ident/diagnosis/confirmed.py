@@ -9,12 +9,12 @@ from ..core.param import Param, Range
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
 from ..model import Model, Term
-from .follows import looked_at
 from .heldout import SHORT, fit_quickly, heldout_rmse, in_best_forms
 from .nouns import Pattern
 from .search import CLOSE
 from .select import RIVALS
 from .selection import FittedSet, Selection
+from .steady import looked_at
 
 
 def allowed_by_nature(

@@ -15,12 +15,14 @@ from ..records import Record
 from .answer import Selected, answer_of, likelier_instead, standing
 from .confirmed import allowed_by_nature
 from .experiment import after_pattern, next_experiment
-from .follows import Following, steadied
+from .follows import Following
 from .heldout import heldout_rmse
+from .noise import OTHER_SIZE
 from .nouns import Diagnosis
 from .outcome import Outcome
-from .selection import OTHER_SIZE, FittedSet
+from .selection import FittedSet
 from .sentence import could_be_tried
+from .steady import steadied
 
 ANOTHER_RIG = " It takes a rig that drives the length while the pressure is held."
 

@@ -8,10 +8,10 @@ from ..effects import Effect
 from ..fitting import Fit, fit
 from ..model import Model, Term
 from ..records import Record
-from .follows import looked_at
 from .heldout import SHORT, fit_quickly, heldout_nearby, heldout_rmse
 from .nouns import Candidate
 from .selection import Selection
+from .steady import looked_at
 
 ENDED_BADLY = 1.01
 """Error of a law with a candidate, over that of the law alone, from which its fit has failed: an effect of size zero

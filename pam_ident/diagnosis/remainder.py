@@ -10,6 +10,7 @@ from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .repeats import step_of
 from .selection import FittedSet, Selection
+from .whitening import LAGS
 
 Array = np.ndarray
 
@@ -29,9 +30,6 @@ FORMS = {
 MOSTLY = 0.5
 """Share of what is left that follows something, from which it is no noise: 0.47 at most in 79 records without anything
 hidden, of noise of all colours."""
-LIKELIER = 200.0
-"""Deviance by which noise alone is likelier than surfaces, from which it is noise, however much of it they follow: 415
-to 1,505 in four records without anything hidden, 78 where a load cell wandered."""
 CORNER = 5
 """Samples around a corner of the motion, where a position that is a little off is most."""
 WINDOW, MEMORIES, BURSTING = 20, 4.0, 2.2
@@ -50,9 +48,8 @@ times the root of their number."""
 JUMPING = 1.8
 """How many times as large as in the middle steps of what is left may be in the mean: 1.32 at most in 107 records with
 nothing hidden."""
-LAGS, FORETOLD = 16, 0.07
-"""Samples before that are looked at, and the share of the noise's innovations that they may foretell: 0.04 at most in
-the same records."""
+FORETOLD = 0.07
+"""Share of the noise's innovations that the LAGS samples before may foretell: 0.04 at most in the same records."""
 ONE_IN_100 = 2.58
 """Standard deviations that normal numbers exceed once in a hundred times."""
 APART, NORMAL, GAP = 20, 0.455, 5.0
@@ -102,11 +99,8 @@ def unlike_noise(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 
 def _followed(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What the law leaves, where most of that follows what was driven or the clock: slow noise does by chance, in
-    part, and is then likelier than surfaces with so many columns."""
+    """What the law leaves, where most of that follows what was driven or the clock."""
     if selection.record.inputs.time is None:
-        return None
-    if selection.criterion_of_best > selection.noise_left_by(fitted).deviance + LIKELIER:
         return None
     first, *_ = shares = selection.following.shares()
     share = sum(one.share for one in shares if one.what != "noise")

@@ -18,7 +18,7 @@ from ..fitting.solve import solve
 from ..model import Model, Term
 from ..records import Record
 from .follows import Following
-from .noise import Noise, estimate_noise
+from .noise import OTHER_SIZE, Noise, estimate_noise
 from .search import Choice, Compressed, FormBlock, Penalty, remainder
 from .view import View
 
@@ -28,9 +28,6 @@ FORM_TOLERANCE = 0.005
 """Share of all that is to be explained which each name must earn: an unforeseen form may leave as much."""
 MOST_TOLERANCE = 0.5
 """The same in units of the noise: what stands out that far is named, however large the rest."""
-OTHER_SIZE = 1.0 / 3.0
-"""Share by which the variance of what is left exceeds that of the noise it is taken for, from which it is not that
-noise: 0.27 at most in 262 records without anything hidden."""
 LEAST_CHANGE = 1.0 / 3.0
 """Share of its largest by which what a free form follows must change, lest the form be a surface over the map."""
 HOPELESS = 60.0

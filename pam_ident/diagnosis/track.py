@@ -156,16 +156,22 @@ class TrackError:
         """That of the force over the track, (n,) in N/mm or N/MPa, from a model's."""
         return around.pressure if self.locked else around.contraction / specimen.initial_length_mm
 
+    def matters(self, slope: Array, size: float) -> bool:
+        """Whether what it makes of a force with a slope (n,) over the track is more than NEGLIGIBLE beside white noise
+        of a `size` in N."""
+        square = float(np.sum((slope * self.alone) ** 2))
+        square += sum(float(np.sum((slope[rows, None] * block) ** 2)) for rows, block in self.blocks)
+        return square > NEGLIGIBLE * len(slope) * size**2
+
     def in_force(self, slope: Array, size: float, every: bool = False) -> SharedNoise | None:
-        """In a force with a slope (n,) over the track and white noise of a `size` in N; None where it is negligible.
+        """In a force with a slope (n,) over the track and white noise of a `size` in N; None where rows share nothing.
 
         Rows that were not smoothed are counted where `every` row is asked for.
         """
         scale = slope / max(size, 1e-300)
         blocks = tuple((rows, scale[rows, None] * block) for rows, block in self.blocks)
         alone = scale * self.alone if every else np.zeros(len(slope))
-        total = float(np.sum(alone**2)) + sum(float(np.sum(block**2)) for _, block in blocks)
-        return SharedNoise(blocks, alone) if total > NEGLIGIBLE * len(slope) else None
+        return SharedNoise(blocks, alone) if blocks or alone.any() else None
 
 
 def _unread(inputs: Inputs, near_mm: float | None) -> Array:

@@ -3,10 +3,25 @@
 import math
 
 import numpy as np
+from scipy.linalg import solve_toeplitz
 
 from ..core.recursion import decaying_sum
 
 Array = np.ndarray
+LAGS = 16
+"""Samples before that foretell the next one of noise of any colour."""
+
+
+def innovation_variance(series: Array) -> float:
+    """Mean square of what the LAGS samples before do not foretell of a series (n,), by linear prediction.
+
+    Its logarithm times n is twice the log likelihood of Gaussian noise of that spectrum, up to a constant (Makhoul
+    1975, Proceedings of the IEEE 63, 561–580).
+    """
+    n = len(series)
+    lagged = np.array([series[k:] @ series[: n - k] for k in range(max(min(LAGS, n // 4), 1) + 1)]) / n
+    lagged[0] = lagged[0] * (1.0 + 1e-9) + 1e-300
+    return float(lagged[0] - lagged[1:] @ solve_toeplitz(lagged[:-1], lagged[1:]))
 
 
 def innovations(z: Array, decay: Array, gain: Array) -> Array:

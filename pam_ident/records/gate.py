@@ -109,8 +109,8 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     steps = np.diff(time)[(np.diff(segment) != 0) & (np.diff(record.level) == 0.0)]
     if len(steps) and record.inputs.pressure_rate is None:  # else another length or weight may come after a pause
         text = (
-            f"the time jumps {len(steps)} times within an isobar, by up to {steps.max():.4g} s: samples are lost or "
-            "the run was stopped. Log without a break, or give each run a file of its own."
+            f"the time jumps within an isobar ({len(steps)} times), by up to {steps.max():.4g} s: samples are lost "
+            "or the run was stopped. Log without a break, or give each run a file of its own."
         )
         yield Doubt("clock_jumps", text, "time")
     drift = _tare_drift(record)

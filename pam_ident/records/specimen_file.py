@@ -2,12 +2,17 @@
 
 import json
 from dataclasses import asdict, fields
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from ..core import DataError, Sensors, Specimen
 from ..core.files import read_toml
+from ..core.nearest import nearest
 from .kind import check_kind
+
+ALIKE = 0.9
+"""Likeness of a key that is not known to one that is, from which it is a slip: others may hold what a user notes."""
 
 
 def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
@@ -19,6 +24,10 @@ def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
         raise DataError(
             f"{path}: no table [specimen]; expected name, initial_length_mm, initial_radius_mm, braid_angle_deg"
         )
+    known = [item.name for item in fields(Specimen) if item.name != "sensors"]
+    strange = [key for key in table if key not in known]
+    if slips := [(key, one) for key in strange for one in get_close_matches(key, known, 1, ALIKE) if one not in table]:
+        raise DataError(f"{path}: [specimen] {slips[0][0]} is no key of it; did you mean {slips[0][1]}?")
     given: dict[str, Any] = {}
     for item in fields(Specimen):
         if item.name == "name" and item.name in table:
@@ -26,7 +35,9 @@ def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
         elif item.name in table and item.name != "sensors":
             given[item.name] = _toml_number(path, "specimen", item.name, table[item.name])
         elif item.name not in ("wall_thickness_mm", "sensors"):
-            raise DataError(f"{path}: [specimen] lacks {item.name}; add it")
+            beside = [key for key in strange if item.name in nearest(key, [item.name])]
+            told = f"; {' and '.join(beside)} is not it" if beside else ""
+            raise DataError(f"{path}: [specimen] lacks {item.name}; add it{told}")
     try:
         return Specimen(**given, sensors=_read_sensors(path, content.get("sensors")))
     except DataError as error:

@@ -45,7 +45,7 @@ def change(path, write_record, edit):
         (lambda k, t, p, x, f: (t, p, 24.0 - x, f), "rises with the contraction"),
         (lambda k, t, p, x, f: (t, p, x, -f), "cannot push"),
         (lambda k, t, p, x, f: (t, p, x / 10, f), "Check the unit of the displacement"),
-        (lambda k, t, p, x, f: (t + 50.0 * (k > 130), p, x, f), "the time jumps 1 times"),
+        (lambda k, t, p, x, f: (t + 50.0 * (k > 130), p, x, f), "the time jumps within an isobar (1 times)"),
         (lambda k, t, p, x, f: None if (k // 50) % 2 else (t, p, x, f), "extension branch is missing"),
     ],
     ids=[

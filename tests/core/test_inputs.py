@@ -35,6 +35,8 @@ def test_radius_and_volume_follow_from_threads_of_constant_length(angle):
         ("initial_length_mm", -1.0),
         ("initial_radius_mm", math.nan),
         ("wall_thickness_mm", 0.0),
+        ("wall_thickness_mm", 0.0015),
+        ("wall_thickness_mm", 15.0),
         ("braid_angle_deg", 0.4),
         ("braid_angle_deg", 60.0),
         ("braid_angle_deg", math.nan),

@@ -295,7 +295,7 @@ def test_a_special_case_that_was_not_tried_is_not_told_apart(tmp_path):
     secrets = (Secret("stribeck_friction", "textbook", 1.0222521531470088),)
     plan = Plan(6147000075, "modified_chou_hannaford", secrets, protocol="crossed_sines", noise="ar1",
                 gauges="noisy_length", tier=3)  # fmt: skip
-    assert ("coulomb_friction", "stribeck_friction") in answered(tmp_path, plan).groups
+    assert {"coulomb_friction", "stribeck_friction"} in map(set, answered(tmp_path, plan).groups)
 
 
 @LONG

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.follows import steadied, told, what_it_follows
+from pam_ident.diagnosis.follows import told, what_it_follows
+from pam_ident.diagnosis.steady import steadied
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import build_record, read_record
@@ -115,6 +116,13 @@ def test_what_several_could_explain_is_the_likeliest_ones():
 def test_noise_follows_nothing(seed, colour):
     found = shares(record_with(lambda at: 0.0 * at["t"], seed, colour))
     assert found["noise"] > 0.98, found
+
+
+@pytest.mark.parametrize("what", ["direction", "speed", "map", "temperature"])
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_slow_in_noise_follows_no_driver_beside_what_is_there(what, seed):
+    found = shares(record_with(lambda at: 0.4 * PLANTED[what](at), seed, 0.9))
+    assert set(found) == {what, "noise"}, found
 
 
 def test_what_comes_back_and_follows_nothing_is_told_apart_from_noise():

@@ -134,8 +134,10 @@ def test_the_likeliest_colour_is_that_of_the_whole_grid():
     assert place == places[int(np.argmin(whole))] and least == pytest.approx(min(whole), rel=1e-12)
 
 
-def test_slow_noise_is_told_from_what_the_track_of_each_stroke_is_off_by():
-    """Strokes have 20 rows, in 2 s or in 20; in each the track is off along two columns, and the force steep."""
+@pytest.mark.parametrize("size", [1.0, 8.0])
+def test_slow_noise_is_told_from_what_the_track_of_each_stroke_is_off_by(size):
+    """Strokes have 20 rows, in 2 s or in 20; in each the track is off along two columns, and the force steep. That is
+    0.4 of the slow noise's variance, or 0.006, but more than it changes by from row to row."""
     rng, rows, strokes = np.random.default_rng(9), 20, 100
     n = rows * strokes
     step = np.repeat(np.where(np.arange(strokes) % 20 < 10, 0.1, 1.0), rows)
@@ -148,9 +150,11 @@ def test_slow_noise_is_told_from_what_the_track_of_each_stroke_is_off_by():
     x = 20.0 - 20.0 * np.cos(np.pi * np.arange(n) / rows)
     record = build_record("loop", SPECIMEN, np.full(n, 0.3), x / 200.0, 400.0 - 5.0 * x, time=time)
     unsure = TrackError(blocks, np.zeros(n), np.zeros(n), False, 0.05, np.zeros(n, bool))
+    slow *= size
     residual = slow + slope * off
     noise = estimate_noise(record, residual, slope, 8, outlier=np.zeros(n, bool), unsure=unsure)
     left = noise.whiten(residual)
+    assert noise.shared is not None
     assert noise.clock == "seconds" and memory / 2.5 < noise.memory < memory * 2.5  # its likelihood is flat
     assert noise.sigma == pytest.approx(np.std(slow), rel=0.3) and np.std(left) == pytest.approx(1.0, rel=0.05)
     assert abs(np.corrcoef(left[1:], left[:-1])[0, 1]) < 0.1

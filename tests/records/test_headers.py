@@ -190,6 +190,15 @@ def test_a_contraction_in_millimetres_is_a_displacement(tmp_path):
     assert np.allclose(read(tmp_path, headers).inputs.displacement_mm, WAY, atol=1e-4)
 
 
+@pytest.mark.parametrize("header", ["F [g]", "Kraft [kp]", "F [mlb]", "mass_lb", "load_g"])
+def test_no_unit_that_is_not_known_is_taken_for_that_of_the_key(tmp_path, header):
+    path = written(tmp_path, ["time_s", "pressure_bar", "displacement_mm", header])
+    keys = "time_s = 'time_s'\npressure_bar = 'pressure_bar'\ndisplacement_mm = 'displacement_mm'\n"
+    (tmp_path / "columns.toml").write_text(f"[columns]\n{keys}force_N = '{header}'\n", encoding="utf-8")
+    with pytest.raises(DataError, match="is no unit that is known; give the factor"):
+        read_record(path, MUSCLE)
+
+
 @pytest.mark.parametrize("factor", ["", "0.1"])
 def test_a_unit_that_nobody_knows_needs_a_factor(tmp_path, factor):
     path = written(tmp_path, ["t (s)", "P (V)", "x (mm)", "F (N)"])

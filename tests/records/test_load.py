@@ -306,6 +306,22 @@ def test_the_wall_may_be_left_out_of_a_specimen(write):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
+        ("wall_thickness_mm", "wall_thicknes_mm", "wall_thicknes_mm is no key of it; did you mean wall_thickness_mm?"),
+        ("initial_radius_mm", "initial_diameter_mm", "lacks initial_radius_mm; add it; initial_diameter_mm is not it"),
+    ],
+)
+def test_a_slip_in_a_key_of_a_specimen_is_told(write, old, new, told):
+    assert told in refusal(write(GOOD, specimen=SPECIMEN.replace(old, new)))
+
+
+def test_a_note_in_a_specimen_and_a_mark_of_its_bytes_are_no_slip(write):
+    path = write(GOOD, specimen="\ufeff" + SPECIMEN + "material = 'latex'\nmin_length_mm = 150\n")
+    assert read_record(path).specimen.wall_thickness_mm == 1.5
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
         ("[specimen]", "[muscle]", "no table"),
         ('name = "m1"\n', "", "name"),
         ("initial_length_mm = 200\n", "", "initial_length_mm"),
