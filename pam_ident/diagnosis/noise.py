@@ -185,7 +185,7 @@ def _estimated(
 
 
 def filled(z: Array, gaps: Array) -> Array:
-    """A series with straight lines across its gaps."""
+    """A series (n,) with straight lines across its gaps (mask, (n,))."""
     if gaps.all():
         return z
     rows = np.arange(len(z))

@@ -118,7 +118,7 @@ def test_noise_follows_nothing(seed, colour):
     assert found["noise"] > 0.98, found
 
 
-@pytest.mark.parametrize("what", ["direction", "speed", "map", "temperature"])
+@pytest.mark.parametrize("what", ["direction", "speed", "map"])
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_slow_in_noise_follows_no_driver_beside_what_is_there(what, seed):
     found = shares(record_with(lambda at: 0.4 * PLANTED[what](at), seed, 0.9))
