@@ -14,7 +14,7 @@ def export(
         str,
         typer.Argument(
             metavar="FIT.json|RECORD",
-            help="What `fit --json`, `add --json` or `ladder --json` wrote, or with --law a record that is fitted now.",
+            help="What `fit --json`, `add --json` or `ladder --json` wrote, or a record that is fitted now.",
             show_default=False,
         ),
     ],

@@ -45,6 +45,8 @@ def read_toml(path: str | Path, absent: str = "", wrong: type[PamError] = DataEr
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         if absent and isinstance(error, FileNotFoundError):
             raise wrong(f"{path}: {absent}") from None
+        if isinstance(error, IsADirectoryError):
+            raise wrong(f"{path}: is a folder; expected a TOML file") from None
         raise wrong(f"{path}: not a readable TOML file ({error})") from None
 
 

@@ -1,6 +1,6 @@
 """A fitted model in the language of another program."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..core import UsageError
@@ -51,8 +51,9 @@ def export_record(source: str, to: str, out: str, setup: Setup, branch: str = "t
     """Fit a model to a record and write it. Raises as `fit_record` and `export_fit` do."""
     check_export(to, out)
     record = setup.read(source)
-    setup, _ = settle(record, setup)
-    return export_answer(fit_record(record, setup, FitOptions(branch=branch)), to, out, source)
+    setup, choice = settle(record, setup)
+    found = export_answer(fit_record(record, setup, FitOptions(branch=branch)), to, out, source)
+    return replace(found, notes=(f"law: {choice.why}", *found.notes)) if choice else found
 
 
 def export_answer(answer: FitAnswer, to: str, out: str, source: str) -> Exported:

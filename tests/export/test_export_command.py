@@ -185,11 +185,10 @@ def test_a_wrong_request_is_refused_and_nothing_is_written(stored, tmp_path, mon
 
 
 def test_a_record_without_a_law_gets_the_one_that_is_chosen(tmp_path):
-    for name, words in (
-        ("chosen.json", ()),
-        ("named.json", ("--law", choose_law(read_record(RECORD), Setup(AUTO)).law)),
-    ):
-        assert ask("export", RECORD, *words, "--to", "json", "--out", tmp_path / name).exit_code == 0
+    choice = choose_law(read_record(RECORD), Setup(AUTO))
+    for name, words in (("chosen.json", ()), ("named.json", ("--law", choice.law))):
+        result = ask("export", RECORD, *words, "--to", "json", "--out", tmp_path / name)
+        assert result.exit_code == 0 and (choice.why in result.stdout) == (not words)
     assert (tmp_path / "chosen.json").read_text() == (tmp_path / "named.json").read_text()
 
 
