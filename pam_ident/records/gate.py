@@ -11,6 +11,7 @@ from .clipped import ends_piled_up
 from .doubt import GRAVE, Doubt
 from .plausible import doubt_units
 from .record import Record
+from .unlike import doubt_runs
 
 MOST_N = 1e6
 """Force that no muscle reaches; arithmetic with much larger ones overflows."""
@@ -216,7 +217,8 @@ def _all_of(record: Record) -> Iterator[Doubt]:
             return
         rest = record.take(np.flatnonzero(~wild)) if wild.any() else record
         yield from (doubt for doubt in doubt_force(rest, wild[~wild]) if doubt.code != "impossible_value")
-        yield from doubt_units(rest)
+        unlike = tuple(doubt_runs(rest))
+        yield from unlike or doubt_units(rest)  # of runs at odds the whole says nothing of a unit
         yield from _doubt_wander(record)
         yield from doubt_clock(rest)
         yield from _doubt_branch(rest)
