@@ -179,8 +179,8 @@ def _sentence(
     )
     if odd is not None and even is not None:
         text += (
-            f" {percent(odd)} of the squared error changes sign with the branch (hysteresis: friction, damping, lag), "
-            f"{percent(even)} is the same on both branches (geometry, elasticity, pressure), "
+            f" {percent(odd)} of the squared error changes sign with the branch, "
+            f"{percent(even)} is the same on both, "
             f"{percent(max(0.0, 1 - odd - even))} is neither."
         )
     return text

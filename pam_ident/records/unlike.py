@@ -86,6 +86,13 @@ class Slip(NamedTuple):
     length: float = 1.0
 
 
+class Made(NamedTuple):
+    """The corrections that a run may need, the likeliest first, and the runs of which one would do as well."""
+
+    slips: list[Slip]
+    rivals: list[int]
+
+
 def doubt_runs(record: Record) -> Iterator[Doubt]:
     """A grave doubt for each run that is at odds with the others, and would not be with another unit, zero or length.
 
@@ -98,7 +105,7 @@ def doubt_runs(record: Record) -> Iterator[Doubt]:
     gram = {k: run.gram() for k, run in runs.items()}
     stroke = max(float(np.ptp(run.contraction)) for run in runs.values())
     first = left = _left(sum(gram.values()))
-    made: dict[int, list[Slip]] = {}
+    made: dict[int, Made] = {}
     while len(made) < len(runs):
         total = sum(gram.values())
         found = [
@@ -110,8 +117,9 @@ def doubt_runs(record: Record) -> Iterator[Doubt]:
         least, k, slip, tried = min(found, key=lambda one: one[0], default=(np.inf, 0, None, None))
         if tried is None or not least < STEP * left:
             break
-        also = [other for rest, run, other, _ in found if run == k and rest < ALSO * least and other.length == 1.0]
-        made[k] = [slip, *(other for other in also if other is not slip)]
+        near = [(run, other) for rest, run, other, _ in found if rest < ALSO * least]
+        also = [other for run, other in near if run == k and other.length == 1.0 and other is not slip]
+        made[k] = Made([slip, *also], sorted({run for run, _ in near} - {k}))
         left, runs[k], gram[k] = least, tried, tried.gram()
     if left < CLEARED * first:
         yield from _told(record, made, left / first)
@@ -143,7 +151,7 @@ def _tried(run: Run, stroke: float) -> Iterator[tuple[Slip, Run]]:
     """The corrections of a run that leave it possible, and the run with each; those of the contraction where it then
     moves by a good part of the longest `stroke`."""
     for slip, tried in _corrections(run):
-        if slip.column == "displacement" and not np.ptp(tried.contraction) > max(MOVES * stroke, LEAST_STROKE):
+        if slip.length != 1.0 and not np.ptp(tried.contraction) > max(MOVES * stroke, LEAST_STROKE):
             continue
         if tried.possible:
             yield slip, tried
@@ -168,23 +176,24 @@ def _corrections(run: Run) -> Iterator[tuple[Slip, Run]]:
             yield slip, run.scaled("displacement", 1.0 / length)
 
 
-def _told(record: Record, made: dict[int, list[Slip]], share: float) -> Iterator[Doubt]:
+def _told(record: Record, made: dict[int, Made], share: float) -> Iterator[Doubt]:
     """The doubts of runs whose corrections leave a `share` of what there was."""
     runs, own = np.unique(record.groups["run"]), record.specimen.initial_length_mm
     # Only beside each other: of all runs alike a smooth surface tells no length.
-    usual = float(np.median([made[k][0].length if k in made else 1.0 for k in runs]))
-    for k, (slip, *others) in made.items():
-        name = record.runs[k] if record.runs else f"run {k + 1}"
-        text = f"{name} is at odds with the other runs"
-        if slip.length == 1.0:
-            words = ", or with ".join(f"{one.words} ({one.why})" for one in (slip, *others))
-            text = f"{text}, and would agree with {words}"
-        elif abs(np.log(slip.length / usual)) < SAME_LENGTH:
+    usual = float(np.median([made[k].slips[0].length if k in made else 1.0 for k in runs]))
+    for k, (slips, rivals) in made.items():
+        first, *others = (record.runs[run] if record.runs else f"run {run + 1}" for run in (k, *rivals))
+        text = f"{' or '.join((first, *others))} is at odds with the other runs"
+        length = slips[0].length / usual
+        if slips[0].length == 1.0:
+            words = ", or with ".join(f"{one.words} ({one.why})" for one in slips)
+            text = f"{text}, and {f'{first} ' if others else ''}would agree with {words}"
+        elif abs(np.log(length)) < SAME_LENGTH:
             continue
         else:
-            mm = f"about {own * slip.length / usual:.0f} mm, not {own:g}, would agree"
+            mm = f"about {own * length:.0f} mm{f' for {first}' if others else ''}, not {own:g}, would agree"
             text = (
                 f"{text} over the length of the muscle: {mm}. Check initial_length_mm of each ([runs] in columns.toml)"
             )
         text = f"{text}. What a smooth surface leaves of all runs would fall to {percent(share)}."
-        yield Doubt(slip.code, text, slip.column, True)
+        yield Doubt(slips[0].code, text, slips[0].column, True)
