@@ -1,9 +1,10 @@
 """Whether the runs of a record are measured alike: a unit, a zero or a length that is wrong in one file of several."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple, Self
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ..core import Array
 from ..core.digits import percent
@@ -24,15 +25,27 @@ UNITS: Mapping[str, Mapping[float, str]] = {
     "displacement": {10.0: "cm and mm", 25.4: "inches and mm", 100.0: "per cent and ratio", 1000.0: "m and mm"},
 }
 """Factor between two units that are taken for each other."""
-LENGTHS = tuple(np.exp(np.linspace(-0.7, 0.7, 57)).tolist())
-"""Initial lengths beside the specimen's that a run is tried with: any within a factor of two, by steps of 2.5 %."""
-SAME_LENGTH = 0.09
-"""Logarithm of such a length from which the lengths of two runs differ."""
+LENGTHS = np.exp(np.linspace(-0.7, 0.7, 29))
+"""Initial lengths beside the specimen's that a run is tried with; what is between is found afterwards."""
+ZEROS = np.linspace(-0.3, 0.3, 31)
+"""Contractions that may have been added to those of a run, likewise."""
+SAME_LENGTH, SAME_ZERO = 0.09, 0.03
+"""Logarithm of such a length, and such a contraction, from which two runs differ."""
 CLEARED, STEP = 1.0 / 3.0, 0.75
 """What a smooth surface leaves of all runs (rms) beside what it left before: at most, once the slips are put right, and
-after each of them. Of 680 records with effects, each isobar or length taken for a run, none falls below a third."""
+after each of them. The first holds of what the other runs foretell of one that was put right, too."""
+AS_ALIKE = 3.0
+"""Error of what the other runs foretell of one that was put right, beside what they leave of each other, at most."""
+FORETOLD = 0.3
+"""The same beside the standard deviation of the run's force: a surface that says nothing of it puts nothing right."""
+KNOWN = 1.0
+"""Mean leverage of a run in the surface of the others: the variance of what they foretell of it beside the noise's."""
 ALSO = 1.5
 """Beside what the best correction leaves, what another may that is told with it."""
+MOST = 3
+"""Corrections of one run that are told."""
+USUAL = (("length", 1.0), ("zero", 0.0))
+LEFT = "What a smooth surface leaves of all runs would fall to"
 ROWS, ROWS_A_RUN = 3000, 60
 """Rows that are looked at, in all and of a run."""
 MOVES, LEAST_STROKE = 0.3, 0.01
@@ -52,13 +65,17 @@ class Run(NamedTuple):
     direction: Array
     weight: float = 1.0
 
-    def gram(self) -> Array:
-        """Products (10, 10) of the columns of a smooth surface, and of the force as the last of them."""
+    def columns(self) -> Array:
+        """The columns of a smooth surface, and the force as the last of them, (n, 10)."""
         p, e = self.pressure, self.contraction
         one = np.ones_like(p)
-        columns = [p, p * e, p * e * e, one, e, e * e, e**3, self.direction, self.direction * p, self.force]
-        found = self.weight * np.column_stack(columns)
-        return found.T @ found
+        surface = [p, p * e, p * e * e, one, e, e * e, e**3, self.direction, self.direction * p]
+        return self.weight * np.column_stack([*surface, self.force])
+
+    def gram(self) -> Array:
+        """Their products, (10, 10)."""
+        columns = self.columns()
+        return columns.T @ columns
 
     def scaled(self, column: str, by: float) -> Self:
         """With other numbers in one column; a residual of the force counts as before."""
@@ -66,7 +83,15 @@ class Run(NamedTuple):
             return self._replace(force=by * self.force, weight=self.weight / abs(by))
         if column == "pressure":
             return self._replace(pressure=by * self.pressure)
-        return self._replace(contraction=by * self.contraction)
+        return self._replace(contraction=by * self.contraction, direction=np.sign(by) * self.direction)
+
+    def with_length(self, length: float) -> Self:
+        """With another initial length of the muscle, beside the specimen's."""
+        return self.scaled("displacement", 1.0 / length)
+
+    def with_zero(self, zero: float) -> Self:
+        """Without a contraction that was added to its own."""
+        return self._replace(contraction=self.contraction - zero)
 
     @property
     def possible(self) -> bool:
@@ -77,13 +102,33 @@ class Run(NamedTuple):
 
 class Slip(NamedTuple):
     """A correction of a run: `code` and `column` of its doubt, what it changes in `words` and `why` that may be so; or
-    the length of its muscle beside the specimen's."""
+    the `length` of its muscle beside the specimen's, or the `zero` of its contraction."""
 
     code: str
     column: str
     words: str = ""
     why: str = ""
     length: float = 1.0
+    zero: float = 0.0
+
+    @property
+    def free(self) -> bool:
+        """Whether it is one of many that differ by a number alone."""
+        return self.length != 1.0 or self.zero != 0.0
+
+    def nearer(self, run: Run, rest: "Surface") -> tuple[Self, Run]:
+        """Of a free one the number by which others foretell a run best, and that run put right."""
+        if self.length != 1.0:
+            length = _least(lambda log: rest.error(run.with_length(np.exp(log)).columns()), np.log(LENGTHS))
+            return self._replace(length=float(np.exp(length))), run.with_length(np.exp(length))
+        zero = _least(lambda zero: rest.error(run.with_zero(zero).columns()), ZEROS)
+        return self._replace(zero=zero), run.with_zero(zero)
+
+
+def _least(error: Callable[[float], float], grid: Array) -> float:
+    """Where an error is least, begun at the best of a grid (n,)."""
+    start, step = grid[int(np.argmin([error(one) for one in grid]))], grid[1] - grid[0]
+    return float(minimize_scalar(error, bounds=(start - step, start + step), method="bounded").x)
 
 
 class Made(NamedTuple):
@@ -100,29 +145,68 @@ def doubt_runs(record: Record) -> Iterator[Doubt]:
     correction of a run after which it leaves least is made, then the next, as long as each clears up a part.
     """
     runs = _runs(record)
-    if len(runs) < 2:
+    if len(runs) < 2 or record.kind == "isotonic":  # there the force is a run's own, and says nothing of it
         return
+    made, put_right = _put_right(runs)
+    if not made:
+        return
+    rest = Surface([run for k, run in runs.items() if k not in made])
+    for k, (slips, rivals) in made.items():
+        if slips[0].free:
+            slip, put_right[k] = slips[0].nearer(runs[k], rest)
+            made[k] = Made([slip], rivals)
+    left = _left([*(run for k, run in runs.items() if k not in made), *put_right.values()]) / _left(runs.values())
+    if left < CLEARED and all(rest.confirms(runs[k], run) for k, run in put_right.items()):
+        yield from _told(record, made, left)
+
+
+def _put_right(runs: Mapping[int, Run]) -> tuple[dict[int, Made], dict[int, Run]]:
+    """The corrections of each run at odds with the others, and those runs put right."""
+    runs, made = dict(runs), {}
     gram = {k: run.gram() for k, run in runs.items()}
     stroke = max(float(np.ptp(run.contraction)) for run in runs.values())
-    first = left = _left(sum(gram.values()))
-    made: dict[int, Made] = {}
-    while len(made) < len(runs):
+    left = _left(runs.values())
+    while len(made) < len(runs) - 1:
         total = sum(gram.values())
         found = [
-            (_left(total - gram[k] + tried.gram()), k, slip, tried)
+            (_leaves(total - gram[k] + tried.gram()), k, slip, tried)
             for k, run in runs.items()
             if k not in made
             for slip, tried in _tried(run, stroke)
         ]
         least, k, slip, tried = min(found, key=lambda one: one[0], default=(np.inf, 0, None, None))
-        if tried is None or not least < STEP * left:
+        if slip is None or not least < STEP * left:
             break
         near = [(run, other) for rest, run, other, _ in found if rest < ALSO * least]
-        also = [other for run, other in near if run == k and other.length == 1.0 and other is not slip]
-        made[k] = Made([slip, *also], sorted({run for run, _ in near} - {k}))
+        also = [other for run, other in near if run == k and not other.free and other is not slip]
+        made[k] = Made([slip, *also[: MOST - 1]], sorted({run for run, _ in near} - {k}))
         left, runs[k], gram[k] = least, tried, tried.gram()
-    if left < CLEARED * first:
-        yield from _told(record, made, left / first)
+    return made, {k: runs[k] for k in made}
+
+
+class Surface:
+    """A smooth surface by some runs, and what they leave of each other (rms, N)."""
+
+    def __init__(self, runs: list[Run]) -> None:
+        columns = np.vstack([run.columns() for run in runs])
+        self.scale = np.maximum(np.linalg.norm(columns[:, :-1], axis=0), 1e-300)
+        _, size, self.axes = np.linalg.svd(columns[:, :-1] / self.scale, full_matrices=False)
+        self.size = size + 1e-6 * size[0]
+        self.solution = np.linalg.lstsq(columns[:, :-1] / self.scale, columns[:, -1], rcond=1e-6)[0]
+        self.left = self.error(columns)
+
+    def error(self, columns: Array) -> float:
+        """Error of what it foretells of columns as of a run (rms, N)."""
+        off = columns[:, -1] - columns[:, :-1] / self.scale @ self.solution
+        return float(np.sqrt(np.mean(off**2)))
+
+    def confirms(self, recorded: Run, put_right: Run) -> bool:
+        """Whether it foretells a run that was put right, as well as its own, and not the run as it was recorded."""
+        columns = put_right.columns()
+        leverage = np.sum((columns[:, :-1] / self.scale @ self.axes.T / self.size) ** 2, axis=1) / put_right.weight**2
+        error, varies = self.error(columns), float(np.std(recorded.force))
+        good = error < min(CLEARED * self.error(recorded.columns()), AS_ALIKE * self.left, FORETOLD * varies)
+        return good and float(np.mean(leverage)) < KNOWN
 
 
 def _runs(record: Record) -> dict[int, Run]:
@@ -139,8 +223,13 @@ def _runs(record: Record) -> dict[int, Run]:
     return found
 
 
-def _left(gram: Array) -> float:
-    """What the surface leaves of the force: the root of its sum of squares."""
+def _left(runs: Iterable[Run]) -> float:
+    """What the surface leaves of the force of some runs: the root of its sum of squares, N."""
+    return max(_leaves(sum(run.gram() for run in runs)), 1e-300)
+
+
+def _leaves(gram: Array) -> float:
+    """The same by the products (10, 10) of the columns of all."""
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     scaled = gram / np.outer(scale, scale)
     solution = np.linalg.lstsq(scaled[:-1, :-1], scaled[:-1, -1], rcond=1e-10)[0]
@@ -151,7 +240,7 @@ def _tried(run: Run, stroke: float) -> Iterator[tuple[Slip, Run]]:
     """The corrections of a run that leave it possible, and the run with each; those of the contraction where it then
     moves by a good part of the longest `stroke`."""
     for slip, tried in _corrections(run):
-        if slip.length != 1.0 and not np.ptp(tried.contraction) > max(MOVES * stroke, LEAST_STROKE):
+        if slip.free and not np.ptp(tried.contraction) > max(MOVES * stroke, LEAST_STROKE):
             continue
         if tried.possible:
             yield slip, tried
@@ -170,30 +259,31 @@ def _corrections(run: Run) -> Iterator[tuple[Slip, Run]]:
     for by, words, why in ((-ATMOSPHERE_MPA, "less", "absolute"), (ATMOSPHERE_MPA, "more", "the others' absolute")):
         slip = Slip("pressure_absolute", "pressure", f"{ATMOSPHERE_MPA:.4f} MPa {words} on its pressure", why)
         yield slip, run._replace(pressure=run.pressure + by)
-    for length in LENGTHS:
-        if abs(np.log(length)) > SAME_LENGTH:
-            slip = Slip("displacement_scale", "displacement", length=length)
-            yield slip, run.scaled("displacement", 1.0 / length)
+    for length in LENGTHS[np.abs(np.log(LENGTHS)) > SAME_LENGTH]:
+        yield Slip("displacement_scale", "displacement", length=float(length)), run.with_length(length)
+    for zero in ZEROS[np.abs(ZEROS) > SAME_ZERO]:
+        yield Slip("displacement_scale", "displacement", zero=float(zero)), run.with_zero(zero)
 
 
 def _told(record: Record, made: dict[int, Made], share: float) -> Iterator[Doubt]:
     """The doubts of runs whose corrections leave a `share` of what there was."""
     runs, own = np.unique(record.groups["run"]), record.specimen.initial_length_mm
-    # Only beside each other: of all runs alike a smooth surface tells no length.
-    usual = float(np.median([made[k].slips[0].length if k in made else 1.0 for k in runs]))
-    for k, (slips, rivals) in made.items():
+    # Only beside each other: of all runs alike a smooth surface tells no length, and no zero.
+    slips = [made[k].slips[0] if k in made else None for k in runs]
+    length, zero = (float(np.median([getattr(one, name) if one else of for one in slips])) for name, of in USUAL)
+    for k, (found, rivals) in made.items():
         first, *others = (record.runs[run] if record.runs else f"run {run + 1}" for run in (k, *rivals))
-        text = f"{' or '.join((first, *others))} is at odds with the other runs"
-        length = slips[0].length / usual
-        if slips[0].length == 1.0:
-            words = ", or with ".join(f"{one.words} ({one.why})" for one in slips)
-            text = f"{text}, and {f'{first} ' if others else ''}would agree with {words}"
-        elif abs(np.log(length)) < SAME_LENGTH:
-            continue
+        text, itself = f"{' or '.join((first, *others))} is at odds with the other runs", f"{first} " * bool(others)
+        slip = found[0]
+        if not slip.free:
+            words = ", or with ".join(f"{one.words} ({one.why})" for one in found)
+            text = f"{text}, and {itself}would agree with {words}"
+        elif slip.length != 1.0 and abs(np.log(slip.length / length)) > SAME_LENGTH:
+            mm = f"about {own * slip.length / length:.0f} mm, not {own:g}"
+            text = f"{text} over the length of its muscle, and {itself}would agree with {mm} ([runs] in columns.toml)"
+        elif slip.length == 1.0 and abs(slip.zero - zero) > SAME_ZERO:
+            mm = f"about {own * abs(slip.zero - zero):.0f} mm {'less' if slip.zero > zero else 'more'}"
+            text = f"{text} over the zero of its displacement, and {itself}would agree with {mm}"
         else:
-            mm = f"about {own * length:.0f} mm{f' for {first}' if others else ''}, not {own:g}, would agree"
-            text = (
-                f"{text} over the length of the muscle: {mm}. Check initial_length_mm of each ([runs] in columns.toml)"
-            )
-        text = f"{text}. What a smooth surface leaves of all runs would fall to {percent(share)}."
-        yield Doubt(slips[0].code, text, slips[0].column, True)
+            continue
+        yield Doubt(slip.code, f"{text}. {LEFT} {percent(share)}.", slip.column, True)
