@@ -107,7 +107,9 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     if time is None or segment is None:
         return
     yield from _doubt_pace(record, time)
-    steps = np.diff(time)[(np.diff(segment) != 0) & (np.diff(record.level) == 0.0)]
+    run = record.groups.get("run", segment)  # between files a pause is put
+    one = (np.diff(record.level) == 0.0) & ((np.diff(run) == 0) | (run is segment))
+    steps = np.diff(time)[(np.diff(segment) != 0) & one]
     if len(steps) and record.inputs.pressure_rate is None:  # else another length or weight may come after a pause
         text = (
             f"the time jumps within an isobar ({len(steps)} times), by up to {steps.max():.4g} s: samples are lost "

@@ -38,8 +38,6 @@ AS_ALIKE = 3.0
 """Error of what the other runs foretell of one that was put right, beside what they leave of each other, at most."""
 FORETOLD = 0.3
 """The same beside the standard deviation of the run's force: a surface that says nothing of it puts nothing right."""
-KNOWN = 1.0
-"""Mean leverage of a run in the surface of the others: the variance of what they foretell of it beside the noise's."""
 ALSO = 1.5
 """Beside what the best correction leaves, what another may that is told with it."""
 MOST = 3
@@ -70,11 +68,11 @@ class Run(NamedTuple):
         p, e = self.pressure, self.contraction
         one = np.ones_like(p)
         surface = [p, p * e, p * e * e, one, e, e * e, e**3, self.direction, self.direction * p]
-        return self.weight * np.column_stack([*surface, self.force])
+        return np.column_stack([*surface, self.force])
 
     def gram(self) -> Array:
-        """Their products, (10, 10)."""
-        columns = self.columns()
+        """Their products, weighted, (10, 10)."""
+        columns = self.weight * self.columns()
         return columns.T @ columns
 
     def scaled(self, column: str, by: float) -> Self:
@@ -119,9 +117,9 @@ class Slip(NamedTuple):
     def nearer(self, run: Run, rest: "Surface") -> tuple[Self, Run]:
         """Of a free one the number by which others foretell a run best, and that run put right."""
         if self.length != 1.0:
-            length = _least(lambda log: rest.error(run.with_length(np.exp(log)).columns()), np.log(LENGTHS))
+            length = _least(lambda log: rest.error(run.with_length(np.exp(log))), np.log(LENGTHS))
             return self._replace(length=float(np.exp(length))), run.with_length(np.exp(length))
-        zero = _least(lambda zero: rest.error(run.with_zero(zero).columns()), ZEROS)
+        zero = _least(lambda zero: rest.error(run.with_zero(zero)), ZEROS)
         return self._replace(zero=zero), run.with_zero(zero)
 
 
@@ -142,7 +140,8 @@ def doubt_runs(record: Record) -> Iterator[Doubt]:
     """A grave doubt for each run that is at odds with the others, and would not be with another unit, zero or length.
 
     One smooth surface of pressure and contraction, with a friction, is fitted to all runs by least squares. The
-    correction of a run after which it leaves least is made, then the next, as long as each clears up a part.
+    correction of a run after which it leaves least is made, then the next, as long as each clears up a part. It counts
+    where the surface of the runs that stay as they are foretells those that were put right.
     """
     runs = _runs(record)
     if len(runs) < 2 or record.kind == "isotonic":  # there the force is a run's own, and says nothing of it
@@ -190,23 +189,20 @@ class Surface:
     def __init__(self, runs: list[Run]) -> None:
         columns = np.vstack([run.columns() for run in runs])
         self.scale = np.maximum(np.linalg.norm(columns[:, :-1], axis=0), 1e-300)
-        _, size, self.axes = np.linalg.svd(columns[:, :-1] / self.scale, full_matrices=False)
-        self.size = size + 1e-6 * size[0]
         self.solution = np.linalg.lstsq(columns[:, :-1] / self.scale, columns[:, -1], rcond=1e-6)[0]
-        self.left = self.error(columns)
+        self.left = self._off(columns)
 
-    def error(self, columns: Array) -> float:
-        """Error of what it foretells of columns as of a run (rms, N)."""
-        off = columns[:, -1] - columns[:, :-1] / self.scale @ self.solution
-        return float(np.sqrt(np.mean(off**2)))
+    def error(self, run: Run) -> float:
+        """Error of what it foretells of a run (rms, N)."""
+        return self._off(run.columns())
+
+    def _off(self, columns: Array) -> float:
+        return float(np.sqrt(np.mean((columns[:, -1] - columns[:, :-1] / self.scale @ self.solution) ** 2)))
 
     def confirms(self, recorded: Run, put_right: Run) -> bool:
-        """Whether it foretells a run that was put right, as well as its own, and not the run as it was recorded."""
-        columns = put_right.columns()
-        leverage = np.sum((columns[:, :-1] / self.scale @ self.axes.T / self.size) ** 2, axis=1) / put_right.weight**2
-        error, varies = self.error(columns), float(np.std(recorded.force))
-        good = error < min(CLEARED * self.error(recorded.columns()), AS_ALIKE * self.left, FORETOLD * varies)
-        return good and float(np.mean(leverage)) < KNOWN
+        """Whether it foretells a run that was put right, about as well as its own, and not the run as recorded."""
+        most = min(CLEARED * self.error(recorded), AS_ALIKE * self.left, FORETOLD * float(np.std(put_right.force)))
+        return self.error(put_right) < most
 
 
 def _runs(record: Record) -> dict[int, Run]:
