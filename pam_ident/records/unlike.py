@@ -46,9 +46,6 @@ USUAL = (("length", 1.0), ("zero", 0.0))
 LEFT = "What a smooth surface leaves of all runs would fall to"
 ROWS, ROWS_A_RUN = 3000, 60
 """Rows that are looked at, in all and of a run."""
-MOVES, LEAST_STROKE = 0.3, 0.01
-"""Range of the contraction of a run, beside the longest of all runs and in all, from which its course tells a unit or a
-length of it: where a length is held, a smooth surface goes through any few of them."""
 LEAST_MPA, MOST_MPA, FARTHEST = -0.02, 2.0, 1.0
 """Pressures and the contraction beyond which a correction is none."""
 
@@ -163,7 +160,6 @@ def _put_right(runs: Mapping[int, Run]) -> tuple[dict[int, Made], dict[int, Run]
     """The corrections of each run at odds with the others, and those runs put right."""
     runs, made = dict(runs), {}
     gram = {k: run.gram() for k, run in runs.items()}
-    stroke = max(float(np.ptp(run.contraction)) for run in runs.values())
     left = _left(runs.values())
     while len(made) < len(runs) - 1:
         total = sum(gram.values())
@@ -171,7 +167,8 @@ def _put_right(runs: Mapping[int, Run]) -> tuple[dict[int, Made], dict[int, Run]
             (_leaves(total - gram[k] + tried.gram()), k, slip, tried)
             for k, run in runs.items()
             if k not in made
-            for slip, tried in _tried(run, stroke)
+            for slip, tried in _corrections(run)
+            if tried.possible
         ]
         least, k, slip, tried = min(found, key=lambda one: one[0], default=(np.inf, 0, None, None))
         if slip is None or not least < STEP * left:
@@ -232,17 +229,8 @@ def _leaves(gram: Array) -> float:
     return float(scale[-1] * np.sqrt(max(1.0 - scaled[:-1, -1] @ solution, 0.0)))
 
 
-def _tried(run: Run, stroke: float) -> Iterator[tuple[Slip, Run]]:
-    """The corrections of a run that leave it possible, and the run with each; those of the contraction where it then
-    moves by a good part of the longest `stroke`."""
-    for slip, tried in _corrections(run):
-        if slip.free and not np.ptp(tried.contraction) > max(MOVES * stroke, LEAST_STROKE):
-            continue
-        if tried.possible:
-            yield slip, tried
-
-
 def _corrections(run: Run) -> Iterator[tuple[Slip, Run]]:
+    """The corrections of a run, and the run with each."""
     for column, units in UNITS.items():
         code = "displacement_scale" if column == "displacement" else "scale"
         for factor, words in units.items():
