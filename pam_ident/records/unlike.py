@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple, Self
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from ..core import Array
 from ..core.digits import percent
@@ -122,6 +121,8 @@ class Slip(NamedTuple):
 
 def _least(error: Callable[[float], float], grid: Array) -> float:
     """Where an error is least, begun at the best of a grid (n,)."""
+    from scipy.optimize import minimize_scalar
+
     start, step = grid[int(np.argmin([error(one) for one in grid]))], grid[1] - grid[0]
     return float(minimize_scalar(error, bounds=(start - step, start + step), method="bounded").x)
 
