@@ -1,6 +1,7 @@
 """Whether the runs of a record are measured alike: a unit, a zero or a length that is wrong in one file of several."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from operator import itemgetter
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -120,11 +121,11 @@ class Slip(NamedTuple):
 
 
 def _least(error: Callable[[float], float], grid: Array) -> float:
-    """Where an error is least, begun at the best of a grid (n,)."""
-    from scipy.optimize import minimize_scalar
-
-    start, step = grid[int(np.argmin([error(one) for one in grid]))], grid[1] - grid[0]
-    return float(minimize_scalar(error, bounds=(start - step, start + step), method="bounded").x)
+    """Where an error is least, begun at the best of a grid (n,), and looked for between its neighbours."""
+    for _ in range(3):
+        best, step = grid[int(np.argmin([error(one) for one in grid]))], grid[1] - grid[0]
+        grid = best + step * np.linspace(-1.0, 1.0, 11)
+    return float(grid[5])
 
 
 class Made(NamedTuple):
@@ -157,13 +158,16 @@ def doubt_runs(record: Record) -> Iterator[Doubt]:
         yield from _told(record, made, left)
 
 
+_first = itemgetter(0)
+
+
 def _put_right(runs: Mapping[int, Run]) -> tuple[dict[int, Made], dict[int, Run]]:
     """The corrections of each run at odds with the others, and those runs put right."""
     runs, made = dict(runs), {}
     gram = {k: run.gram() for k, run in runs.items()}
     left = _left(runs.values())
     while len(made) < len(runs) - 1:
-        total = sum(gram.values())
+        total = np.sum(list(gram.values()), axis=0)
         found = [
             (_leaves(total - gram[k] + tried.gram()), k, slip, tried)
             for k, run in runs.items()
@@ -171,9 +175,9 @@ def _put_right(runs: Mapping[int, Run]) -> tuple[dict[int, Made], dict[int, Run]
             for slip, tried in _corrections(run)
             if tried.possible
         ]
-        least, k, slip, tried = min(found, key=lambda one: one[0], default=(np.inf, 0, None, None))
-        if slip is None or not least < STEP * left:
+        if not found or not min(found, key=_first)[0] < STEP * left:
             break
+        least, k, slip, tried = min(found, key=_first)
         near = [(run, other) for rest, run, other, _ in found if rest < ALSO * least]
         also = [other for run, other in near if run == k and not other.free and other is not slip]
         made[k] = Made([slip, *also[: MOST - 1]], sorted({run for run, _ in near} - {k}))
@@ -212,14 +216,14 @@ def _runs(record: Record) -> dict[int, Run]:
     for k in different:
         rows = np.flatnonzero(number == k)
         rows = rows[np.unique(np.linspace(0, len(rows) - 1, most).astype(int))]
-        states = record.inputs.pressure, record.inputs.contraction, record.force, record.inputs.direction
-        found[int(k)] = Run(*(one[rows].astype(float) for one in states))
+        inputs = record.inputs.take(rows)
+        found[int(k)] = Run(inputs.pressure, inputs.contraction, record.force[rows], inputs.direction)
     return found
 
 
 def _left(runs: Iterable[Run]) -> float:
     """What the surface leaves of the force of some runs: the root of its sum of squares, N."""
-    return max(_leaves(sum(run.gram() for run in runs)), 1e-300)
+    return max(_leaves(np.sum([run.gram() for run in runs], axis=0)), 1e-300)
 
 
 def _leaves(gram: Array) -> float:
