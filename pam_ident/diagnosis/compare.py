@@ -140,7 +140,7 @@ def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: 
         )
     run = record.groups.get("run")
     if run is not None and len(np.unique(run)) > 1:
-        found["run"] = tuple(_bin(fit, run == k, record.runs[int(k)], k, k, total) for k in np.unique(run))
+        found["run"] = tuple(_bin(fit, run == k, record.run_name(int(k)), k, k, total) for k in np.unique(run))
     if inputs.time is not None:
         marks = np.linspace(inputs.time[0], inputs.time[-1] + 1e-9, 11)
         found["time_s"] = tuple(

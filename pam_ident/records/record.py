@@ -104,6 +104,10 @@ class Record:
         """Whether the pressure was driven, and the length or the load held."""
         return self.as_measured.kind in ("isometric", "isotonic")
 
+    def run_name(self, run: int) -> str:
+        """What a run of a record of several files is called."""
+        return self.runs[run] if self.runs else f"run {run + 1}"
+
     @cached_property
     def levels(self) -> Array:
         """The isobars' nominal pressures in MPa, ascending."""

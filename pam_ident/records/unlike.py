@@ -261,7 +261,7 @@ def _told(record: Record, made: dict[int, Made], share: float) -> Iterator[Doubt
     slips = [made[k].slips[0] if k in made else None for k in runs]
     length, zero = (float(np.median([getattr(one, name) if one else of for one in slips])) for name, of in USUAL)
     for k, (found, rivals) in made.items():
-        first, *others = (record.runs[run] if record.runs else f"run {run + 1}" for run in (k, *rivals))
+        first, *others = map(record.run_name, (k, *rivals))
         text, itself = f"{' or '.join((first, *others))} is at odds with the other runs", f"{first} " * bool(others)
         slip = found[0]
         if not slip.free:
