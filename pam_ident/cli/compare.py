@@ -14,6 +14,7 @@ HEADS = {
     "branch": "by branch",
     "speed_mm_s": "by speed",
     "cycle": "by cycle",
+    "run": "by run",
     "time_s": "by time",
 }
 

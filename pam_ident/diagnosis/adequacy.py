@@ -196,12 +196,12 @@ def _left_by(selection: Selection, fitted: FittedSet) -> Following:
 
 
 def needless(selection: Selection, effect: Effect, others: FittedSet) -> bool:
-    """Whether nothing speaks for an effect beside others that are complete without it: they follow what it does first,
-    or their drivers explain as much; or what they leave does not follow that."""
+    """Whether nothing speaks for an effect beside others that are complete without it, not by slow noise alone: they
+    follow what it does first, or their drivers explain as much; or what they leave does not follow that."""
     if not effect.follows or selection.record.inputs.time is None:
         return False
     rest = Adequacy(selection, others, FreeModel.of(selection))
-    if not rest.complete:
+    if not rest.complete or rest.unexplained[1] > MAY_LEAVE[0]:
         return False
     first, followed = effect.follows[0], {name for term in others.terms for name in term.effect.follows}
     return first in followed or selection.following.enough(followed, first) or first not in rest.left.likely

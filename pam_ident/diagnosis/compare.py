@@ -138,6 +138,9 @@ def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: 
         found["cycle"] = tuple(
             _bin(fit, inputs.cycle == v, f"cycle {v:g}", v, v, total) for v in np.unique(inputs.cycle)[:30]
         )
+    run = record.groups.get("run")
+    if run is not None and len(np.unique(run)) > 1:
+        found["run"] = tuple(_bin(fit, run == k, record.run_name(int(k)), k, k, total) for k in np.unique(run))
     if inputs.time is not None:
         marks = np.linspace(inputs.time[0], inputs.time[-1] + 1e-9, 11)
         found["time_s"] = tuple(
@@ -176,8 +179,8 @@ def _sentence(
     )
     if odd is not None and even is not None:
         text += (
-            f" {percent(odd)} of the squared error changes sign with the branch (hysteresis: friction, damping, lag), "
-            f"{percent(even)} is the same on both branches (geometry, elasticity, pressure), "
+            f" {percent(odd)} of the squared error changes sign with the branch, "
+            f"{percent(even)} is the same on both, "
             f"{percent(max(0.0, 1 - odd - even))} is neither."
         )
     return text

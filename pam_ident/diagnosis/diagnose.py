@@ -38,6 +38,7 @@ def diagnose(
     also: tuple[str, ...] = (),
     detail: bool = True,
     noise_N: float = math.inf,
+    start: Mapping[str, float] | None = None,
 ) -> Diagnosis:
     """Which effects of the catalogue a model lacks on a record, or that it lacks none, or one that is not known.
 
@@ -56,6 +57,7 @@ def diagnose(
         detail: whether errors of every candidate, the next experiment and what else to try are wanted, which choose
             nothing.
         noise_N: the record's noise in N as it was told before, with fewer effects in the model: none larger is told.
+        start: values of the model's parameters where its fit begins, by default as `fit` begins.
 
     Raises:
         FitError: when the record cannot identify the law at all.
@@ -73,7 +75,7 @@ def diagnose(
         >>> print(f"{found.verdict}: {found.selected}, {found.base.rmse:.1f} → {found.best.rmse:.1f} N")
         missing_effect: ('pressure_friction',), 5.8 → 2.1 N
     """
-    steps = diagnosing(model, record, extra, without, only, odds, also, noise_N)
+    steps = diagnosing(model, record, extra, without, only, odds, also, noise_N, start=start)
     found = next(steps)
     return next(steps) if detail else found
 
@@ -88,6 +90,7 @@ def diagnosing(
     also: tuple[str, ...] = (),
     noise_N: float = math.inf,
     along: bool = False,
+    start: Mapping[str, float] | None = None,
 ) -> Iterator[Diagnosis]:
     """What `diagnose` finds without its details, and then the same with them.
 
@@ -99,7 +102,7 @@ def diagnosing(
             raise UsageError(f"prior odds of {name} are {chance}; expected a number above 0, 1 for any other effect's")
     allowed = _allowed(extra, without, only, also)
     record = driven(model, record)
-    base = fit(model, record)
+    base = fit(model, record, start=start)
     model = base.model
     fresh = [e for e in allowed if e.candidate and e.name not in model.effect_names]
     candidates = [effect.shown_by(record.inputs) for effect in fresh]

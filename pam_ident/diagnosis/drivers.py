@@ -118,7 +118,8 @@ def _clock(inputs: Inputs) -> Array | None:
 def _temperature(inputs: Inputs) -> Array | None:
     if inputs.temperature is None or np.ptp(inputs.temperature) <= 0.0:
         return None
-    return since_first(inputs, inputs.temperature)[:, None]
+    warmer = since_first(inputs, inputs.temperature)
+    return warmer[:, None] * polynomials(warmer, 2)
 
 
 MAP = ((0, 0), (1, 0), (0, 1), (1, 2), (0, 5), (2, 2), (1, 4), (4, 2), (3, 4), (2, 7), (4, 7))
@@ -137,5 +138,5 @@ DRIVERS = (
     Driver("rest", "rest and relaxation", _rest, RELAXED, in_motion="relaxation"),
     Driver("cycle", "the cycle and the distance travelled", _cycle, COUNTED),
     Driver("clock", "the clock", _clock, DRIFTED, ((0, 0),)),
-    Driver("temperature", "the temperature", _temperature),
+    Driver("temperature", "the temperature", _temperature, ((0,), (0, 1, 2))),
 )

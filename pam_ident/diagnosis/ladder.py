@@ -80,7 +80,8 @@ def climbing(
     noise, new = math.inf, rungs
     while new:
         with part(f"step {len(rungs)}"):
-            found = diagnose(rungs[-1].fit.model, record, *tried, detail=detail, noise_N=noise)
+            last = rungs[-1].fit
+            found = diagnose(last.model, record, *tried, detail=detail, noise_N=noise, start=last.values)
         noise = found.noise_floor
         if record.carried and found.base.record is not record:  # it lies nearer to the lengths as measured
             record = found.base.record

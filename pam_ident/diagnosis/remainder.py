@@ -86,7 +86,8 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     left, all_of_it = fitted.squares - n, max(selection.empty.squares - n, 1e-9)
     if left < REMAINDER * n or left < OF_ALL * all_of_it:
         return unlike_noise(selection, fitted)
-    size = selection.noise.sigma * math.sqrt(left / n)
+    rms = math.sqrt(float(np.mean(selection.view(fitted).residual ** 2)))
+    size = min(selection.noise.sigma * math.sqrt(left / n), rms)
     share = min(left / all_of_it, 1.0)
     text = f"about {newtons(size)} rms of no recognisable shape{_part(share)}"
     return Pattern("other", "contraction", None, "", share, text)

@@ -213,6 +213,9 @@ def _refine(selection: Selection, fitted: FittedSet) -> FittedSet:
             rivals += _additions(selection, fitted)
         best = min(rivals, key=lambda v: v.criterion, default=fitted)
         if best.criterion >= fitted.criterion - 1e-6:
+            rivals = [one for rest in fewer if rest.terms for one in _additions(selection, rest)]
+            best = min(rivals, key=lambda v: v.criterion, default=fitted)
+        if best.criterion >= fitted.criterion - 1e-6:
             return fitted
         fitted = best
     return fitted

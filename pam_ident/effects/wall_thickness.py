@@ -7,7 +7,7 @@ from .base import AddsForce, Array, Effect, Values, bladder_area, one
 
 WHOLE = Range(0.0, 2.0, "the wall as it was measured, or twice that (Chou & Hannaford 1996)")
 SHARE = Param("wall_share", "1", "share of the wall's thickness that acts", 0.0, 5.0, scale=0.3, range=WHOLE)
-ENDS = Param("end_share", "1", "the same for the wall's section at the ends", 0.0, 50.0, scale=1.0)
+ENDS = Param("end_share", "1", "the same for the wall's section at the ends", 0.0, 5.0, scale=1.0, range=WHOLE)
 
 
 def _thick(inputs: Inputs, values: Values, force: Array) -> Array:

@@ -28,7 +28,7 @@ LAW = Law(
             "mu",
             "1",
             "decay of the initial peak over contraction",
-            3.0,
+            1.0,
             400.0,
             start=45.0,
             symbol="μ",

@@ -11,6 +11,7 @@ from .clipped import ends_piled_up
 from .doubt import GRAVE, Doubt
 from .plausible import doubt_units
 from .record import Record
+from .unlike import doubt_runs
 
 MOST_N = 1e6
 """Force that no muscle reaches; arithmetic with much larger ones overflows."""
@@ -106,7 +107,9 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     if time is None or segment is None:
         return
     yield from _doubt_pace(record, time)
-    steps = np.diff(time)[(np.diff(segment) != 0) & (np.diff(record.level) == 0.0)]
+    run = record.groups.get("run", segment)  # between files a pause is put
+    one = (np.diff(record.level) == 0.0) & ((np.diff(run) == 0) | (run is segment))
+    steps = np.diff(time)[(np.diff(segment) != 0) & one]
     if len(steps) and record.inputs.pressure_rate is None:  # else another length or weight may come after a pause
         text = (
             f"the time jumps within an isobar ({len(steps)} times), by up to {steps.max():.4g} s: samples are lost "
@@ -216,7 +219,8 @@ def _all_of(record: Record) -> Iterator[Doubt]:
             return
         rest = record.take(np.flatnonzero(~wild)) if wild.any() else record
         yield from (doubt for doubt in doubt_force(rest, wild[~wild]) if doubt.code != "impossible_value")
-        yield from doubt_units(rest)
+        unlike = tuple(doubt_runs(rest))
+        yield from unlike or doubt_units(rest)  # of runs at odds the whole says nothing of a unit
         yield from _doubt_wander(record)
         yield from doubt_clock(rest)
         yield from _doubt_branch(rest)

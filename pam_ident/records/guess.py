@@ -149,6 +149,8 @@ def by_name(header: str, lengths: bool = False) -> str:
         return "pressure_set" if stated == "pressure" or (not stated and hits[1:] == ["pressure"]) else ""
     if "contraction" in hits and stated == "length":  # a way that the muscle shortens by
         return "displacement"
+    if hits == ["time"] and stated == "temperature":  # `T [K]`
+        return "temperature"
     if hits:
         return next((q for q in hits if stated in ("", QUANTITIES[q])), "")
     if lengths and stated == "length":

@@ -1,6 +1,7 @@
 """Read a record, one file or several, and its specimen. Every refusal names file, row and column."""
 
 import hashlib
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -60,6 +61,7 @@ def read_record(
     muscle = specimen_of(files, specimen)
     where: dict[str, list[str]] = {}
     runs: list[Values] = []
+    run_names: list[str] = []
     notes = Notes()
     passed: tuple[str, ...] = ()
     clock = ""
@@ -68,6 +70,7 @@ def read_record(
             for group, number in (("run", len(runs)), ("muscle", length_mm)):
                 values[group] = np.full(len(values["force"]), number)
             runs.append(on_length(values, length_mm, muscle.initial_length_mm))
+            run_names.append(table.place)
         if not where:
             passed, clock = left_out(table, sources)
         for name, header in headers(sources).items():
@@ -77,7 +80,7 @@ def read_record(
     names = record_name(files, muscle), files.given, files_sha256(files)
     note_clock(notes, values, muscle, passed, clock)
     found = build_loaded(*names, muscle, values, _in_one(where), notes, said_kind(files, specimen, columns))
-    return replace(found, metadata=read_metadata(files.folder), passed=passed)
+    return replace(found, metadata=read_metadata(files.folder), passed=passed, runs=_called(run_names, files.folder))
 
 
 def record_from_frame(frame: "pd.DataFrame", specimen: Specimen, name: str = "", find: Finder = find_sources) -> Record:
@@ -120,6 +123,13 @@ def left_out(table: Table, sources: dict[str, Source]) -> tuple[tuple[str, ...],
     read, empty for none."""
     at = passed_over(table, sources)
     return tuple(table.headers[k] for k in at), "" if "time" in sources else likely_clock(table, at)
+
+
+def _called(places: list[str], folder: Path) -> tuple[str, ...]:
+    """What runs are called that were read from `places`: those, in a folder, and a number where one holds several."""
+    short = [place.removeprefix(f"{folder}{os.sep}") for place in places]
+    many = {name for name in short if short.count(name) > 1}
+    return tuple(f"{name}, run {short[: k + 1].count(name)}" if name in many else name for k, name in enumerate(short))
 
 
 def note_clock(notes: Notes, values: Values, specimen: Specimen, passed: tuple[str, ...], clock: str) -> None:

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core import Array
+from ..core.units import ATMOSPHERE_MPA
 from .doubt import Doubt
 from .record import Record
 
-ATMOSPHERE_MPA = 0.101325
 SLIPS = (
     (4.2, "pound-force and N (4.4) or radius and diameter (4)"),
     (6.9, "psi and kPa (6.9)"),

@@ -44,6 +44,7 @@ class Record:
         source, sha256, columns: where the record came from, its hash, and what was read as what.
         block_kind: `cycle`, `length` or `isobar`.
         passed: headers of the columns that were passed over.
+        runs: what the runs of a record of several files are called, by number.
         masked: how many slack rows were left out.
         notes: what else was left out, or assumed, while it was read.
         said_kind: which kind of test it is said to be, empty where the data must show it (`kind`).
@@ -78,6 +79,7 @@ class Record:
     groups: Mapping[str, Array] = field(default_factory=dict)
     measured: "Record | None" = None
     passed: tuple[str, ...] = ()
+    runs: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.force)
@@ -101,6 +103,10 @@ class Record:
     def drives_pressure(self) -> bool:
         """Whether the pressure was driven, and the length or the load held."""
         return self.as_measured.kind in ("isometric", "isotonic")
+
+    def run_name(self, run: int) -> str:
+        """What a run of a record of several files is called."""
+        return self.runs[run] if self.runs else f"run {run + 1}"
 
     @cached_property
     def levels(self) -> Array:
@@ -276,7 +282,7 @@ def rebuilt(record: Record, specimen: Specimen, said_kind: str = "") -> Record:
         temperature=inputs.temperature,
         said_kind=said_kind or record.said_kind,
     )
-    kept = ("source", "sha256", "columns", "masked", "notes", "metadata", "groups", "passed")
+    kept = ("source", "sha256", "columns", "masked", "notes", "metadata", "groups", "passed", "runs")
     return replace(made, **{key: getattr(record, key) for key in kept})
 
 

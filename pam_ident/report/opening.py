@@ -4,6 +4,7 @@ from textwrap import fill
 
 from .. import plot
 from ..diagnosis.follows import told
+from ..diagnosis.nouns import Diagnosis
 from ..diagnosis.sentence import headline, start
 from ..effects import in_words
 from .easel import Easel, Part, Picture
@@ -12,10 +13,12 @@ from .words import VERDICTS, groups, likely, newtons
 
 HERO, BESIDE = 6.4, 5.0
 """Widths of the figures in inches; they are shown narrower than a page, and their words must stay readable."""
+UNKNOWN = "Something is left that no known effect explains."
 REMAINS = {
+    "": "",
     "adequate": "",
     "missing_effect": " More is missing, and a known effect explains it.",
-    "unknown_effect": " Something is left that no known effect explains.",
+    "unknown_effect": f" {UNKNOWN}",
 }
 
 
@@ -45,9 +48,20 @@ def _added(section: Section) -> tuple[str, ...]:
     return tuple(name for name in section.after.model.effect_names if name not in held)
 
 
+def _last(section: Section) -> Diagnosis:
+    """The diagnosis of the model as it is in the end."""
+    return section.ladder.last if section.ladder is not None else section.diagnosis
+
+
+def _unsure(section: Section) -> tuple[str, ...]:
+    """Names of the diagnosis that were not added."""
+    held = section.after.model.effect_names if section.after is not None else section.diagnosis.selected
+    return tuple(name for name in section.diagnosis.selected if name not in held)
+
+
 def _verdict(section: Section) -> str:
     """Of the model as it is in the end; nothing where nobody asked it about more."""
-    last = section.ladder.last if section.ladder is not None else section.diagnosis
+    last = _last(section)
     asked = last is not section.diagnosis or section.after is None or last.verdict == "unknown_effect"
     return last.verdict if asked else ""
 
@@ -61,21 +75,28 @@ def _badge(section: Section) -> tuple[str, str]:
 
 
 def _headline(section: Section) -> str:
-    added, verdict = _added(section), _verdict(section)
+    diagnosis, added, verdict = section.diagnosis, _added(section), _verdict(section)
+    pattern = _last(section).pattern
+    left = (
+        f" {UNKNOWN[:-1]}: {pattern.text}."
+        if verdict == "unknown_effect" and pattern
+        else REMAINS.get(verdict, verdict)
+    )
     if added and section.after is not None:
         rungs = section.ladder.rungs if section.ladder is not None else ()
-        found = (section.diagnosis, *(rung.found for rung in rungs if rung.found is not None))
-        return headline(added, found, section.after.model.own) + REMAINS.get(verdict, "")
-    if verdict == "adequate":
-        return "Nothing is missing that this record could show."
-    return REMAINS.get(verdict, section.diagnosis.verdict).strip()
+        found = (diagnosis, *(rung.found for rung in rungs if rung.found is not None))
+        unsure = _unsure(section)
+        also = f" {headline(unsure, (diagnosis,), diagnosis.best.model.own)}" if unsure else ""
+        return headline(added, found, section.after.model.own) + also + left
+    return "Nothing is missing that this record could show." if verdict == "adequate" else left.strip()
 
 
 def _fall(section: Section) -> str:
     after, said = section.after, start(section.before, section.noise_floor)
     if after is None:
         return said
-    return f"{said} With that added, {newtons(after.rmse)} are left."
+    words = ", ".join(in_words(name, after.model.own) for name in _added(section)) if _unsure(section) else "that"
+    return f"{said} With {words} added, {newtons(after.rmse)} are left."
 
 
 def _trace(section: Section, easel: Easel) -> Picture:
@@ -133,7 +154,7 @@ def _next(section: Section) -> tuple[str, ...]:
     """What the record cannot tell, and what to do."""
     diagnosis = section.diagnosis
     found = groups(diagnosis)
-    last = section.ladder.last if section.ladder is not None else diagnosis
+    last = _last(section)
     experiment = diagnosis.next_experiment if found else last.next_experiment or diagnosis.next_experiment
     if experiment is not None:
         todo = experiment.text[:1].lower() + experiment.text[1:]

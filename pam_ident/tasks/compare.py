@@ -60,10 +60,7 @@ def _sentence(one: Fit, found: Comparison) -> str:
         f"{worst.label}, {percent(place.share)} about {place.label}."
     )
     if found.odd is not None and found.even is not None:
-        text += (
-            f" {percent(found.odd)} of it changes sign with the branch (hysteresis: friction, damping, lag), "
-            f"{percent(found.even)} is the same on both."
-        )
+        text += f" {percent(found.odd)} of it changes sign with the branch, {percent(found.even)} is the same on both."
     return f"{text} {told(found.follows, 'squared error of the force at that length')}" if found.follows else text
 
 

@@ -58,8 +58,10 @@ def climb_ladder(record: Record, setup: Setup, executor: Executor = HERE) -> Lad
 def _nested(found: Ladder, record: Record, setup: Setup, executor: Executor) -> Ladder:
     """The ladder with its nested error; as it is where nobody asked and the record is too small."""
 
+    along = found.rungs[-1].fit.record  # in an isotonic test that of the lengths as predicted
+
     def ended(model: Model) -> Diagnosis:
-        return diagnose(model, record, *setup.tried)
+        return diagnose(model, along, *setup.tried)
 
     # Effects of the user's own could not be looked up by another process.
     who, bare = (HERE, setup) if setup.own else (executor, setup.bare())

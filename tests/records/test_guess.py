@@ -47,6 +47,8 @@ def test_units_that_are_stated_are_taken_and_others_told_by_size():
     ]
     assert told(["pressure", "contraction", "force"], PRESSURE, CONTRACTION, FORCE)[1] == ("contraction", "pct")
     assert told(["T_soll", "temperature"], np.full(N, 3.0), np.full(N, 295.0))[1] == ("temperature", "K")
+    assert told(["t [s]", "T [K]"], TIME, np.full(N, 295.0)) == [("time", "s"), ("temperature", "K")]
+    assert told(["t", "T [°C]"], TIME, np.full(N, 22.0))[1] == ("temperature", "C")
     assert "bar_abs" in units_of("pressure") and units_of("cycle") == ()
 
 

@@ -14,6 +14,7 @@ from pam_ident.core.digits import millimetres
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.fitting.carried import driven, length_rmse
+from pam_ident.model import Model
 from pam_ident.records import build_record, read_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
 from pam_ident.schema.diagnosis import comparison_json, diagnosis_json
@@ -179,6 +180,18 @@ def test_a_ladder_and_an_addition_are_of_the_same_force(tmp_path):
     assert [rung.fit.model.effect_names for rung in found.rungs] == [[], ["creep"]]
     assert added.before.rmse == pytest.approx(found.rungs[0].fit.rmse, rel=1e-6)
     assert added.after.rmse < 0.6 * added.before.rmse
+
+
+@pytest.mark.long
+def test_a_ladder_that_ends_early_ends_along_the_predicted_lengths(cases, monkeypatch):
+    """An effect that remembers the way cannot predict the length, so what ends the ladder may not be fitted to that."""
+    model = Model.build("exponential_law", ["mullins_softening"])
+    ends = []
+    monkeypatch.setattr(
+        "pam_ident.tasks.ladder.nested", lambda found, again, ended, *_: ends.append(ended(model)) or found
+    )
+    climb_ladder(read_record(cases["weight_ramps"]), SETUP)
+    assert ends[0].base.model.labels == model.labels and ends[0].base.record.carried
 
 
 @pytest.mark.long
