@@ -98,6 +98,13 @@ def test_rest_is_told_only_where_something_rests(hold_s, words):
     assert [one.text for one in found if one.what == "rest"] == [words]
 
 
+@pytest.mark.parametrize("grown", [2.0, 3.0])
+def test_what_grows_faster_than_the_warming_follows_the_temperature(grown):
+    """Of the warming alone as its state rest and relaxation had a part of it."""
+    found = shares(record_with(lambda at: -24.0 * (at["T"] / 12.0) ** grown * (0.3 + 4.0 * at["e"])))
+    assert found["temperature"] > 0.9 and set(found) == {"temperature", "noise"}, found
+
+
 def test_two_causes_have_a_share_each():
     found = shares(record_with(lambda at: 0.3 * PLANTED["direction"](at) + PLANTED["clock"](at)))
     assert found["direction"] > 0.2 and found["clock"] > 0.1

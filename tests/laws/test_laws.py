@@ -7,7 +7,10 @@ import pytest
 from scipy.integrate import quad
 
 from pam_ident.core import Specimen, UsageError
+from pam_ident.fitting import fit
 from pam_ident.laws import catalogue, get_law
+from pam_ident.model import Model
+from pam_ident.records import build_record
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 
@@ -90,6 +93,13 @@ def test_the_exponential_law_with_the_printed_contraction_parameters(p, e, newto
 def test_the_exponential_law_with_the_printed_extension_parameters(p, e, newton):
     values = {"a0": -344.5, "a1": 2554, "b0": -43.2, "b1": 8430, "c0": 43.24, "c1": 899.2, "mu": 45}
     assert force("exponential_law", p, e, **values) == pytest.approx(newton, abs=2e-5)
+
+
+def test_the_exponential_law_follows_a_braid_that_makes_a_parabola():
+    """With a rate of 3 it leaves three times as much, a curve over the contraction that looked like tapered ends."""
+    e, p = (one.ravel() for one in np.meshgrid(np.linspace(0.0, 0.25, 26), (0.1, 0.2, 0.3, 0.4, 0.5)))
+    record = build_record("ideal", MUSCLE, p, e, MUSCLE.ideal_force(p, e))
+    assert fit(Model.build("exponential_law"), record).rmse < 2e-4 * record.force.max()
 
 
 def test_the_modified_law_with_a_row_of_the_papers_table():

@@ -87,6 +87,11 @@ def test_one_file_is_not_held_against_itself(tmp_path):
     assert found(save(tmp_path, [whole])) == []
 
 
+def test_a_pause_between_two_files_at_one_pressure_is_no_jump_of_the_clock(tmp_path):
+    doubts = doubts_of(read_record(save(tmp_path, [isobar(300.0), isobar(300.0, seed=4)])))
+    assert "clock_jumps" not in [doubt.code for doubt in doubts]
+
+
 def test_compare_tells_the_error_of_each_file(tmp_path):
     runs = [isobar(kpa) for kpa in KPA]
     runs[2] = np.column_stack(SLIPS["force in kgf"][0](*runs[2].T))

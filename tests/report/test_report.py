@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from pam_ident.diagnosis.compare import compare
 from pam_ident.diagnosis.nouns import Pattern
+from pam_ident.effects import get_effect
 from pam_ident.fitting import fit, fit_isobars, loop_energies
 from pam_ident.fitting.identifiability import AT_BOUND
 from pam_ident.model import Model
@@ -189,6 +190,25 @@ def test_a_parameter_at_its_bound_is_said_beside_the_answer(section):
     told = replace(section.comparison_after, fit=replace(after, given=(stuck, *after.estimates[1:])))
     notes = opening(replace(section, comparison_after=told), Easel("x", 50)).notes
     assert [one for one in notes if one.startswith(f"{stuck.name} = ") and "bound" in one]
+
+
+def test_what_a_diagnosis_names_and_a_ladder_leaves_out_is_said_all_the_same(section):
+    found = section.diagnosis
+    less = next(one for one in found.ranking if one.effect not in found.selected)
+    doubtful = [replace(one, probability=0.6) if one is less else one for one in found.ranking]
+    more = replace(found, selected=(*found.selected, less.effect), ranking=tuple(doubtful))
+    said = f" Probably missing: {get_effect(less.effect)[0].title}."
+    heading = opening(replace(section, diagnosis=more), Easel("x", 50)).heading
+    assert said in heading and heading.replace(said, "") == opening(section, Easel("x", 50)).heading
+    assert "With that added" not in answer(replace(section, diagnosis=more))
+
+
+def test_something_unknown_is_said_with_what_it_follows(section):
+    last = replace(
+        section.ladder.last, verdict="unknown_effect", pattern=Pattern("other", "time", None, "", 0.5, "a swing")
+    )
+    found = replace(section, ladder=replace(section.ladder, last=last))
+    assert opening(found, Easel("x", 50)).heading.endswith("no known effect explains: a swing.")
 
 
 def test_noise_and_held_out_error_are_the_same_all_over_the_page(section):
