@@ -44,9 +44,9 @@ left, robust standard deviations, from which they were hung on one after the oth
 does not step so far."""
 BAND, AT_END = 4.0, 0.004
 """Noises of the length, and share of its way as in a reversal, within which it stands at its end."""
-BEFORE, STOPPED = 0.1, 8.0
-"""Share of its way before the end in which it is seen to move, and bands by which it would have gone on, had nothing
-stopped it."""
+BEFORE, NEAREST, STOPPED = 0.1, 10, 8.0
+"""Share of its way before the end in which it is seen to move, or so many samples where it leaves that at a jump, and
+bands by which it would have gone on, had nothing stopped it."""
 ROUNDED = 1e-6
 """Share of the range of the pressure within which values are one pressure, but for their rounding."""
 NO_PRESSURE = 0.02
@@ -167,9 +167,10 @@ def _stopped(x: Array, p: Array, going: Array, band: float) -> Array:
     """Mask (m,) of the samples within a `band` of the least x, if pressures that `going` to that end (mask) ran through
     there would have moved it on, by its course just before."""
     low = np.sort(x)[min(len(x) // 200, len(x) - 1)]
-    end, before = x <= low + band, (x > low + band) & (x <= low + band + BEFORE * np.ptp(x))
-    few = min(np.count_nonzero(end & going), np.count_nonzero(before)) < 3
-    if few or np.ptp(p[before]) <= ROUNDED * np.ptp(p):
+    end, beyond = x <= low + band, np.flatnonzero(x > low + band)
+    near = np.count_nonzero(x[beyond] <= low + band + BEFORE * np.ptp(x))
+    before = beyond[np.argsort(x[beyond])[: max(near, NEAREST)]]
+    if min(np.count_nonzero(end & going), len(before)) < 3 or np.ptp(p[before]) <= ROUNDED * np.ptp(p):
         return np.zeros(len(x), bool)
     course = abs(np.polyfit(p[before], x[before], 1)[0])
     way = np.ptp(p[end & going]) * course
@@ -191,7 +192,8 @@ def equilibrium(model: Model, inputs: Inputs, values: Values, load: Array) -> tu
     low, high = _reach(inputs)
 
     def over(e: Array) -> Array:
-        force = model.force(replace(inputs, contraction=e), values)
+        with np.errstate(over="ignore", invalid="ignore"):  # a braid at its longest may be far beyond a law
+            force = model.force(replace(inputs, contraction=e), values)
         return np.nan_to_num(force - load, nan=-1e300, posinf=1e300, neginf=-1e300)
 
     n = len(load)

@@ -183,6 +183,15 @@ def test_one_pressure_but_for_its_rounding_tells_of_no_stop():
         assert not _stopped(x, p, np.ones(100, bool), 0.1).any()
 
 
+def test_a_length_that_leaves_its_stop_at_a_jump_stood_on_one():
+    """Just above a threshold a light weight goes up by a tenth of its way from one sample to the next."""
+    ramp = np.linspace(0.02, 0.5, 130)
+    p = np.tile(np.r_[ramp, ramp[::-1]], 2)
+    x = np.where(p < 0.04, 0.0, 5.0 + 50.0 * np.sqrt(np.maximum(p - 0.04, 0.0)))
+    found = _stopped(x, p, np.tile(np.repeat([False, True], 130), 2), 0.2)
+    assert found.sum() == (p < 0.04).sum() > 12
+
+
 def without_pauses(made) -> Record:
     """The same rows on one clock, weight after weight."""
     table = pd.DataFrame(made.table, columns=list(COLUMNS))
