@@ -49,11 +49,6 @@ def _quadratic(inputs: Inputs, values: Values, force: Array) -> Array:
     return -inputs.xp.stack([warming(inputs), warming(inputs) ** 2]).T
 
 
-def _bending(inputs: Inputs, values: Values, force: Array) -> Array:
-    warmer = 0.1 * warming(inputs)
-    return -inputs.xp.stack([warmer, warmer**2]).T
-
-
 def _elastic(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-hoop_force(inputs) * warming(inputs))
 
@@ -75,7 +70,6 @@ EFFECT = Effect(
         AddsForce("elastic", "E → E − E_loss ΔT in the bladder's force", (E_LOSS,), _elastic),
         AddsForce("linear", "+G_loss ΔT ε", (G_LOSS,), _linear),
         free_form("−ΔT/10 K", lambda inputs, values, force: one(-0.1 * warming(inputs))),
-        free_form("−ΔT/10 K, −(ΔT/10 K)²", _bending, 2, name="free_bending"),
     ),
     follows=("temperature",),
     test="temperature logged and varied while the protocol is repeated",

@@ -45,17 +45,7 @@ REMEMBER = {
     *(f"force_drift:{form}" for form in ("textbook", "settling", "settling_on", "logarithmic", "swinging", "free")),
     *(
         f"thermal_softening:{form}"
-        for form in (
-            "textbook",
-            "quadratic",
-            "from_cold",
-            "lagging",
-            "pressure",
-            "elastic",
-            "linear",
-            "free",
-            "free_bending",
-        )
+        for form in ("textbook", "quadratic", "from_cold", "lagging", "pressure", "elastic", "linear", "free")
     ),
     *(f"coulomb_friction:{form}" for form in ("stuck", "relaxing", "free")),
     *(f"stribeck_friction:{form}" for form in ("relaxing", "bending")),
