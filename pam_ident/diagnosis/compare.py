@@ -138,9 +138,8 @@ def _profiles(fit: Fit, signs: list[float], levels: Array, edges: Array, total: 
         found["cycle"] = tuple(
             _bin(fit, inputs.cycle == v, f"cycle {v:g}", v, v, total) for v in np.unique(inputs.cycle)[:30]
         )
-    run = record.groups.get("run")
-    if run is not None and len(np.unique(run)) > 1:
-        found["run"] = tuple(_bin(fit, run == k, record.run_name(int(k)), k, k, total) for k in np.unique(run))
+    if len(runs := np.unique(record.run)) > 1:
+        found["run"] = tuple(_bin(fit, record.run == k, record.run_name(int(k)), k, k, total) for k in runs)
     if inputs.time is not None:
         marks = np.linspace(inputs.time[0], inputs.time[-1] + 1e-9, 11)
         found["time_s"] = tuple(

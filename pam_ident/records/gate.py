@@ -107,8 +107,7 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     if time is None or segment is None:
         return
     yield from _doubt_pace(record, time)
-    run = record.groups.get("run", segment)  # between files a pause is put
-    one = (np.diff(record.level) == 0.0) & ((np.diff(run) == 0) | (run is segment))
+    one = (np.diff(record.level) == 0.0) & (np.diff(record.run) == 0)  # between files a pause is put
     steps = np.diff(time)[(np.diff(segment) != 0) & one]
     if len(steps) and record.inputs.pressure_rate is None:  # else another length or weight may come after a pause
         text = (

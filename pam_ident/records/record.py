@@ -104,6 +104,11 @@ class Record:
         """Whether the pressure was driven, and the length or the load held."""
         return self.as_measured.kind in ("isometric", "isotonic")
 
+    @property
+    def run(self) -> Array:
+        """Number of the run, one of several files, that a sample belongs to, shape (n,); 0 where there is one."""
+        return self.groups.get("run", np.zeros(len(self), int))
+
     def run_name(self, run: int) -> str:
         """What a run of a record of several files is called."""
         return self.runs[run] if self.runs else f"run {run + 1}"

@@ -10,6 +10,7 @@ from ..core import Array
 from ..core.digits import percent
 from ..core.units import ATMOSPHERE_MPA
 from .doubt import Doubt
+from .plausible import BURST_MPA
 from .record import Record
 
 UNITS: Mapping[str, Mapping[float, str]] = {
@@ -46,8 +47,8 @@ USUAL = (("length", 1.0), ("zero", 0.0))
 LEFT = "What a smooth surface leaves of all runs would fall to"
 ROWS, ROWS_A_RUN = 3000, 60
 """Rows that are looked at, in all and of a run."""
-LEAST_MPA, MOST_MPA, FARTHEST = -0.02, 2.0, 1.0
-"""Pressures and the contraction beyond which a correction is none."""
+LEAST_MPA, FARTHEST = -0.02, 1.0
+"""Pressure and contraction beyond which a correction is none."""
 
 
 class Run(NamedTuple):
@@ -92,7 +93,7 @@ class Run(NamedTuple):
     def possible(self) -> bool:
         """Whether a muscle can be in these states."""
         p, e = self.pressure, self.contraction
-        return bool(p.min() > LEAST_MPA and p.max() < MOST_MPA and np.abs(e).max() < FARTHEST)
+        return bool(p.min() > LEAST_MPA and p.max() < BURST_MPA and np.abs(e).max() < FARTHEST)
 
 
 class Slip(NamedTuple):
@@ -158,9 +159,6 @@ def doubt_runs(record: Record) -> Iterator[Doubt]:
         yield from _told(record, made, left)
 
 
-_first = itemgetter(0)
-
-
 def _put_right(runs: Mapping[int, Run]) -> tuple[dict[int, Made], dict[int, Run]]:
     """The corrections of each run at odds with the others, and those runs put right."""
     runs, made = dict(runs), {}
@@ -175,9 +173,10 @@ def _put_right(runs: Mapping[int, Run]) -> tuple[dict[int, Made], dict[int, Run]
             for slip, tried in _corrections(run)
             if tried.possible
         ]
-        if not found or not min(found, key=_first)[0] < STEP * left:
+        best = min(found, key=itemgetter(0), default=None)
+        if best is None or not best[0] < STEP * left:
             break
-        least, k, slip, tried = min(found, key=_first)
+        least, k, slip, tried = best
         near = [(run, other) for rest, run, other, _ in found if rest < ALSO * least]
         also = [other for run, other in near if run == k and not other.free and other is not slip]
         made[k] = Made([slip, *also[: MOST - 1]], sorted({run for run, _ in near} - {k}))
@@ -209,7 +208,7 @@ class Surface:
 
 def _runs(record: Record) -> dict[int, Run]:
     """The runs of a record of several, by number, each thinned."""
-    number = record.groups.get("run", np.zeros(len(record), int))
+    number = record.run
     different = np.unique(number)
     most = max(min(ROWS_A_RUN, ROWS // len(different)), 8)
     found = {}
@@ -256,7 +255,7 @@ def _corrections(run: Run) -> Iterator[tuple[Slip, Run]]:
 
 def _told(record: Record, made: dict[int, Made], share: float) -> Iterator[Doubt]:
     """The doubts of runs whose corrections leave a `share` of what there was."""
-    runs, own = np.unique(record.groups["run"]), record.specimen.initial_length_mm
+    runs, own = np.unique(record.run), record.specimen.initial_length_mm
     # Only beside each other: of all runs alike a smooth surface tells no length, and no zero.
     slips = [made[k].slips[0] if k in made else None for k in runs]
     length, zero = (float(np.median([getattr(one, name) if one else of for one in slips])) for name, of in USUAL)
