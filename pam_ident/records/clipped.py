@@ -12,7 +12,7 @@ CHANCE = 1e-6
 NEXT, PILED = 5, 3.0
 """Readings that count as next to it, and how many times as often as any of these it must be read."""
 MOVES = 0.005
-"""Share of the stroke by which it moves meanwhile: more than a sensor's noise in a hold."""
+"""Share of the stroke, or of a locked muscle's pressures, by which it moves meanwhile: more than noise in a hold."""
 DIFFERENT = 0.5
 """Share of the readings of other holds that differ from each other where there is noise."""
 BESIDE = 2
@@ -32,13 +32,13 @@ def clipped_rows(inputs: Inputs, force: Array) -> Array:
     All that they say is that the force is beyond it. None where they are too many to do without. In a hold a force
     without noise repeats, too: there all others must differ. A coarse gauge repeats the reading next to its end, too.
     """
-    contraction, out = inputs.contraction, np.zeros(len(force), bool)
+    driven, out = inputs.pressure if inputs.locked else inputs.contraction, np.zeros(len(force), bool)
     rest = (force > force.min(initial=np.inf)) & (force < force.max(initial=-np.inf))
     if inputs.moving is not None:
         rest &= ~inputs.moving
     noisy = rest.any() and len(np.unique(force[rest])) > DIFFERENT * rest.sum()
     for here in ends_piled_up(force):
-        if noisy or np.ptp(contraction[here]) > MOVES * np.ptp(contraction):
+        if noisy or np.ptp(driven[here]) > MOVES * np.ptp(driven):
             out |= np.convolve(here, np.ones(2 * BESIDE + 1), "same") > 0.0
     return out if out.sum() <= MOST * len(out) else np.zeros(len(force), bool)
 

@@ -168,6 +168,17 @@ def test_a_load_cell_at_its_end_says_only_that_the_force_is_beyond(clean):
     assert "force_clipped" in [d.code for d in doubts_of(record_from_frame(table, specimen)) if d.grave]
 
 
+def test_a_load_cell_is_at_its_end_at_one_length_of_a_locked_muscle_too():
+    rng, ramp = np.random.default_rng(2), np.r_[np.linspace(0.2, 0.6, 200), np.linspace(0.6, 0.2, 200)]
+    muscle = Specimen("locked", 200.0, 10.0, 25.4, 1.5)
+    p, x = np.tile(ramp, 3), np.repeat([0.0, 10.0, 20.0], 400)
+    force = muscle.ideal_force(p, x / 200.0) + rng.normal(0.0, 2.0, 1200)
+    end = 0.95 * force.max()
+    columns = {"time_s": np.arange(1200) * 0.1, "pressure_MPa": p, "displacement_mm": x + rng.normal(0.0, 0.005, 1200)}
+    record = record_from_frame(pd.DataFrame(columns | {"force_N": np.minimum(force, end)}), muscle)
+    assert [note.code for note in record.notes] == ["clipped"] and record.force.max() < end
+
+
 def test_few_equal_readings_of_a_fine_gauge_are_its_end_and_of_a_coarse_one_are_not():
     record = read_record(HOME)
     end = np.sort(record.force[record.inputs.moving])[-8]
