@@ -107,10 +107,9 @@ def nested(
     if dropped:
         found = dropped[0].found
         last = found if found and found.base.model == kept[-1].fit.model else ended(kept[-1].fit.model)
-    beside = beside_it(rungs[0].fit.model, record, masks)
-    return Ladder(
-        tuple(kept), ladder.noise_floor, last, Nested(by, len(masks), beside, _told(kept, dropped, beside, by))
-    )
+    beside = beside_it(rungs[0].fit, record, masks, float(errors[0]))
+    text = _told(kept, dropped, beside, by)
+    return Ladder(tuple(kept), ladder.noise_floor, last, Nested(by, len(masks), beside, text))
 
 
 def anew(
@@ -151,10 +150,18 @@ def _square(one: Fit, record: Record, mask: Array) -> float:
     return square if math.isfinite(square) else math.inf
 
 
-def beside_it(model: Model, record: Record, masks: Sequence[Array]) -> dict[str, tuple[int, float]]:
-    """Number of parameters and error in N of other laws in place of a model's own, where the rows of each mask (n,)
-    are held out in turn, best first, less those that cannot be fitted or that the record does not determine."""
-    found = {MEAN: (2, _line_error(record, masks))}
+def beside_it(
+    alone: Fit, record: Record, masks: Sequence[Array], anew: float = 0.0
+) -> dict[str, tuple[int, float]]:
+    """Number of parameters and error in N of other laws in place of a fit's own, where the rows of each mask (n,)
+    are held out in turn, best first, less those that cannot be fitted or that the record does not determine.
+
+    Its own is among them where that, kept, errs less than if all is chosen `anew` (N): the choice of a law then errs.
+    """
+    model, found = alone.model, {MEAN: (2, _line_error(record, masks))}
+    own = heldout_rmse(model, record, alone, masks) if anew else math.inf
+    if AS_WELL * own < anew:
+        found[model.law.name] = len(model.params), own
     for law in listed():
         if law.name == model.law.name:
             continue
@@ -187,7 +194,9 @@ def _told(kept: Sequence[Rung], dropped: Sequence[Rung], beside: Mapping[str, tu
         said.append(f"{capital(names)} would make it {newtons(dropped[-1].heldout_rmse)}, and is left out.")
     best, (count, error) = next(iter(beside.items()))
     simple = {name: one for name, one in beside.items() if one[0] < parameters and one[1] <= AS_WELL * own}
-    if AS_WELL * error < own:
+    if best == kept[0].fit.model.law.name:
+        said.append(f"What errs is the choice of a law: with {_named(best).lower()} kept it is {newtons(error)}.")
+    elif AS_WELL * error < own:
         better = f"{_named(best)} alone, with {count} parameters, predicts better, to {newtons(error)}"
         said.append(f"{better}: take that one to predict.")
     elif simple:

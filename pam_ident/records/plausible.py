@@ -30,6 +30,9 @@ ENOUGH_MPA = 0.2
 LATEST_MPA, TOO_LATE_MPA = 0.12, 0.135
 """Gauge pressure at which a muscle near its full length begins to pull, at the latest, and where it cannot be that any
 more; the same ones lie between 0 and 0.09 MPa."""
+TOO_EARLY_MPA = -0.01
+"""Gauge pressure from which on no muscle begins to pull, where the air's pressure was taken off readings whose name says
+that they count from vacuum: those of an ideal braid that did not would begin at -0.1, of measured ones at -0.02."""
 LEAST_MPA = 1e-12
 """Pressure below which arithmetic says nothing any more."""
 AT_REST = 0.05
@@ -108,8 +111,9 @@ def pull_at(record: Record, begin: float = 0.0) -> Pull | None:
     level = float(force[high].mean() / ideal[high].mean())
     if p.max() < 1.5 * p.min():
         return Pull(None, level, np.nan)
-    # Where pressure and length are driven together, a friction would tilt the line.
-    columns = np.column_stack([p - p.mean(), np.ones_like(p), record.inputs.direction[near]])
+    # Where pressure and length are driven together, a friction would tilt the line. On one branch it is the offset's.
+    direction = record.inputs.direction[near]
+    columns = np.column_stack([p - p.mean(), np.ones_like(p), direction * (np.ptp(direction) > 0.0)])
     slope, offset, _ = np.linalg.lstsq(columns, force)[0]
     expected = np.polyfit(p - p.mean(), ideal, 1)[0]
     if slope == 0.0 or expected <= 0.0:
@@ -134,6 +138,13 @@ def _doubt_pull(pull: Pull, record: Record) -> Iterator[Doubt]:
     elif pull.slope < 0.0:
         what = "near its full length the force falls as the pressure rises"
         yield Doubt("scale", f"{what}: a run may be in another unit, or a sign is wrong.", None, False)
+    elif pull.begins_MPa < TOO_EARLY_MPA and any(note.code == "absolute_pressure" for note in record.notes):
+        text = (
+            "the air's pressure was taken off, and near its full length the muscle then pulls from "
+            f"{pull.begins_MPa:.3f} MPa on: the readings may be gauge pressure after all. If so, name their unit in a "
+            "columns.toml without _abs, such as pressure_kPa."
+        )
+        yield Doubt("pressure_absolute", text, "pressure", True)
     elif (
         pressure.min() > 0.9 * ATMOSPHERE_MPA
         and record.inputs.contraction.min() < AT_REST

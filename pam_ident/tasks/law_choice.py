@@ -124,7 +124,7 @@ def choose_law(record: Record, setup: Setup) -> LawChoice:
             continue
         heldout = math.sqrt((squares[law.name].sum() + _never_held_out(one, masks)) / one.n) if masks else math.nan
         rmse = (one.length_errors or one.errors).rmse
-        trials.append(LawTrial(law.name, len(model.params), rmse, heldout, _problem(one), in_mm))
+        trials.append(LawTrial(law.name, len(model.params) - len(one.held), rmse, heldout, _problem(one), in_mm))
     if not squares:
         text = f"no law can be fitted. {trials[0].problem}"
         raise TooLittle(f"{record.source or record.name}: {text}", len(record), (Doubt("too_little", text),))
@@ -242,5 +242,4 @@ def _heldout(one: "Fit", masks: list[Array]) -> Array:
 
 def _problem(one: "Fit") -> str:
     stuck = [e.name for e in one.estimates if e.at_bound and "." not in e.name]
-    untold = [f"one pressure does not tell {', '.join(one.held)} from the others"] if one.held else []
-    return "; ".join([*one.problems, *untold, *([f"{', '.join(stuck)} at a bound"] if stuck else [])])
+    return "; ".join([*one.problems, *([f"{', '.join(stuck)} at a bound"] if stuck else [])])
