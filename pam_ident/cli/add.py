@@ -1,5 +1,6 @@
 """pam-ident add."""
 
+import math
 from dataclasses import replace
 from typing import Annotated
 
@@ -41,9 +42,10 @@ def add(
     names = " + ".join(effect.title for effect in after.model.own)
     text.say(text.title(record, measured), *text.chosen(choice), *text.equation(after.model), "")
     text.say(*text.banner(found.warnings))
+    held = f"on held-out data from {text.newtons(found.heldout_before)} to {text.newtons(found.heldout_after)}, "
     text.say(
-        f"With {names} the error goes from {text.newtons(before.rmse)} to {text.newtons(after.rmse)}, on held-out data "
-        f"from {text.newtons(found.heldout_before)} to {text.newtons(found.heldout_after)}, the largest error from "
+        f"With {names} the error goes from {text.newtons(before.rmse)} to {text.newtons(after.rmse)}, "
+        f"{held * math.isfinite(found.heldout_before)}the largest error from "
         f"{text.newtons(before.max_error)} to {text.newtons(after.max_error)}; {len(before.model.params)} free "
         f"parameters become {len(after.model.params)}.",
         "",

@@ -1,5 +1,6 @@
 """pam-ident diagnose."""
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
@@ -120,10 +121,11 @@ def describe(found: "Diagnosis") -> list[str]:
     from ..schema.diagnosis import STATUS
     from ..tasks.diagnose import candidates, told
 
-    held = text.newtons(found.heldout_rmse)
+    held = f"on held-out data {text.newtons(found.heldout_rmse)}"
     held += f" → {text.newtons(found.heldout_rmse_after)}" if found.selected else ""
+    held = "no data could be held out" if math.isnan(found.heldout_rmse) else held
     beside = " beside what is named" if found.verdict == "unknown_effect" and found.selected else ""
-    lines = [found.sentence, f"verdict: {text.verdict(found.verdict)}{beside}; on held-out data {held}"]
+    lines = [found.sentence, f"verdict: {text.verdict(found.verdict)}{beside}; {held}"]
     lines += [*found.best.at_bounds, told(found.follows)]
     tried = candidates(found)
     shown = [s for k, s in enumerate(tried) if k < SHOWN or s.probability >= LEAST]

@@ -148,7 +148,8 @@ def _helps(before: Rung, after: Rung) -> bool:
 def _why(base: Rung, best: Fit, heldout: float, found: Diagnosis) -> str:
     term = best.model.terms[-1]
     chance = next((s.probability for s in found.ranking if s.effect == term.effect.name), math.nan)
+    held = f"held out and refitted {newtons(base.heldout_rmse)} → {newtons(heldout)}, "
     return (
         f"{capital(term.effect.title)} ({term.form.name}): error {newtons(base.fit.rmse)} → {newtons(best.rmse)}, "
-        f"held out and refitted {newtons(base.heldout_rmse)} → {newtons(heldout)}, probability {probability(chance)}"
+        f"{held * math.isfinite(heldout)}probability {probability(chance)}"
     )

@@ -20,7 +20,7 @@ from ..laws import get_law, listed
 from ..model import Model
 from ..parallel.executor import Executor
 from ..records import Record
-from ..records.folds import FOLDS, in_parts
+from ..records.folds import FOLDS, in_parts, told_by_the_rest
 from ..records.kind import held_lengths
 from .heldout import heldout_rmse
 from .ladder import LEAST_FALL
@@ -46,11 +46,12 @@ def usual(record: Record) -> str:
 def masks_of(record: Record, by: str) -> list[Array]:
     """Masks (n,) of the rows to hold out in turn, in FOLDS parts at most, each of every fifth block.
 
-    Raises UsageError for what the record has less than two of.
+    Raises UsageError for what the record has less than two of, or where one pressure is left without one.
     """
-    masks = in_parts(_blocks(record, by))
+    masks = told_by_the_rest(record, in_parts(_blocks(record, by)))
     if len(masks) < 2:
-        raise UsageError(f"--heldout {by}: {record.name} has less than two; hold something else out")
+        text = "less than two, or one pressure is left without one"
+        raise UsageError(f"--heldout {by}: {record.name} has {text}; hold something else out")
     return masks
 
 
@@ -150,9 +151,7 @@ def _square(one: Fit, record: Record, mask: Array) -> float:
     return square if math.isfinite(square) else math.inf
 
 
-def beside_it(
-    alone: Fit, record: Record, masks: Sequence[Array], anew: float = 0.0
-) -> dict[str, tuple[int, float]]:
+def beside_it(alone: Fit, record: Record, masks: Sequence[Array], anew: float = 0.0) -> dict[str, tuple[int, float]]:
     """Number of parameters and error in N of other laws in place of a fit's own, where the rows of each mask (n,)
     are held out in turn, best first, less those that cannot be fitted or that the record does not determine.
 

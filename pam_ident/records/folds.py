@@ -13,8 +13,15 @@ def folds(record: Record) -> list[Array]:
     many not the first or the last, which a drift would have to be followed to from one side."""
     blocks = np.unique(record.block)
     if record.inputs.time is None:
-        return in_parts(record.block, len(blocks))
-    return in_parts(record.block, among=blocks[1:-1] if len(blocks) > FOLDS + 1 else blocks)
+        return told_by_the_rest(record, in_parts(record.block, len(blocks)))
+    return told_by_the_rest(record, in_parts(record.block, among=blocks[1:-1] if len(blocks) > FOLDS + 1 else blocks))
+
+
+def told_by_the_rest(record: Record, masks: list[Array]) -> list[Array]:
+    """Of masks (n,) those without which more than one pressure is left, where there are more: from one alone nobody
+    could say how a force grows with it."""
+    alone = len(record.levels) < 2
+    return [mask for mask in masks if alone or np.ptp(record.level[~mask]) > 0.0]
 
 
 def in_parts(block: Array, most: int = FOLDS, among: Array | None = None) -> list[Array]:

@@ -31,8 +31,8 @@ LATEST_MPA, TOO_LATE_MPA = 0.12, 0.135
 """Gauge pressure at which a muscle near its full length begins to pull, at the latest, and where it cannot be that any
 more; the same ones lie between 0 and 0.09 MPa."""
 TOO_EARLY_MPA = -0.01
-"""Gauge pressure from which on no muscle begins to pull, where the air's pressure was taken off readings whose name says
-that they count from vacuum: those of an ideal braid that did not would begin at -0.1, of measured ones at -0.02."""
+"""Gauge pressure below which no muscle begins to pull, where the air's pressure was taken off readings named absolute:
+had they been gauge pressure, an ideal braid would begin at -0.1, a measured muscle at -0.02."""
 LEAST_MPA = 1e-12
 """Pressure below which arithmetic says nothing any more."""
 AT_REST = 0.05

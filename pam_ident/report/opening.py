@@ -1,5 +1,6 @@
 """A record's first screen: what is missing in plain words, its trace, how far the error falls, what it follows."""
 
+import math
 from textwrap import fill
 
 from .. import plot
@@ -147,7 +148,7 @@ def held_out(section: Section) -> str:
     errors = [diagnosis.heldout_rmse, diagnosis.heldout_rmse_after]
     if ladder is not None:
         errors = [rung.heldout_rmse for rung in (ladder.rungs[0], ladder.rungs[-1])]
-    return " → ".join(dict.fromkeys(map(newtons, errors)))
+    return "none could be held out" if math.isnan(errors[0]) else " → ".join(dict.fromkeys(map(newtons, errors)))
 
 
 def _next(section: Section) -> tuple[str, ...]:

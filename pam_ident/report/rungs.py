@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import isfinite
 
 from .. import plot
 from ..diagnosis.nouns import Ladder, Rung
@@ -37,7 +38,7 @@ def _first(rung: Rung, easel: Easel) -> Part:
         tables=tables.fitted(rung.fit, "step 0"),
         facts=(
             ("error", newtons(rung.fit.rmse) + " rms"),
-            (heldout(rung), newtons(rung.heldout_rmse) + " rms"),
+            *[(heldout(rung), newtons(rung.heldout_rmse) + " rms")] * isfinite(rung.heldout_rmse),
             ("largest error", newtons(rung.fit.max_error)),
             ("free parameters", str(len(model.params))),
         ),
@@ -53,7 +54,8 @@ def _next(k: int, below: Rung, rung: Rung, easel: Easel) -> Part:
     what, words = (", ".join(say(label, known) for label in new) or "nothing" for say in (named, in_words))
     facts = [
         ("error", f"{newtons(before.rmse)} → {newtons(after.rmse)} rms"),
-        (heldout(rung), f"{newtons(below.heldout_rmse)} → {newtons(rung.heldout_rmse)} rms"),
+        *[(heldout(rung), f"{newtons(below.heldout_rmse)} → {newtons(rung.heldout_rmse)} rms")]
+        * isfinite(rung.heldout_rmse),
         ("explained of the squared error", percent(1.0 - (after.rmse / before.rmse) ** 2)),
         ("free parameters", f"{len(before.model.params)} → {len(after.model.params)}"),
     ]
