@@ -37,6 +37,8 @@ _AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge
 _AGAINST_SUFFIX = re.compile(
     r"^(?P<name>.+)[_ ](?P<unit>[A-Za-z]+[_ ](?:abs|absolute|gauge|rel|relative))$", re.IGNORECASE
 )
+_MICRO = str.maketrans("µμ", "uu")
+"""The sign for micro, and the Greek letter that looks like it."""
 _ABSOLUTE = re.compile(r"[\W_]*(?<![^\W_])abs(?:olut(?:e[nr]?)?)?(?=druck|[\W\d_]|$)[\W_]*", re.IGNORECASE)
 """The word before a unit of pressure that makes it absolute: `p_abs`, `Absolutdruck`, `absolute pressure`."""
 
@@ -47,7 +49,7 @@ def split_header(header: str, loose: bool = False) -> tuple[str, str | None]:
 
     A pressure whose name says that it is absolute has its unit so: `p_abs [bar]` is p in `bar abs`.
     """
-    name, unit = _parted(header.strip(), loose)
+    name, unit = _parted(header.strip().translate(_MICRO), loose)
     spaced = re.sub(r"([a-zäöü])([A-ZÄÖÜ])", r"\1 \2", name)
     if unit and _ABSOLUTE.search(spaced) and _against(f"{unit} abs"):
         return _snake(_ABSOLUTE.sub(" ", spaced)), f"{unit} abs"
@@ -80,7 +82,7 @@ def strange_unit(header: str) -> str | None:
 def is_unit(text: str) -> bool:
     """Whether a text is a unit, in whatever case."""
     known = {unit.lower() for units in TO_INTERNAL.values() for unit in units}
-    return text.lower() in known or _against(text) is not None
+    return text.translate(_MICRO).lower() in known or _against(text) is not None
 
 
 def conversion(dimension: str, unit: str | None, where: str) -> tuple[float, float]:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..core import Array, DataError
-from ..core.units import split_header
+from ..core.units import split_header, strange_unit
+from .guess import column_of
 from .quantities import Source
 
 UNITS = {"torque": {"Nm": 1000.0, "Ncm": 10.0, "Nmm": 1.0}, "angle": {"deg": math.pi / 180.0, "rad": 1.0}}
@@ -97,6 +98,18 @@ class LeverColumns:
         told = f"{found['torque'].header} and {found['angle'].header} by [lever]"
         made = dict.fromkeys(("force", self.lever.shape), Source(told, None, lever=self.lever))
         return {**found, **made}
+
+
+def joint_of(headers: Sequence[str]) -> dict[str, int]:
+    """Key of [lever] → position of the one column whose header has its unit; empty unless there are both."""
+    units = [strange_unit(header) or header.rpartition("_")[2] for header in headers]
+    found = {f"{what}_{unit}": units.index(unit) for what in UNITS for unit in UNITS[what] if units.count(unit) == 1}
+    return found if len(found) == len(UNITS) == len({key.partition("_")[0] for key in found}) else {}
+
+
+def lever_of(names: Sequence[str], joint: Mapping[str, int]) -> str:
+    """What a columns.toml says of a `joint`, on a line, the radius of its pulley left open."""
+    return f'lever = {{{", ".join(f"{key} = {column_of(names, k)}" for key, k in joint.items())}, radius_mm = "?"}}'
 
 
 def read_lever(path: str, table: object, entry: Callable[[str, object], dict[str, Any]]) -> LeverColumns | None:

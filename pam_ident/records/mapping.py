@@ -106,6 +106,8 @@ class Mapping:
                 f"{self.path}: {key} is column {column}, but {table.place} has {len(table.headers)} columns; fix one"
             )
         places = [k for k, pair in enumerate(zip(table.names, table.headers, strict=True)) if column in pair]
+        if not places and not (plain := split_header(column))[1]:  # a header less its unit
+            places = [k for k, header in enumerate(table.headers) if split_header(header)[0] == plain[0]]
         if len(places) == 1:
             return places[0]
         what = f"{len(places)} columns {column!r}; give its number instead" if places else f"no column {column!r}"

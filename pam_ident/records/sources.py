@@ -8,6 +8,7 @@ import numpy as np
 from ..core import DataError
 from ..core.units import TO_INTERNAL, is_absolute, known_scale, split_header
 from .guess import by_name, guess_table, numbers_of, told_by
+from .joint_lever import joint_of, lever_of
 from .quantities import QUANTITIES, SHAPES, Source, quantity_of, scale_of
 from .run_constants import GRAVITY, MASSES
 from .table import Clock, Table, numbers_in
@@ -147,22 +148,34 @@ def passed_over(table: Table, sources: Mapping[str, Source]) -> tuple[int, ...]:
 
 def _ready(table: Table, given: Iterable[str]) -> str:
     """What a columns.toml would say of what is not `given` if guesses were right, by numbers too; empty where no column
-    is left to guess."""
+    is left to guess. Letters that none has tell that the file's encoding must be said first."""
     if all(map(quantity_of, table.headers)):
         return ""
+    if any("\x80" <= letter < "\xa0" or letter == "\xad" for letter in "".join(table.headers)):
+        return (
+            "\nThe header is written in another encoding. Say which in a columns.toml: [file] encoding = 'shift_jis' "
+            "(Japanese), 'gb18030' (Chinese), 'euc_kr', 'cp1251' (Cyrillic) or its name"
+        )
     try:
         guesses = guess_table(table)
     except DataError:  # of a row: what is wrong with the header is told first
         return ""
     shape = next((k for k, header in enumerate(table.headers) if by_name(header) in SHAPES), None)
+    joint = joint_of(table.headers)
     held = [k for k, g in enumerate(guesses) if g.quantity and (g.quantity not in SHAPES or shape in (None, k))]
-    lines = [told_by(table.names, k, guesses[k]) for k in held]
-    lines += [f'{NAMES[what]} = "?"' for what in _lacking([*given, *(guess.quantity for guess in guesses)])]
+    held = [k for k in held if k not in joint.values()]
+    lines = [told_by(table, k, guesses[k]) for k in held]
+    known = [*given, *(guesses[k].quantity for k in held), *("force", "displacement") * bool(joint)]
+    lines += [f'{NAMES[what]} = "?"' for what in _lacking(known)]
     named = {guesses[k].quantity for k in held}
     others = [(header, by_name(header, lengths=True)) for k, header in enumerate(table.headers) if k not in held]
     passed = ", ".join(f"{header!r} ({quantity})" for header, quantity in others if quantity in named)
     also = f", which passes over {passed[:200]}" if passed else ""
-    return f"\nIf the guess is right{also}, the columns.toml is: columns = {{{', '.join(lines)}}}"
+    text = f"columns = {{{', '.join(lines)}}}"
+    if joint:
+        text += f" and, on a line of its own, {lever_of(table.names, joint)}"
+    fill = ", once each ? is filled in," * ('"?"' in text)
+    return f"\nIf the guess is right{also}, the columns.toml{fill} is: {text}"
 
 
 def check_shape(sources: dict[str, Source], head: str) -> dict[str, Source]:

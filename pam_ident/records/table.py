@@ -21,7 +21,7 @@ EMPTY = {"", "-", "--", "---", "na", "n/a", "nan", "nat", "none", "null", "<na>"
 DAY = 86400.0
 _CLOCK = re.compile(r"(\d{1,3}):([0-5]?\d):([0-5]?\d(?:\.\d*)?)")
 _DAY_FIRST = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})(?=[ T])")
-_THOUSANDS = re.compile(r"[-+]?\d{1,3}(\.\d{3})+,\d+")
+_THOUSANDS = {mark: re.compile(rf"[-+]?\d{{1,3}}([{mark}]\d{{3}})+[^{mark}\d]\d+") for mark in ",."}
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,11 @@ def table_in_memory(
 
 
 def number_of(cell: object, decimal: str = ".") -> float:
-    """A cell as a number, NaN where it is none; where the decimal mark is a comma, points stand between thousands."""
+    """A cell as a number, NaN where it is none; before a decimal mark the other one stands between thousands."""
     if isinstance(cell, str):
-        if decimal != "." and _THOUSANDS.fullmatch(cell.strip()):
-            cell = cell.replace(".", "")
+        other = "," if decimal == "." else "."
+        if other in cell and _THOUSANDS[other].fullmatch(cell.strip()):
+            cell = cell.replace(other, "")
         if "_" in cell or (decimal != "." and "." in cell):
             return np.nan
         cell = cell.replace(decimal, ".")

@@ -138,6 +138,34 @@ def test_a_refusal_shows_the_columns_that_would_be_right(tmp_path):
     assert set(read_record(tmp_path / "run.csv", MUSCLE).columns) >= {"time", "pressure", "displacement", "force"}
 
 
+def test_a_joint_is_offered_its_lever_and_a_column_is_named_with_its_unit_or_without(tmp_path):
+    angle = np.column_stack([ROWS[:, 0], ROWS[:, 1], ROWS[:, 2] / 30.0, 0.03 * ROWS[:, 3]])
+    headers = ["time_s", "pressure_MPa", "Knee [rad]", "Torque (Nm)"]
+    with pytest.raises(DataError) as error:
+        read(tmp_path, headers, rows=angle)
+    offered = 'lever = {torque_Nm = "Torque (Nm)", angle_rad = "Knee [rad]", radius_mm = "?"}'
+    assert str(error.value).endswith(offered) and "each ? is filled in" in str(error.value)
+    (tmp_path / "columns.toml").write_text(offered.replace(" (Nm)", "").replace('"?"', "30"), encoding="utf-8")
+    record = read_record(tmp_path / "run.csv", MUSCLE)
+    assert record.force == pytest.approx(ROWS[:, 3], rel=1e-3)
+
+
+def test_units_below_the_header_and_the_sign_for_micro_are_known_to_the_guess(tmp_path):
+    text = "Zeit;Druck;Weg;Kraft\n[ms];[mbar];[µm];[cN]\n"
+    text += "".join(f"{k};{1000 + k};{k};{900 + k}\n" for k in range(30))
+    (tmp_path / "run.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(DataError) as error:
+        read_record(tmp_path / "run.csv", MUSCLE)
+    assert 'displacement_um = "Weg", force_N = {column = "Kraft", factor = "?"}' in str(error.value)
+
+
+def test_a_header_in_another_encoding_is_not_offered_as_it_looks(tmp_path):
+    text = "時間(s),圧力(MPa),変位(mm),荷重(N)\n" + "".join(f"{k},0.2,{k},{900 - k}\n" for k in range(30))
+    (tmp_path / "run.csv").write_bytes(text.encode("shift_jis"))
+    with pytest.raises(DataError, match="encoding = 'shift_jis'"):
+        read_record(tmp_path / "run.csv", MUSCLE)
+
+
 def test_a_column_of_another_unit_is_not_offered(tmp_path):
     """The second clock goes with the stroke, and no column is of its length."""
     rows = np.column_stack([ROWS, WAY])[:, [0, 1, 4, 3]]

@@ -42,6 +42,7 @@ def quoted(text, sep=","):
 READ = {
     "commas": GOOD,
     "semicolons": as_text(sep=";"),
+    "commas between thousands": GOOD.replace("1350.25", '"1,350.25"'),
     "tabs": as_text(sep="\t"),
     "bars": as_text(sep="|"),
     "blanks": as_text(sep="   ", first=" "),
@@ -147,7 +148,6 @@ REFUSED = {
         as_text(sep=";", rows=[[str(k), "1", "2", "1,250"] for k in range(9)]),
         ["'force_N'", "'1,250'", "thousands"],
     ),
-    "thousands": (GOOD.replace("1350.25", '"1,350.25"'), ["row 6", "'force_N'"]),
     "a comma too many": (GOOD.replace("1350.25", "1,350.25"), ["row 6", "5 cells", "4"]),
     "a cell too few in the middle": (with_line(GOOD, 9, "0.7,0.3,17.5"), ["row 9", "3 cells", "4"]),
     "a cell too few before a column that is not read": (
