@@ -126,3 +126,15 @@ def test_a_wave_as_short_as_the_distance_of_readings_does_not_follow_the_length_
     seen, noise = x + 0.023 * rng.standard_normal(len(x)), 1.28 * rng.standard_normal(len(x))
     record = build_record("soft", Specimen(), p, seen / 200.0, force + noise, time=t)
     assert diagnose(Model.build("exponential_law"), record, detail=False).verdict == "adequate"
+
+
+def test_a_wave_sees_the_mean_of_what_is_read_at_one_place():
+    """A stroke with stops, in legs too short to be smoothed: it was a ripple of half the distance of its readings."""
+    rng = np.random.default_rng(3)
+    legs = [np.r_[2.4 * np.arange(7 * k, 7 * k + 7), np.full(4, 2.4 * (7 * k + 7))] for k in range(5)]
+    x = np.tile(np.concatenate(legs), 20) + 0.03 * rng.standard_normal(20 * 55)
+    time, force = np.arange(len(x)) * 0.1, 900.0 - 8.0 * x
+    inputs = build_record("stops", Specimen(), np.full(len(x), 0.3), x / 200.0, force, time=time).inputs
+    form = next(e for e in patterns(inputs, error_mm=0.03) if e.name == "periodic").forms[0]
+    assert form.columns(inputs, {"period": 1.2}, force).std(axis=0).max() < 0.06, "0.16 with what the sensor is off"
+    assert form.columns(inputs, {"period": 9.0}, force).std(axis=0).min() > 0.6

@@ -1,7 +1,7 @@
 """A ripple over displacement, such as the pitch of a spindle leaves."""
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -19,8 +19,9 @@ NEARLY = 3.0
 
 
 @lru_cache(maxsize=8)
-def _course(inputs: Inputs) -> Array:
-    """The displacement in mm, (n,), along the smooth course of each stroke that has one.
+def _course(inputs: Inputs, blurred: float) -> Array:
+    """The displacement in mm, (n,), along the smooth course of each stroke that has one; of rows that others read within
+    so many mm, and none just beyond, the mean of these.
 
     In strokes that are read at the same places again, a wave as short as their distance would follow what the sensor
     is off there, and with it the error that this makes of the force.
@@ -28,6 +29,10 @@ def _course(inputs: Inputs) -> Array:
     x = inputs.displacement_mm.astype(float)
     if inputs.time is None or inputs.moving is None:
         return like(inputs, x)
+    order = np.argsort(x)
+    for rows in np.split(order, np.flatnonzero(np.diff(x[order]) > 0.5 * blurred) + 1):
+        if len(rows) and np.ptp(x[rows]) < 1.5 * blurred:
+            x[rows] = x[rows].mean()
     for part in runs(inputs):
         rows = part.start + np.flatnonzero(inputs.moving[part])
         if len(rows) >= FEWEST and np.ptp(inputs.time[rows]) > 0.0:
@@ -37,16 +42,16 @@ def _course(inputs: Inputs) -> Array:
     return like(inputs, x)
 
 
-def _ripple(inputs: Inputs, values: Values, force: Array) -> Array:
-    return wave(_course(inputs), values["period"])
+def _ripple(inputs: Inputs, values: Values, force: Array, blurred: float) -> Array:
+    return wave(_course(inputs, blurred), values["period"])
 
 
-def _loaded_ripple(inputs: Inputs, values: Values, force: Array) -> Array:
-    return _ripple(inputs, values, force) * (force / max(float(np.mean(np.abs(force))), 1e-9))[:, None]
+def _loaded_ripple(inputs: Inputs, values: Values, force: Array, blurred: float) -> Array:
+    return _ripple(inputs, values, force, blurred) * (force / max(float(np.mean(np.abs(force))), 1e-9))[:, None]
 
 
-def _odd_ripple(inputs: Inputs, values: Values, force: Array) -> Array:
-    return _ripple(inputs, values, force) * slip(inputs)[0][:, None]
+def _odd_ripple(inputs: Inputs, values: Values, force: Array, blurred: float) -> Array:
+    return _ripple(inputs, values, force, blurred) * slip(inputs)[0][:, None]
 
 
 def _stick_slip(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -58,10 +63,11 @@ def _forms(span: Extent) -> Sequence[Form]:
     numbers = np.arange(1.0, max(2.0, span.stroke / max(1.0, 2.0 * span.blurred)), 0.25)[::-1]
     periods = [span.stroke / k for k in numbers if span.stroke / k < 0.5 * span.stroke]
     period = searched("period", "mm", "period over displacement", periods or [0.25 * span.stroke])
+    even, loaded, odd = (partial(one, blurred=span.blurred) for one in (_ripple, _loaded_ripple, _odd_ripple))
     return (
-        AddsForce("even", "ripple", WAVE, _ripple, (period,)),
-        AddsForce("loaded", "ripple in proportion to force", WAVE, _loaded_ripple, (period,), uses_force=True),
-        AddsForce("odd", "ripple against motion", WAVE, _odd_ripple, (period,)),
+        AddsForce("even", "ripple", WAVE, even, (period,)),
+        AddsForce("loaded", "ripple in proportion to force", WAVE, loaded, (period,), uses_force=True),
+        AddsForce("odd", "ripple against motion", WAVE, odd, (period,)),
         AddsForce("stick_slip", "ripple against motion over the way since a reversal", WAVE, _stick_slip, (period,)),
     )
 
