@@ -119,10 +119,9 @@ def rises(column: Array) -> bool:
     return _varies(column) and bool(np.all(np.diff(column) > 0))
 
 
-def told_by(table: Table, k: int, guess: Guess) -> str:
+def told_by(names: Sequence[str], headers: Sequence[str], k: int, guess: Guess) -> str:
     """What a columns.toml says of column k, as it is guessed; of a unit that nobody knows the factor is left open."""
-    strange = strange_unit(table.headers[k]) and guess.unit
-    column, factor = column_of(table.names, k), '"?"' if strange else guess.factor
+    column, factor = column_of(names, k), '"?"' if strange_unit(headers[k]) and guess.unit else guess.factor
     return f"{guess.key} = {column if factor == 1 else f'{{column = {column}, factor = {factor}}}'}"
 
 

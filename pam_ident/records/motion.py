@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core import Array
 from . import turning
-from .roughness import NORMAL_MEDIAN, position_noise, roughness
+from .roughness import NORMAL_MEDIAN, noise_in_steps, roughness
 from .smoothing import FEWEST, LARGEST, NOISE_ONLY, along, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
 from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
@@ -55,7 +55,7 @@ def find_motion(time: Array, x: Array, level: Array, answer: Array | None = None
     def read(begin: int, end: int) -> tuple[Array, Array, Array, Array]:
         return time[begin:end], x[begin:end], level[begin:end], answers[begin:end]
 
-    parts = [part for _, part in follow(len(x), read, position_noise(x, time), float(np.ptp(x)), pause)]
+    parts = [part for _, part in follow(len(x), read, noise_in_steps(x, time), float(np.ptp(x)), pause)]
     return Motion(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Motion)))
 
 
@@ -249,7 +249,7 @@ def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: floa
     """Indices of a stroke with its ends set right: a sample at a corner belongs to the stroke whose line runs
     through it, which the distance from the stroke's own extrapolation tells where one step exceeds the noise."""
     if len(inside) < 6:
-        return inside
+        return np.r_[inside, inside[-1] + 1] if _arrives(time, x, inside, taken, noise) else inside
     first, last = int(inside[0]), int(inside[-1])
     tolerance = 3.0 * noise + 0.02 * abs(x[last] - x[first]) / len(inside)
 
@@ -290,6 +290,21 @@ def _square_ends(time: Array, x: Array, inside: Array, taken: Array, noise: floa
         if first > 0 and not taken[first - 1] and _steps(x, (first + 1, first, first - 1), tolerance, noise):
             first -= off(first - 1, first) < tolerance + bend(first)
     return np.arange(first, last + 1)
+
+
+def _arrives(time: Array, x: Array, inside: Array, taken: Array, noise: float) -> bool:
+    """Whether the row behind a stroke of few rows, at a rest's level, lies on their line by the clock: it was read as
+    the stroke ended."""
+    after = int(inside[-1]) + 1
+    if len(inside) < 2 or after >= len(x) or taken[after]:
+        return False
+    t = time[inside] - time[inside].mean()
+    spread = float(t @ t)
+    if not spread > 0.0:
+        return False
+    slope, ahead = float(t @ x[inside]) / spread, float(time[after] - time[inside].mean())
+    sure = noise * math.sqrt(1.0 + 1.0 / len(inside) + ahead**2 / spread)
+    return abs(x[after] - x[inside].mean() - slope * ahead) < 3.0 * sure < abs(x[after] - x[after - 1])
 
 
 def _steps(x: Array, at: tuple[int, int, int], tolerance: float, noise: float) -> bool:

@@ -6,6 +6,9 @@ from ..core import Array
 
 NORMAL_MEDIAN = 0.6745
 """Median magnitude of a standard normal number."""
+STAIRS, OFTEN = 3.0, 0.6
+"""How many times as long the shortest way between two rests is as the longest step that noise makes in one, and share
+of windows without a corner from which their median is the noise."""
 ROWS = 21
 """Samples around one that tell of the noise at it."""
 
@@ -17,6 +20,27 @@ def position_noise(x: Array, time: Array | None = None) -> float:
     if len(rough):
         return float(np.median(rough) / NORMAL_MEDIAN)
     return position_noise(x) if time is not None and len(x) > 4 else 0.0
+
+
+def noise_in_steps(x: Array, time: Array) -> float:
+    """`position_noise` of a track (n,) that may go from rest to rest in few rows: each row is then near a corner, which
+    is rough without noise. Where two sorts of steps, STAIRS apart, stand side by side in many windows, the noise is that
+    of windows with one sort, or else of the small steps alone."""
+    noise, steps = position_noise(x, time), np.abs(np.diff(x))
+    sizes = np.sort(steps[steps > 0.0])
+    inner = slice(len(sizes) // 20, len(sizes) - len(sizes) // 20)
+    apart = sizes[inner][1:] / sizes[inner][:-1]
+    if len(apart) < ROWS or apart.max() < STAIRS:
+        return noise
+    small = steps <= sizes[inner][int(np.argmax(apart))]
+    count = np.convolve(small, np.ones(4), "valid")
+    alike = (count == 0.0) | (count == 4.0)
+    if alike.mean() > OFTEN:
+        return noise
+    rough = _distances(x, time)[alike]
+    rough = rough[np.isfinite(rough)]
+    found = np.median(rough) / NORMAL_MEDIAN if len(rough) >= ROWS else np.sqrt(0.5 * np.mean(steps[small] ** 2))
+    return min(noise, float(found))
 
 
 def noise_around(x: Array, time: Array, run: Array | None = None) -> Array:

@@ -164,7 +164,7 @@ def _ready(table: Table, given: Iterable[str]) -> str:
     joint = joint_of(table.headers)
     held = [k for k, g in enumerate(guesses) if g.quantity and (g.quantity not in SHAPES or shape in (None, k))]
     held = [k for k in held if k not in joint.values()]
-    lines = [told_by(table, k, guesses[k]) for k in held]
+    lines = [told_by(table.names, table.headers, k, guesses[k]) for k in held]
     known = [*given, *(guesses[k].quantity for k in held), *("force", "displacement") * bool(joint)]
     lines += [f'{NAMES[what]} = "?"' for what in _lacking(known)]
     named = {guesses[k].quantity for k in held}

@@ -55,7 +55,7 @@ def test_units_that_are_stated_are_taken_and_others_told_by_size():
 def test_an_extension_counts_the_other_way():
     headers = ["Time", "Pressure", "Extension [mm]", "Load"]
     found = guess_columns(headers, [TIME, PRESSURE, -CONTRACTION, FORCE])
-    assert told_by(headers, 2, found[2]) == 'displacement_mm = {column = "Extension [mm]", factor = -1}'
+    assert told_by(headers, headers, 2, found[2]) == 'displacement_mm = {column = "Extension [mm]", factor = -1}'
     assert [one.factor for one in found] == [1, 1, -1, 1]
 
 

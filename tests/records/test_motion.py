@@ -5,6 +5,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.records import build_record
+from pam_ident.records.motion import find_motion
 from pam_ident.records.roughness import noise_around, position_noise
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
@@ -272,3 +273,27 @@ def test_the_force_tells_whether_the_last_sample_of_a_hold_still_rests(rests):
     assert made.inputs.moving[begins].tolist() == [not rests] * 7
     assert made.inputs.direction[begins].tolist() == slides[begins].tolist()
     assert (made.inputs.velocity[begins] == 0.0).all() == rests
+
+
+@pytest.mark.parametrize(("noise", "rows"), [(0.001, 3), (0.04, 3)])
+def test_a_stroke_with_stops_in_few_rows_rests_there_and_is_read_as_it_arrives(noise, rows):
+    rng = np.random.default_rng(5)
+    time, x, moves, now, place = [0.0], [0.0], [False], 0.0, 0.0
+    for speed in (1.6, 5.6, 19.5):
+        for way in [*[7.5] * 5, *[-7.5] * 5] * 3:
+            for k in range(rows):
+                time.append(now + 7.5 / speed * (k + 1) / rows)
+                x.append(place + way * (k + 1) / rows)
+                moves.append(True)
+            now, place = time[-1], x[-1]
+            for _ in range(3):
+                now += 0.5
+                time.append(now)
+                x.append(place)
+                moves.append(False)
+    time, x, moves = np.array(time), np.array(x), np.array(moves)
+    found = find_motion(time, x + noise * rng.standard_normal(len(x)), np.full(len(x), 0.3))
+    corner = ~moves & np.r_[moves[1:], False]  # the last of a rest lies on the next stroke's line, too
+    assert np.mean((found.moving == moves)[~corner]) > 0.98
+    speeds = np.abs(found.velocity[found.moving & moves])
+    assert np.median(speeds) == pytest.approx(5.6, rel=0.02) and np.quantile(speeds, 0.1) == pytest.approx(1.6, rel=0.1)
