@@ -100,7 +100,7 @@ def _cycle(inputs: Inputs) -> Array | None:
         return None
     count = inputs.cycle - inputs.cycle.min()
     way = way_travelled(inputs) / max(inputs.reach_mm, 1e-9)
-    states = [np.exp(-count), 1.0 / (1.0 + count), np.log1p(way)]
+    states = [np.exp(-count), 1.0 / (1.0 + count), np.log1p(way), np.exp(-way), np.exp(-0.25 * way)]
     if inputs.segment is not None:
         test = cycles_of_test(inputs) - 1.0
         states += [np.exp(-0.5 * test), 1.0 / (1.0 + test)]
@@ -125,7 +125,7 @@ def _temperature(inputs: Inputs) -> Array | None:
 MAP = ((0, 0), (1, 0), (0, 1), (1, 2), (0, 5), (2, 2), (1, 4), (4, 2), (3, 4), (2, 7), (4, 7))
 RATES = ((0,), (0, 1, 2), (0, 1, 2, 3))
 ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
-COUNTED = ((0,), (1,), (2,), (3,), (4,), (0, 1, 2), (2, 3, 4), (0, 1, 2, 3, 4))
+COUNTED = ((0,), (1,), (2,), (3,), (4,), (5,), (6,), (0, 1, 2), (2, 3, 4), (2, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (8, 9), (0, 1, 2, 3, 4, 5, 6, 7, 8, 9))
 DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 DRIVERS = (

@@ -218,7 +218,7 @@ def build_record(
             assert driven is not None
             motion = _of_the_braid(motion, driven, _per_kpa(specimen, contraction))
             slide = _slid(specimen, contraction, pressure)
-    segment, cycle = motion.segment, motion.cycle if cycle is None else cycle
+    segment, cycle = motion.segment, motion.cycle if cycle is None else counted_anew(cycle, held)
     inputs = Inputs(
         pressure=pressure,
         contraction=contraction,
@@ -243,6 +243,19 @@ def build_record(
     slid = smooth if locked else _slid(specimen, smooth, steady) if slide is not None else None
     calm = replace(inputs, pressure=steady, contraction=held if locked else smooth, slide=slid)
     return Record(name, inputs, force, level, motion.stroke, block, calm, **origin)  # type: ignore[arg-type]
+
+
+def counted_anew(cycle: Array, held: Array) -> Array:
+    """Cycles (n,) of a test in which they were counted to its end, from 1 on wherever what is `held` (n,) changes; as
+    they are where they begin again somewhere, or where nothing comes back.
+
+    Who counts on does not say that the rubber did not rest: `cycles_of_test` counts on in any case.
+    """
+    begins = np.r_[True, np.diff(held) != 0.0]
+    if np.any(np.diff(cycle) < 0):
+        return cycle
+    anew = cycle - cycle[np.maximum.accumulate(np.where(begins, np.arange(len(cycle)), 0))] + 1
+    return anew if anew.max() > 1 else cycle
 
 
 def _per_kpa(specimen: Specimen, contraction: Array) -> Array:

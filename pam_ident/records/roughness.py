@@ -24,8 +24,8 @@ def position_noise(x: Array, time: Array | None = None) -> float:
 
 def noise_in_steps(x: Array, time: Array) -> float:
     """`position_noise` of a track (n,) that may go from rest to rest in few rows: each row is then near a corner, which
-    is rough without noise. Where two sorts of steps, STAIRS apart, stand side by side in many windows, the noise is that
-    of windows with one sort, or else of the small steps alone."""
+    is rough without noise. Where two sorts of steps, STAIRS apart, stand side by side in many windows, the noise is
+    that of windows with one sort, or else of the small steps alone."""
     noise, steps = position_noise(x, time), np.abs(np.diff(x))
     sizes = np.sort(steps[steps > 0.0])
     inner = slice(len(sizes) // 20, len(sizes) - len(sizes) // 20)

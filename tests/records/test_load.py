@@ -5,6 +5,7 @@ import pytest
 
 from pam_ident.core import DataError, Specimen
 from pam_ident.records import file_sha256, read_record, read_specimen
+from pam_ident.records.record import counted_anew
 
 SPECIMEN = """[specimen]
 name = "m1"
@@ -340,3 +341,13 @@ def test_a_bad_specimen_file_is_refused_by_file_and_field(tmp_path, old, new, to
     with pytest.raises(DataError) as caught:
         read_specimen(path)
     assert str(path) in str(caught.value) and told in str(caught.value)
+
+
+def test_cycles_that_are_counted_on_from_isobar_to_isobar_begin_anew_there():
+    held = np.repeat([0.1, 0.3, 0.2], 6)
+    on = np.repeat(np.arange(1.0, 10.0), 2)
+    assert counted_anew(on, held).tolist() == np.tile(np.repeat([1.0, 2.0, 3.0], 2), 3).tolist()
+    anew = np.tile(np.repeat([4.0, 5.0, 6.0], 2), 3)
+    assert counted_anew(anew, held) is anew, "whoever counts anew says where"
+    single = np.repeat([1.0, 2.0, 3.0], 6)
+    assert counted_anew(single, held) is single, "then cycles of the whole test are all there is"

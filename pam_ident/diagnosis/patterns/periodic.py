@@ -20,8 +20,8 @@ NEARLY = 3.0
 
 @lru_cache(maxsize=8)
 def _course(inputs: Inputs, blurred: float) -> Array:
-    """The displacement in mm, (n,), along the smooth course of each stroke that has one; of rows that others read within
-    so many mm, and none just beyond, the mean of these.
+    """The displacement in mm, (n,), along the smooth course of each stroke that has one; of rows that are read within
+    so many mm of each other, and none just beyond, the mean.
 
     In strokes that are read at the same places again, a wave as short as their distance would follow what the sensor
     is off there, and with it the error that this makes of the force.
