@@ -56,7 +56,7 @@ def samples(record: Record) -> pd.DataFrame:
         "contraction": inputs.contraction,
         "velocity_mm_s": inputs.velocity,
         "moving": inputs.moving,
-        "cycle": inputs.cycle,
+        "cycle": record.groups.get("cycle", inputs.cycle),
         "temperature_C": inputs.temperature,
         "force_N": record.force,
     }

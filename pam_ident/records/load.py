@@ -237,7 +237,7 @@ def build_loaded(
         columns=where,
         masked=masked,
         said_kind=said_kind,
-        groups={key: values[key] for key in ("run", "muscle") if key in values},
+        groups={key: values[key] for key in ("run", "muscle", "cycle") if key in values},
         **{key: values.get(key) for key in ("time", "cycle", "temperature")},
     )
     if found.inputs.time is not None:  # the motion goes on while the load cell is at its end

@@ -49,7 +49,8 @@ class Record:
         notes: what else was left out, or assumed, while it was read.
         said_kind: which kind of test it is said to be, empty where the data must show it (`kind`).
         metadata: what else is known of it (rig, calibration, operator, date, licence), as `metadata.toml` says.
-        groups: of a record of several files the number of a sample's `run` and the length in mm of its `muscle`, (n,).
+        groups: of a record of several files the number of a sample's `run` and the length in mm of its `muscle`, (n,);
+            its `cycle` as the file counts it.
         measured: the record as it was measured, where a load was held, the contraction is what a model predicts of it,
             and the force what the muscle would have there.
 

@@ -143,7 +143,7 @@ class _Condition:
             "length": (1.0 - inputs.contraction) * length_mm,
             "force": self.record.force,
             "temperature": inputs.temperature,
-            "cycle": inputs.cycle,
+            "cycle": self.record.groups.get("cycle", inputs.cycle),
             "branch": np.array([BRANCHES[sign] for sign in inputs.direction.tolist()]),
         }
         if quantity not in known or (column := known[quantity]) is None:
