@@ -180,7 +180,7 @@ class Adequacy:
         beyond, share = self.unexplained
         size = max(beyond, self.comes_back)
         left = min(math.sqrt(size) * self.free.noise.whole, float(np.sqrt(np.mean(self.residual**2))))
-        text = f"about {newtons(left)} rms that no name explains"
+        text = f"about {newtons(left)} rms"
         if size < self.selection.noise.too_small:
             text = "hardly more than noise in size, but no noise"
         text += f"; it follows {first.text}" if first else ""

@@ -14,7 +14,7 @@ from .nouns import Bin, Comparison, Follows, Region
 Array = np.ndarray
 CELLS = 10
 NAMES = {1.0: "contraction", -1.0: "extension", 0.0: "static"}
-WHILE = {"contraction": "contracting", "extension": "extending", "static": "at rest"}
+WHILE = {"contraction": ", contracting", "extension": ", extending", "static": ""}
 
 
 def compare(fit: Fit, follows: tuple[Follows, ...] | None = None) -> Comparison:
@@ -172,7 +172,7 @@ def _sentence(
     text = (
         f"The {fit.model.words} misses the measurement by {newtons(fit.rmse)} rms (at most {newtons(fit.max_error)}). "
         f"{percent(worst_pressure.share)} of the squared error lies at {worst_pressure.label}; the worst cell is "
-        f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}, {WHILE[top.branch]} "
+        f"{top.pressure_MPa:g} MPa, contraction {_span(*top.contraction)}{WHILE[top.branch]} "
         f"({newtons(top.rms)} rms, {percent(top.share)} of the squared error, "
         f"the model {'below' if top.mean > 0 else 'above'} the data)."
     )

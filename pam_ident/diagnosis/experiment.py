@@ -179,7 +179,10 @@ def _out_of_reach(questions: Sequence[Question], found: Sequence[Separation]) ->
     tests = "; ".join(f"for {e.title}: {e.test}" for e in effects.values())
     levers = tuple(dict.fromkeys(lever for e in effects.values() for lever in e.levers))
     names = " from ".join(e.title for e in effects.values())
-    text = f"No run of strokes would tell {names} (by {most:.1f} standard errors at most): {tests}."
+    text = (
+        f"As this record fits them, no run of strokes would tell {names} (by {most:.1f} standard errors at most). "
+        f"What sets them apart where they differ: {tests}."
+    )
     return Experiment(levers, text, tuple(found))
 
 
@@ -191,7 +194,7 @@ def after_pattern(pattern: Pattern, selection: Selection, fitted: FittedSet) -> 
         "local": ("reversal", f"turn the muscle about its axis at {middle}: a rub moves or goes"),
         "step": ("cycles", "mark the clamps: a slipped mount shows as a shifted length"),
         "trend": ("cycles", "tare before and after: a trend that goes on is the rig's"),
-    }.get(pattern.kind, ("pressure", "then measure a second muscle the same way: what both show is the rig's"))
+    }.get(pattern.kind, ("pressure", "then measure another muscle the same way: what it shows, too, comes from the rig"))
     law = replace(selection.base.model, terms=())
     runs = [c for c in possible_runs(selection.record, law, fitted.values) if lever in c.vary]
     if not runs:

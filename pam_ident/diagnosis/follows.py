@@ -371,7 +371,7 @@ class Following:
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]
         if back > 0.0:
-            text = "what comes back with every repeat, or every second one, but follows none of these"
+            text = "a course of its own that comes back with every repeat, or every second one"
             found.append(Follows("repeats", back, text))
         found.sort(key=lambda one: -one.share)
         # What a table leaves may be noise; nothing in it repeats, to tell.

@@ -12,7 +12,7 @@ from ..model import Model
 
 VERDICTS = {
     "adequate": ("Adequate", "The model explains this record down to its noise; no effect needs to be added."),
-    "missing_effect": ("Effect missing", "The model leaves an error that a known physical effect explains."),
+    "missing_effect": ("Missing effect", "The model leaves an error that a known physical effect explains."),
     "unknown_effect": (
         "Unknown effect",
         "The model leaves an error that no effect of the catalogue explains well enough.",

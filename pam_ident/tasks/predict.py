@@ -173,9 +173,14 @@ def _check_needs(model: Model, inputs: Inputs) -> None:
     for term in model.terms:
         lacking = term.effect.missing(inputs)
         if lacking:
-            words = {"motion": "time_s", "time": "time_s", "temperature": "temperature_C"}
+            words = {
+                "motion": "time_s",
+                "time": "time_s",
+                "temperature": "temperature_C",
+                "branch": "branch ('contraction' or 'extension')",
+            }
             give = ", ".join(dict.fromkeys(words.get(need, need) for need in lacking))
-            raise DataError(f"{term.effect.name} needs {', '.join(lacking)}; give {give}, too")
+            raise DataError(f"{term.effect.name} needs {', '.join(lacking)} of each state; give {give}, too")
 
 
 def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":

@@ -79,7 +79,7 @@ def test_the_demo_climbs_all_three_ladders(ask, tmp_path):
     assert all("r0 = 11.5 mm stands at its bound" in told for told in (stages["dmsp20_300"], text))
     assert "unknown effect" in stages["dmsp20_300"] and "unknown effect" not in stages["hidden_effect"]
     badges = re.findall(r'<span class="word">([^<]+)</span>', text)
-    assert badges == ["Effect missing", "Adequate", "Unknown effect"], "the page says what the terminal says"
+    assert badges == ["Missing effect", "Adequate", "Unknown effect"], "the page says what the terminal says"
     for name in ("DMSP-20-300", "hidden_effect", "nothing_hidden", "SHA-256", "pam-ident demo --out"):
         assert name in text, name
 

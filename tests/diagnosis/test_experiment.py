@@ -148,7 +148,7 @@ def test_what_no_run_separates_is_said_with_the_test_that_would(rubbing):
     found = next_experiment(selection, fitted, [("coulomb_friction", "stribeck_friction")])
     assert found is not None and found.protocol is None and found.minutes is None
     assert found.predicted[0].standard_errors < 1.0
-    assert "No run of strokes" in found.text and get_effect("stribeck_friction")[0].test in found.text
+    assert "no run of strokes" in found.text and get_effect("stribeck_friction")[0].test in found.text
 
 
 @pytest.mark.long

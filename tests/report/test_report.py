@@ -96,7 +96,7 @@ def parsed(text):
 
 def test_the_badge_does_not_contradict_the_end_of_the_ladder(section, ladder):
     """The demo's map was badged `a known effect explains` where the terminal said unknown_effect."""
-    ends = {"adequate": "Effect missing", "missing_effect": "Effect missing", "unknown_effect": "Unknown effect"}
+    ends = {"adequate": "Missing effect", "missing_effect": "Missing effect", "unknown_effect": "Unknown effect"}
     for verdict, word in ends.items():
         told = replace(section, ladder=replace(ladder, last=replace(ladder.last, verdict=verdict)))
         assert opening(told, Easel("a", 100)).badge[0] == word, verdict
@@ -156,7 +156,7 @@ def test_opens_with_what_is_missing_in_plain_words(parsed, diagnosis):
         "Each isobar fitted alone, contraction",
         "Energy taken up in one loop",
         "The record holds <two> isobars only.",
-        "Effect missing",
+        "Missing effect",
         PROVENANCE["command"],
     ]
     place = 0
