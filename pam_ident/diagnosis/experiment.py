@@ -194,7 +194,7 @@ def after_pattern(pattern: Pattern, selection: Selection, fitted: FittedSet) -> 
         "local": ("reversal", f"turn the muscle about its axis at {middle}: a rub moves or goes"),
         "step": ("cycles", "mark the clamps: a slipped mount shows as a shifted length"),
         "trend": ("cycles", "tare before and after: a trend that goes on is the rig's"),
-    }.get(pattern.kind, ("pressure", "then measure another muscle the same way: what it shows, too, comes from the rig"))
+    }.get(pattern.kind, ("pressure", "then measure another muscle the same way: what it shows, too, is the rig's"))
     law = replace(selection.base.model, terms=())
     runs = [c for c in possible_runs(selection.record, law, fitted.values) if lever in c.vary]
     if not runs:
