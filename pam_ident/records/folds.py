@@ -21,7 +21,7 @@ def told_by_the_rest(record: Record, masks: list[Array]) -> list[Array]:
     """Of masks (n,) those without which more than one pressure is left, where there are more: from one alone nobody
     could say how a force grows with it."""
     alone = len(record.levels) < 2
-    return [mask for mask in masks if alone or np.ptp(record.level[~mask]) > 0.0]
+    return [mask for mask in masks if alone or len(np.unique(record.level[~mask])) > 1]
 
 
 def in_parts(block: Array, most: int = FOLDS, among: Array | None = None) -> list[Array]:
