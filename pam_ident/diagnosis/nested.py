@@ -151,14 +151,14 @@ def _square(one: Fit, record: Record, mask: Array) -> float:
     return square if math.isfinite(square) else math.inf
 
 
-def beside_it(alone: Fit, record: Record, masks: Sequence[Array], anew: float = 0.0) -> dict[str, tuple[int, float]]:
+def beside_it(alone: Fit, record: Record, masks: Sequence[Array], anew: float) -> dict[str, tuple[int, float]]:
     """Number of parameters and error in N of other laws in place of a fit's own, where the rows of each mask (n,)
     are held out in turn, best first, less those that cannot be fitted or that the record does not determine.
 
     Its own is among them where that, kept, errs less than if all is chosen `anew` (N): the choice of a law then errs.
     """
     model, found = alone.model, {MEAN: (2, _line_error(record, masks))}
-    own = heldout_rmse(model, record, alone, masks) if anew else math.inf
+    own = heldout_rmse(model, record, alone, masks)
     if AS_WELL * own < anew:
         found[model.law.name] = len(model.params), own
     for law in listed():

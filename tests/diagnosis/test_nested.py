@@ -95,6 +95,21 @@ def test_what_predicts_better_stays_and_a_better_law_is_recommended(table):
     assert "mean over pressure" in found.nested.beside and "chou_hannaford" not in found.nested.beside
 
 
+def test_where_the_choice_of_a_law_is_what_errs_it_says_so(table):
+    poor = Model.build("chou_hannaford")
+    rung = Rung(fit(LAW, table), heldout_rmse(LAW, table), "")
+    found = nested(Ladder((rung,), SIGMA, "top"), lambda part: [fit(poor, part, detail=False)], lambda model: model)
+    error = found.nested.beside[LAW.law.name][1]
+    assert error < found.rungs[0].heldout_rmse and error == min(one[1] for one in found.nested.beside.values())
+    assert "What errs is the choice of a law" in found.nested.text and "take that one" not in found.nested.text
+
+
+def test_no_pressure_is_held_out_without_which_one_is_left():
+    with pytest.raises(UsageError, match="one pressure is left"):
+        masks_of(in_time((0.1, 0.3)), "pressure")
+    assert len(masks_of(in_time((0.1, 0.3, 0.5)), "pressure")) == 3
+
+
 def test_each_block_is_held_out_once_and_whole(table):
     record = in_time((0.1, 0.3, 0.5))
     for one, by, block, parts in (
