@@ -7,6 +7,9 @@ from . import options, text
 if TYPE_CHECKING:
     from ..records.inspection import Inspection
 
+COUNTED = {"isobaric": "on one isobar", "isometric": "at one length"}
+"""Where cycles are counted, by the kind of test."""
+
 
 def inspect(
     record: options.Record,
@@ -39,12 +42,30 @@ def inspect(
     text.say(
         *[""] * bool(rows), *text.table(("p [MPa]", "samples", "std. of p [MPa]", "contraction", "force [N]"), rows)
     )
+    if found.kind == "isometric":
+        text.say("", *text.table(("contraction", "samples", "p [MPa]", "force [N]"), _lengths(found)))
     advice = [line for line in found.advice if line not in told]
     if stops:
         head = "Stops naming (meant so? diagnose, ladder and report take --assume CODE):"
         text.say("", head, *(f"- {doubt.code}: {doubt.text}" for doubt in stops))
     if advice or not stops:
         text.say("", "Advice:" if advice else "Nothing amiss.", *(f"- {line}" for line in advice))
+
+
+def _lengths(found: "Inspection") -> list[tuple[str, ...]]:
+    """A row a length at which the muscle was locked."""
+    import numpy as np
+
+    from ..records.kind import held_lengths
+
+    inputs, force = found.record.inputs, found.record.force
+    held, rows = held_lengths(inputs.contraction), []
+    for length in np.unique(held):
+        here = held == length
+        p, f = inputs.pressure[here], force[here]
+        ends = f"{p.min():.4f} to {p.max():.4f}", f"{f.min():.1f} to {f.max():.1f}"
+        rows.append((f"{length:.4f}", str(int(here.sum())), *ends))
+    return rows
 
 
 def _columns(found: "Inspection", elsewhere: set[str]) -> list[str]:
@@ -88,7 +109,7 @@ def _motion(found: "Inspection") -> list[str]:
         f"time        {found.duration_s:.6g} s",
         f"strokes     {found.strokes}, {'of the pressure' if found.kind == 'isometric' else f'at {speeds} mm/s'}",
         f"holds       {found.holds} ({found.hold_samples} samples)",
-        f"cycles      {found.cycles} at most {'at one length' if found.kind == 'isometric' else 'on one isobar'}",
+        f"cycles      {found.cycles} at most {COUNTED.get(found.kind, 'in a row')}",
     ]
     if found.temperature_C is not None:
         lines.append(f"temperature {found.temperature_C[0]:.1f} to {found.temperature_C[1]:.1f} °C")

@@ -174,3 +174,14 @@ def test_a_log_whose_time_was_passed_over_says_so_and_gets_no_names_until_it_is_
         and "--assume no_clock" in diagnosed.stderr
     )
     assert ask("diagnose", told, "--law", "exponential_law", "--assume", "no_clock").exit_code == 0
+
+
+def test_a_locked_muscle_has_a_row_a_length_and_one_under_weights_counts_its_cycles_in_a_row(ask, write_record):
+    ramp = [0.2 + 0.3 * k / 40 for k in range(41)]
+    rows = [(p, x, 2600.0 * p - 40.0 * x) for x in (0.0, 10.0, 20.0) for p in [*ramp, *ramp[-2:0:-1]] * 3]
+    text = "time_s,pressure_MPa,displacement_mm,force_N\n"
+    path = write_record(text + "".join(f"{0.1 * k:.1f},{p:.4f},{x:g},{f:.3f}\n" for k, (p, x, f) in enumerate(rows)))
+    said = ask("inspect", path).stdout
+    assert "isometric" in said and "3 at most at one length" in said
+    lines = [line.split() for line in said.splitlines() if line.split()[:1] in (["0.0000"], ["0.0500"], ["0.1000"])]
+    assert [line[1] for line in lines] == ["240"] * 3 and lines[1][2:5] == ["0.2000", "to", "0.5000"]
