@@ -29,8 +29,8 @@ class Inspection:
     """A record in numbers. `speeds` are the strokes' speeds in mm/s, `None` fields are not in the record. `kind` is the
     kind of test, `doubts` what looks wrong, `advice` that and what the record cannot show, in plain words.
 
-    `cycles` is the largest number of cycles on one isobar, in a row, or of the pressure at one length; `branches` maps a branch
-    to its number of samples.
+    `cycles` is the largest number of cycles on one isobar, in a row, or of the pressure at one length; `branches` maps
+    a branch to its number of samples.
     """
 
     record: Record
@@ -88,8 +88,8 @@ def stroke_speeds(record: Record) -> tuple[float, ...]:
 
 
 def _cycles(record: Record, cycle: Array) -> int:
-    """The most cycles (n,) on one isobar, or in a row where none is held; of a locked muscle the most of the pressure at
-    one length: a valve that is opened in steps, and leaks in between, makes none by each."""
+    """The most cycles (n,) on one isobar, or in a row where none is held; of a locked muscle the most of the pressure
+    at one length: a valve that is opened in steps, and leaks in between, makes none by each."""
     if record.kind == "isometric" and "cycle" not in record.columns:
         held = held_lengths(record.inputs.contraction)
         return max(len(large_turns(record.inputs.pressure[held == length])) // 2 for length in np.unique(held))
