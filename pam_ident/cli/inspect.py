@@ -42,30 +42,22 @@ def inspect(
     text.say(
         *[""] * bool(rows), *text.table(("p [MPa]", "samples", "std. of p [MPa]", "contraction", "force [N]"), rows)
     )
-    if found.kind == "isometric":
-        text.say("", *text.table(("contraction", "samples", "p [MPa]", "force [N]"), _lengths(found)))
+    rows = [
+        (
+            f"{i.contraction:.4f}",
+            str(i.n),
+            f"{i.pressure_MPa[0]:.4f} to {i.pressure_MPa[1]:.4f}",
+            f"{i.force_N[0]:.1f} to {i.force_N[1]:.1f}",
+        )
+        for i in found.lengths
+    ]
+    text.say(*[""] * bool(rows), *text.table(("contraction", "samples", "p [MPa]", "force [N]"), rows))
     advice = [line for line in found.advice if line not in told]
     if stops:
         head = "Stops naming (meant so? diagnose, ladder and report take --assume CODE):"
         text.say("", head, *(f"- {doubt.code}: {doubt.text}" for doubt in stops))
     if advice or not stops:
         text.say("", "Advice:" if advice else "Nothing amiss.", *(f"- {line}" for line in advice))
-
-
-def _lengths(found: "Inspection") -> list[tuple[str, ...]]:
-    """A row a length at which the muscle was locked."""
-    import numpy as np
-
-    from ..records.kind import held_lengths
-
-    inputs, force = found.record.inputs, found.record.force
-    held, rows = held_lengths(inputs.contraction), []
-    for length in np.unique(held):
-        here = held == length
-        p, f = inputs.pressure[here], force[here]
-        ends = f"{p.min():.4f} to {p.max():.4f}", f"{f.min():.1f} to {f.max():.1f}"
-        rows.append((f"{length:.4f}", str(int(here.sum())), *ends))
-    return rows
 
 
 def _columns(found: "Inspection", elsewhere: set[str]) -> list[str]:

@@ -25,6 +25,16 @@ class Isobar:
 
 
 @dataclass(frozen=True)
+class LockedLength:
+    """One contraction ratio at which a muscle was locked: samples, range of pressure in MPa and of force."""
+
+    contraction: float
+    n: int
+    pressure_MPa: tuple[float, float]
+    force_N: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Inspection:
     """A record in numbers. `speeds` are the strokes' speeds in mm/s, `None` fields are not in the record. `kind` is the
     kind of test, `doubts` what looks wrong, `advice` that and what the record cannot show, in plain words.
@@ -36,6 +46,7 @@ class Inspection:
     record: Record
     files: Files | None
     isobars: tuple[Isobar, ...]
+    lengths: tuple[LockedLength, ...]
     branches: dict[str, int]
     strokes: int
     speeds: tuple[float, ...]
@@ -60,6 +71,7 @@ def inspect_record(record: Record) -> Inspection:
         record,
         find_files(record.source) if record.sha256 else None,
         tuple(_isobar(record, level) for level in record.levels),
+        _lengths(record) if record.kind == "isometric" else (),
         {name: count for name, count in counts.items() if count},
         len(np.unique(record.stroke[record.stroke > 0])),
         speeds,
@@ -102,8 +114,21 @@ def _isobar(record: Record, level: float) -> Isobar:
     here = record.level == level
     pressure = record.inputs.pressure[here]
     wander = float(pressure.std()) if np.ptp(pressure) > 0.0 else 0.0  # a mean is rounded
-    ends = [(float(x[here].min()), float(x[here].max())) for x in (record.inputs.contraction, record.force)]
-    return Isobar(float(level), int(here.sum()), wander, *ends)
+    return Isobar(float(level), int(here.sum()), wander, *_ends(here, record.inputs.contraction, record.force))
+
+
+def _lengths(record: Record) -> tuple[LockedLength, ...]:
+    held = held_lengths(record.inputs.contraction)
+    rows = [(float(length), held == length) for length in np.unique(held)]
+    return tuple(
+        LockedLength(length, int(here.sum()), *_ends(here, record.inputs.pressure, record.force))
+        for length, here in rows
+    )
+
+
+def _ends(here: Array, *columns: Array) -> list[tuple[float, float]]:
+    """The least and the greatest of each column (n,) over some rows, by a mask (n,)."""
+    return [(float(x[here].min()), float(x[here].max())) for x in columns]
 
 
 def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
