@@ -13,7 +13,6 @@ import numpy as np
 from scipy import sparse
 
 from ..core import Inputs, Specimen
-from ..effects._history import way_since_reversal
 from ..records import Record
 from ..records.roughness import noise_around
 from ..records.smoothing import settling_basis, smooth_basis
@@ -151,9 +150,6 @@ class TrackError:
         alone = np.where(smoothed, 0.0, off)
         by_itself = np.maximum(alone, noise_around(calm, raw.time, run))
         unread = _unread(record.steady, None if locked else ON_LEVEL * sensor_mm)
-        if raw.pressure_rate is not None and record.kind == "isotonic":  # turned, but friction still holds the load
-            unread |= raw.pressure_rate * raw.direction < 0.0
-            unread |= way_since_reversal(raw) <= ON_LEVEL * sensor_mm
         return cls(tuple(blocks), alone, by_itself, locked, sensor_mm, unread)
 
     def slope(self, around: Slopes, specimen: Specimen) -> Array:
