@@ -99,8 +99,8 @@ def _along(rung: Rung, record: Record) -> Rung:
 
 
 def _rungs(below: Rung, terms: list[Term], lowest: Model, found: Diagnosis) -> list[Rung]:
-    """Rungs for the terms, the one of most merit first; none once held-out data gain nothing, or with which the record
-    no longer determines the model."""
+    """Rungs for the terms, the one of most merit first; none once held-out data gain nothing, or of which the record
+    does not determine an effect."""
     rungs: list[Rung] = []
     record = below.fit.record
     left = list(terms)
@@ -114,9 +114,18 @@ def _rungs(below: Rung, terms: list[Term], lowest: Model, found: Diagnosis) -> l
             continue
         heldout = heldout_rmse(best.model, record, best)
         rungs.append(Rung(best, heldout, _why(base, best, heldout, found), found))
-    while rungs and not (_helps((below, *rungs)[-2], rungs[-1]) and rungs[-1].fit.valid >= below.fit.valid):
+    while rungs and not (_helps((below, *rungs)[-2], rungs[-1]) and _determined(rungs[-1].fit, below.fit)):
         rungs.pop()
     return rungs
+
+
+def _determined(one: Fit, below: Fit) -> bool:
+    """Whether a fit has converged and the record determines its effects, wherever both held of the rung below.
+
+    The law's own parameters do not count: a large error can hide that the record never determined them.
+    """
+    loose = {*one.undetermined} - {*below.undetermined, *replace(one.model, terms=()).names}
+    return one.converged >= below.converged and not loose
 
 
 def _alive(one: Fit, lowest: Model) -> Fit:

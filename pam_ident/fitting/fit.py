@@ -142,13 +142,17 @@ class Fit:
         return (self.length_errors or self.errors).r2
 
     @property
+    def undetermined(self) -> list[str]:
+        """Names of the parameters that the record does not determine."""
+        acting = {p.name for t in self.model.terms for p in t.qualified(t.form.linear)}
+        unknown = [e for e in self.estimates if not e.identified]
+        return [e.name for e in unknown if e.verdict.kind != "dead" or e.name not in acting]
+
+    @property
     def problems(self) -> list[str]:
         """Why the fit is not valid; empty when it is."""
         found = [] if self.converged else [f"the search did not converge ({self.message})"]
-        acting = {p.name for t in self.model.terms for p in t.qualified(t.form.linear)}
-        unknown = [e for e in self.estimates if not e.identified]
-        loose = [e.name for e in unknown if e.verdict.kind != "dead" or e.name not in acting]
-        if loose:
+        if loose := self.undetermined:
             more = OTHER_WEIGHTS if self.lengths else "drop an effect, or vary more on the rig"
             found.append(f"the record does not determine {', '.join(loose)}; {more}")
         return found
