@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..core import Array, DataError, Inputs, Specimen
-from .kind import find_kind
+from .kind import find_kind, large_turns
 from .motion import Motion, find_motion
 from .notes import Note
 from .smoothing import calmed
@@ -21,6 +21,10 @@ HELD, FAR = 50, 5.0
 """Samples of a pressure that is held at least, and its standard deviations within which a sample is its own."""
 KPA = 1e3
 """kPa a MPa: a pressure whose course is followed has numbers of the size of a length in mm."""
+DROOP = 0.02
+"""MPa between neighbouring pressures of which a regulator may droop from one to the other while the muscle moves."""
+FEW = 0.1
+"""Share of the rows below which they were only passed on the way."""
 SLIGHT = 0.05
 """Least pull of the pressure at a length, of that at the length where it pulls most: never none, nor backwards."""
 GIVE_MM_KN = 1.5
@@ -194,13 +198,17 @@ def build_record(
     `direction` overrides the branch found from the motion, `said_kind` the kind of test found from the columns. Raises
     DataError when time runs backwards.
     """
-    level = _levels(pressure if level is None else level)
+    given, level = level, _levels(pressure if level is None else level)
     origin["said_kind"] = said_kind
     if time is None:
         unknown = np.zeros(len(force)) if direction is None else direction
         states = Inputs(pressure, contraction, specimen, unknown, temperature=temperature)
         return _table(name, states, force, level, origin)
-    kind = said_kind or find_kind(specimen, pressure, contraction, force, level, timed=True)
+    columns = specimen, pressure, contraction, force
+    kind, joined = said_kind or find_kind(*columns, level, timed=True), _without_droop(level, contraction)
+    by_joined = given is None and joined is not level
+    if by_joined and (said_kind or find_kind(*columns, joined, timed=True)) == "isobaric":
+        kind, level = "isobaric", joined
     slide, driven, locked = None, None, kind == "isometric"
     if locked:
         held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
@@ -314,6 +322,23 @@ def turns(x: Array, stroke: Array, segment: Array) -> Array:
     found = np.r_[False, np.diff(segment) != 0]
     found[across[np.searchsorted(run[across], np.arange(len(begins)))]] = True
     return found
+
+
+def _without_droop(level: Array, contraction: Array) -> Array:
+    """Isobars (n,) in MPa, those joined between which a regulator droops: close ones of which one at most is driven
+    both ways, and which are not driven alike."""
+    values, which, counts = np.unique(level, return_inverse=True, return_counts=True)
+    held = np.flatnonzero(counts > FEW * counts.max())  # the others were passed on the way to them
+    if not np.any(np.diff(values[held]) < DROOP):
+        return level
+    turns = large_turns(contraction)
+    out = np.repeat(np.diff(contraction[turns]) > 0.0, np.diff(turns, append=len(level))[:-1])
+    one = np.bincount(which[: len(out)], out, len(values)) / counts
+    both = np.minimum(one, 1.0 - one) > FEW
+    for group in np.split(held, np.flatnonzero(np.diff(values[held]) >= DROOP) + 1):
+        if both[group].sum() <= 1 and np.ptp(2 * both[group] + (one[group] > 0.5)) > 0:
+            values[group] = np.round(np.median(level[np.isin(which, group)]), 4)
+    return values[which]
 
 
 def _table(name: str, inputs: Inputs, force: Array, level: Array, origin: dict[str, object]) -> Record:
