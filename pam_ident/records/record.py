@@ -255,11 +255,13 @@ def build_record(
 
 
 def counted_anew(cycle: Array, held: Array) -> Array:
-    """Cycles (n,) of a test in which they were counted to its end, from 1 on wherever what is `held` (n,) changes; as
-    they are where they begin again somewhere, or where nothing comes back.
+    """Cycles (n,) from 1 on; those that were counted to the end of a test anew wherever what is `held` (n,) changes,
+    unless nothing comes back.
 
     Who counts on does not say that the rubber did not rest: `cycles_of_test` counts on in any case.
     """
+    if cycle.min() < 1:
+        cycle = cycle - cycle.min() + 1
     begins = np.r_[True, np.diff(held) != 0.0]
     if np.any(np.diff(cycle) < 0):
         return cycle

@@ -351,3 +351,4 @@ def test_cycles_that_are_counted_on_from_isobar_to_isobar_begin_anew_there():
     assert counted_anew(anew, held) is anew, "whoever counts anew says where"
     single = np.repeat([1.0, 2.0, 3.0], 6)
     assert counted_anew(single, held) is single, "then cycles of the whole test are all there is"
+    assert counted_anew(anew - 4.0, held).tolist() == (anew - 3.0).tolist(), "no effect knows a cycle 0"
