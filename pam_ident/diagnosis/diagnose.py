@@ -221,7 +221,7 @@ def _one_a_driver(effect: Effect) -> Effect:
     """The effect as one of which a set has one for each driver: in a locked muscle nobody measures how far the braid
     slides, and two names together can imitate much."""
     driver = {"way": "rest"}.get(effect.follows[0], effect.follows[0]) if effect.follows else effect.name
-    return replace(effect, alike=driver)
+    return effect if driver == "map" else replace(effect, alike=driver)
 
 
 def _asked_for(effect: Effect, names: set[str]) -> Effect:

@@ -144,9 +144,7 @@ class Following:
             penalty = surfaces.of(one)[1] * math.log(max(n, 10)) + self._each * len(one)
             return n * math.log(innovation_variance(filled(left, gaps))) + penalty + doubt
 
-        alone, names = self._adding(none), np.array(surfaces.names)
-        single = [frozenset({max(np.flatnonzero(names == name), key=alone.__getitem__)}) for name in np.unique(names)]
-        sets = {best, *without.values(), *single, none}
+        sets = {best, *without.values(), *self._single, none}
         sets |= {one - {k} for one in sets for k in one}
         found: dict[frozenset[int], float] = {}
         while sets := {one for one in sets if one not in found}:
@@ -154,6 +152,12 @@ class Following:
             here = min(found, key=found.__getitem__)
             sets = {here - {k} for k in here}
         return found
+
+    @cached_property
+    def _single(self) -> list[frozenset[int]]:
+        """Of each driver the likeliest group."""
+        alone, names = self._adding(frozenset()), np.array(self.surfaces.names)
+        return [frozenset({int(max(np.flatnonzero(names == one), key=alone.__getitem__))}) for one in np.unique(names)]
 
     @property
     def chosen(self) -> frozenset[str]:
@@ -217,7 +221,9 @@ class Following:
         """The likeliest set, and the likeliest without each of its drivers, from which it is sought anew."""
         if not self.left.any():
             return frozenset(), {}
-        best, names = self.likeliest(), self.surfaces.names
+        names = self.surfaces.names
+        starts = [frozenset[int](), *self._single]  # one that imitates two hides them from a search that begins with it
+        best = max((self.likeliest(start=one) for one in starts), key=self.evidence)
         while True:
             without = {names[k]: self.likeliest({names[k]}, best - {k}) for k in best}
             others = [self.likeliest(start=one) for one in without.values()]

@@ -48,6 +48,8 @@ times the root of their number."""
 JUMPING = 1.8
 """How many times as large as in the middle steps of what is left may be in the mean: 1.32 at most in 107 records with
 nothing hidden."""
+LEAP = 10.0
+"""Standard deviations by which a single step of it may do so: 7.1 at most in 40 records with nothing hidden."""
 FORETOLD = 0.07
 """Share of the noise's innovations that the LAGS samples before may foretell: 0.04 at most in the same records."""
 ONE_IN_100 = 2.58
@@ -195,7 +197,7 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
         return None
     alone = len(far) / (2.0 * APART)  # moments that share no sample
     chance = math.exp(ONE_IN_100 * MEDIAN / math.sqrt(alone))
-    if far.mean() * NORMAL < max(JUMPING, chance):
+    if far.mean() * NORMAL < max(JUMPING, chance) and far.max() * NORMAL < LEAP**2:
         return None
     share = 1.0 - 1.0 / (NORMAL * float(far.mean()))
     worst = float(time[at[int(np.argmax(far))]])

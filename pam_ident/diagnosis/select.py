@@ -31,6 +31,8 @@ EXPLAINED = 3.0
 """Whitened squares beyond their number, in standard deviations, up to which nothing is left."""
 RIVALS = 3
 """Rivals of other names that are refined."""
+NEXT = 4
+"""Sets that came next to an answer, by its noise, and are compared by their full likelihood, too."""
 FORMS = 4
 """Forms of an effect that are fitted in place of another."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
@@ -120,6 +122,10 @@ def _may_be_noise(selection: Selection, fitted: FittedSet) -> bool:
 def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[float, Noise, FittedSet]]:
     """All answers and all their parts by their full criterion, least first, each with the noise that it leaves."""
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
+    for selection, _ in selections:
+        named = [v for v in selection.cache.values() if v.names == v.candidates]
+        near = sorted(named, key=lambda v: v.criterion)[:NEXT]
+        sets |= {labels(v.terms): (v.terms, v.values) for v in near if labels(v.terms) not in sets}
     fits = [_likeliest([selection for selection, _ in selections], terms, start) for terms, start in sets.values()]
     noises = [(selection, found) for selection, found in fits if not larger_than_noise(selection, found)]
     weighed = [(*full_criterion(selection, found), found) for selection, found in noises or fits]
