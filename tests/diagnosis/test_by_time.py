@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
 from pam_ident.model import Model
-from pam_ident.records import Record, read_record
+from pam_ident.records import Record, build_record, read_record
 from pam_ident.rig import Plan, Secret, make_record, write_case
 
 CHOU = "modified_chou_hannaford"
@@ -32,3 +33,16 @@ def test_what_creeps_since_it_was_pressurised_is_creep(tmp_path):
 def test_softening_by_the_cycle_is_told_from_creep(tmp_path):
     found = diagnose(Model.build(CHOU), rig_record(tmp_path, Secret("mullins_softening", "textbook", 3.0)))
     assert found.selected == ("mullins_softening",) and found.groups == ()
+
+
+@pytest.mark.parametrize(("size_N", "tau_s"), [(7.0, 43.0), (1.5, 2.0)])
+def test_a_drift_that_slows_down_in_a_short_record_is_no_slow_noise(size_N, tau_s):
+    """Against the noise that the law alone leaves nothing earns its place; each in its own, the drift does."""
+    rise = np.linspace(0.0, 1.0, 34)[1:]
+    e = 0.22 * np.tile(np.r_[rise, rise[-2::-1], 0.0], 9)
+    time = np.cumsum(np.tile(np.repeat([1.0, 0.5, 0.25], 66), 3)) + np.repeat([0.0, 30.0, 60.0], 198)
+    p, noise = np.repeat([0.2, 0.35, 0.5], 198), 0.9 * np.random.default_rng(1).standard_normal(594)
+    force = p * (2400.0 - 9000.0 * e) - 150.0 - 600.0 * e + size_N * np.log1p(time / tau_s) + noise
+    record = build_record("short", Specimen("m", 200.0, 10.0, 25.0, 1.5), p, e, force, time=time)
+    found = diagnose(Model.build("exponential_law"), record, detail=False)
+    assert (found.verdict, found.selected) == ("missing_effect", ("force_drift",)), found.sentence

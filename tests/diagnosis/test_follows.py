@@ -155,3 +155,18 @@ def test_of_a_motion_that_smoothing_bends_nothing_is_taken_off():
     assert np.std(record.steady.displacement_mm - x) > 5.0  # by smoothing alone
     assert np.std(steady.inputs.displacement_mm - x) == pytest.approx(0.05, rel=0.1)
     assert [one.what for one in what_it_follows(found)] == ["noise"]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_imitates_two_drivers_does_not_hide_them(seed):
+    """A loop at each of two speeds: relaxation alone follows them nearly as well as the map and the direction do."""
+    rise = np.linspace(0.0, 1.0, 18)[1:]
+    x = np.tile(np.r_[rise, rise[-2::-1], 0.0], 6)
+    side = np.tile(np.repeat([1.0, -1.0], 17), 6)
+    time = np.cumsum(np.tile(np.repeat([1.0, 0.3], 34), 3)) + np.repeat([0.0, 100.0, 200.0], 68)
+    p, e = np.repeat([0.4, 0.6, 0.2], 68), 0.25 * x
+    noise = 1.2 * np.random.default_rng(seed).standard_normal(len(x))
+    force = SPECIMEN.ideal_force(p - 0.04, e) - 3.0 * side + noise
+    record = build_record("short", SPECIMEN, p, e, force, time=time)
+    found = what_it_follows(fit(Model.build("modified_chou_hannaford"), record))
+    assert {one.what for one in found} == {"map", "direction", "noise"}

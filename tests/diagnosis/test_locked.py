@@ -6,7 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pam_ident.core import Specimen
+from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.patterns import patterns
+from pam_ident.model import Model
+from pam_ident.records import build_record
 from pam_ident.records.record import nominal
 from pam_ident.rig import Plan, Secret, make_record, write_case
 from pam_ident.tasks.diagnose import diagnose_record
@@ -39,6 +43,16 @@ def test_what_follows_the_rate_of_the_pressure_is_one_group(name, tmp_path):
 def test_a_bench_that_is_leaned_on_is_a_force_for_a_while(tmp_path):
     found = answer(tmp_path, unknown=Secret("rub", "leaned_on", 3.0))
     assert (found.verdict, found.pattern.kind, found.pattern.coordinate) == ("unknown_effect", "local", "time")
+
+
+def test_two_static_effects_of_a_locked_muscle_are_two():
+    """What pressure and length do is measured there as anywhere; one of them had to do for both."""
+    p = np.tile(np.r_[np.linspace(0.05, 0.6, 30), np.linspace(0.6, 0.05, 30)], 8)
+    e, time = np.repeat([0.02, 0.08, 0.14, 0.2], 120), 0.4 * np.arange(480) + np.repeat([0.0, 100.0, 200.0, 300.0], 120)
+    muscle = Specimen("m", 200.0, 10.0, 25.0, 1.5)
+    force = muscle.ideal_force(p, e - 0.008) + 6.0 + 3.0 * np.random.default_rng(0).standard_normal(480)
+    found = diagnose(Model.build("chou_hannaford"), build_record("r", muscle, p, e, force, time=time), detail=False)
+    assert set(found.selected) == {"length_offset", "force_bias"}, found.sentence
 
 
 def test_few_lengths_show_patterns_over_time_alone_and_a_table_of_few_none(tmp_path):
