@@ -1,4 +1,4 @@
-"""Whether a force builds up by the cycle, or by the time since the muscle was pressurised."""
+"""Whether a force builds up by the cycle, by the time since the muscle was pressurised, by the clock, or at once."""
 
 from dataclasses import replace
 
@@ -46,3 +46,22 @@ def test_a_drift_that_slows_down_in_a_short_record_is_no_slow_noise(size_N, tau_
     record = build_record("short", Specimen("m", 200.0, 10.0, 25.0, 1.5), p, e, force, time=time)
     found = diagnose(Model.build("exponential_law"), record, detail=False)
     assert (found.verdict, found.selected) == ("missing_effect", ("force_drift",)), found.sentence
+
+
+def test_a_step_that_no_slow_noise_takes_at_once_is_no_noise():
+    """A plug that loses 10 N twice, for 24 s: noise that forgets in 10 s has such values, but does not leap to them."""
+    rng, rise = np.random.default_rng(0), np.linspace(0.0, 1.0, 60)[1:]
+    e = 0.22 * np.tile(np.r_[rise, rise[-2::-1], 0.0], 12)
+    rows, p = np.arange(len(e)), np.repeat([0.2, 0.35, 0.5], len(e) // 3)
+    time, slow, kept = (
+        0.4 * rows + np.repeat([0.0, 30.0, 60.0], len(e) // 3),
+        rng.standard_normal(len(e)),
+        np.exp(-0.04),
+    )
+    for k in rows[1:]:
+        slow[k] = kept * slow[k - 1] + np.sqrt(1.0 - kept**2) * slow[k]
+    lost = 10.0 * (((rows > 250) & (rows < 310)) | ((rows > 900) & (rows < 960)))
+    force = p * (2400.0 - 9000.0 * e) - 150.0 - 600.0 * e + 1.5 * slow + 0.5 * rng.standard_normal(len(e)) - lost
+    record = build_record("plug", Specimen("m", 200.0, 10.0, 25.0, 1.5), p, e, force, time=time)
+    found = diagnose(Model.build("exponential_law"), record, detail=False)
+    assert (found.verdict, found.selected) == ("unknown_effect", ()) and "jumps" in found.sentence, found.sentence
