@@ -45,12 +45,13 @@ def test_a_bench_that_is_leaned_on_is_a_force_for_a_while(tmp_path):
     assert (found.verdict, found.pattern.kind, found.pattern.coordinate) == ("unknown_effect", "local", "time")
 
 
+@pytest.mark.long
 def test_two_static_effects_of_a_locked_muscle_are_two():
     """What pressure and length do is measured there as anywhere; one of them had to do for both."""
-    p = np.tile(np.r_[np.linspace(0.05, 0.6, 30), np.linspace(0.6, 0.05, 30)], 8)
-    e, time = np.repeat([0.02, 0.08, 0.14, 0.2], 120), 0.4 * np.arange(480) + np.repeat([0.0, 100.0, 200.0, 300.0], 120)
+    p = np.tile(np.r_[np.linspace(0.05, 0.6, 60), np.linspace(0.6, 0.05, 60)], 8)
+    e, time = np.repeat([0.02, 0.08, 0.14, 0.2], 240), 0.2 * np.arange(960) + np.repeat([0.0, 100.0, 200.0, 300.0], 240)
     muscle = Specimen("m", 200.0, 10.0, 25.0, 1.5)
-    force = muscle.ideal_force(p, e - 0.008) + 6.0 + 3.0 * np.random.default_rng(0).standard_normal(480)
+    force = muscle.ideal_force(p, e - 0.008) + 6.0 + 4.0 * np.random.default_rng(0).standard_normal(960)
     found = diagnose(Model.build("chou_hannaford"), build_record("r", muscle, p, e, force, time=time), detail=False)
     assert set(found.selected) == {"length_offset", "force_bias"}, found.sentence
 
