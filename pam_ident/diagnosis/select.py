@@ -11,7 +11,7 @@ from ..effects import AddsForce, Effect
 from ..fitting import Fit
 from ..fitting.floor import SHAPES, repeats
 from ..model import Term
-from .adequacy import FreeModel, full_criterion, larger_than_noise
+from .adequacy import Adequacy, FreeModel, full_criterion, larger_than_noise
 from .follows import Following
 from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
@@ -32,7 +32,7 @@ EXPLAINED = 3.0
 RIVALS = 3
 """Rivals of other names that are refined."""
 NEXT = 4
-"""Sets that came next to an answer, by its noise, and are compared by their full likelihood, too."""
+"""Sets that came next to an answer, by its noise, and are compared by their full likelihood, too, if complete."""
 FORMS = 4
 """Forms of an effect that are fitted in place of another."""
 PATTERN_TOLERANCE, FAULT_TOLERANCE = 0.04, 0.01
@@ -122,11 +122,16 @@ def _may_be_noise(selection: Selection, fitted: FittedSet) -> bool:
 def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[float, Noise, FittedSet]]:
     """All answers and all their parts by their full criterion, least first, each with the noise that it leaves."""
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
-    for selection, _ in selections:
+    every = [selection for selection, _ in selections]
+    fits = [_likeliest(every, terms, start) for terms, start in sets.values()]
+    for selection in every if selections[0][0].record.inputs.time is not None else ():
         named = [v for v in selection.cache.values() if v.names == v.candidates]
-        near = sorted(named, key=lambda v: v.criterion)[:NEXT]
-        sets |= {labels(v.terms): (v.terms, v.values) for v in near if labels(v.terms) not in sets}
-    fits = [_likeliest([selection for selection, _ in selections], terms, start) for terms, start in sets.values()]
+        for near in sorted(named, key=lambda v: v.criterion)[:NEXT]:
+            if labels(near.terms) not in sets:
+                sets[labels(near.terms)] = near.terms, near.values
+                one = _likeliest(every, near.terms, near.values)
+                if Adequacy(*one, FreeModel.of(one[0])).complete:
+                    fits.append(one)
     noises = [(selection, found) for selection, found in fits if not larger_than_noise(selection, found)]
     weighed = [(*full_criterion(selection, found), found) for selection, found in noises or fits]
     largest = selections[0][0].base.rmse
