@@ -218,8 +218,8 @@ def _allowed(
 
 
 def _one_a_driver(effect: Effect) -> Effect:
-    """The effect as one of which a set has one for each driver: in a locked muscle nobody measures how far the braid
-    slides, and two names together can imitate much."""
+    """The effect as one of which a set has one for each driver but the map: in a locked muscle nobody measures how far
+    the braid slides, and two names together can imitate much."""
     driver = {"way": "rest"}.get(effect.follows[0], effect.follows[0]) if effect.follows else effect.name
     return effect if driver == "map" else replace(effect, alike=driver)
 

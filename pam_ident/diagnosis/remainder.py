@@ -199,7 +199,7 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
     chance = math.exp(ONE_IN_100 * MEDIAN / math.sqrt(alone))
     if far.mean() * NORMAL < max(JUMPING, chance) and far.max() * NORMAL < LEAP**2:
         return None
-    share = 1.0 - 1.0 / (NORMAL * float(far.mean()))
+    share = max(1.0 - 1.0 / (NORMAL * float(far.mean())), 0.0)
     worst = float(time[at[int(np.argmax(far))]])
     text = f"jumps: what is left stays level between sudden steps, the largest at {number(worst)} s"
     return Pattern("other", "time", worst, "s", share, text)

@@ -53,10 +53,11 @@ def investigate(
 
     Slow noise and an effect can each pass for the other. So where noise is coloured, or a faint answer may be what its
     colour is, the record is judged again against the noise that the law alone would imply, and against that which the
-    answer then leaves; the answers and all their parts, fitted against the first or the likeliest of these noises, are
-    then compared by their full likelihood, each with its own noise. Nothing of this where no noise could take the place
-    of any name: a little colour is what a form leaves that is not exactly right. Nor where the answer is no noise, and
-    the free model is likelier than each of its parts with the noise that it leaves: noise is then what that leaves.
+    answer then leaves; the answers, all their parts and what came next to them, fitted against the first or the
+    likeliest of these noises, are then compared by their full likelihood, each with its own noise. Nothing of this
+    where no noise could take the place of any name: a little colour is what a form leaves that is not exactly right.
+    Nor where the answer is no noise, and the free model is likelier than each of its parts with the noise that it
+    leaves: noise is then what that leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection)
@@ -120,7 +121,8 @@ def _may_be_noise(selection: Selection, fitted: FittedSet) -> bool:
 
 
 def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[float, Noise, FittedSet]]:
-    """All answers and all their parts by their full criterion, least first, each with the noise that it leaves."""
+    """All answers, all their parts and complete sets next to them by their full criterion, least first, each with the
+    noise that it leaves."""
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
     every = [selection for selection, _ in selections]
     fits = [_likeliest(every, terms, start) for terms, start in sets.values()]
