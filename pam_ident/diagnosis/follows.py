@@ -156,8 +156,12 @@ class Following:
     @cached_property
     def _single(self) -> list[frozenset[int]]:
         """Of each driver the likeliest group."""
-        alone, names = self._adding(frozenset()), np.array(self.surfaces.names)
-        return [frozenset({int(max(np.flatnonzero(names == one), key=alone.__getitem__))}) for one in np.unique(names)]
+        alone = self._adding(frozenset())
+        return [frozenset({self._best_group(name, alone)}) for name in sorted(set(self.surfaces.names))]
+
+    def _best_group(self, name: str, worth: Array) -> int:
+        """Of a driver's groups that of most worth, (groups,)."""
+        return max((k for k, other in enumerate(self.surfaces.names) if other == name), key=worth.__getitem__)
 
     @property
     def chosen(self) -> frozenset[str]:
@@ -222,8 +226,8 @@ class Following:
         if not self.left.any():
             return frozenset(), {}
         names = self.surfaces.names
-        starts = [frozenset[int](), *self._single]  # one that imitates two hides them from a search that begins with it
-        best = max((self.likeliest(start=one) for one in starts), key=self.evidence)
+        # One that imitates two hides them from a search that begins with it.
+        best = max((self.likeliest(start=one) for one in self._single), key=self.evidence)
         while True:
             without = {names[k]: self.likeliest({names[k]}, best - {k}) for k in best}
             others = [self.likeliest(start=one) for one in without.values()]
@@ -269,8 +273,7 @@ class Following:
 
     def _beside(self, name: str) -> float:
         """What is lost by a further driver beside the likeliest, in its best detail, the others in theirs."""
-        worth = self._adding(self.best)
-        added = max((k for k, other in enumerate(self.surfaces.names) if other == name), key=worth.__getitem__)
+        added = self._best_group(name, self._adding(self.best))
         best = self.likeliest(start=self.best | {added}, kept=frozenset({added}))
         return self.evidence(self.best) - self.evidence(best)
 

@@ -126,14 +126,14 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
     sets = {labels(terms): (terms, v.values) for _, v in reversed(selections) for terms in _subsets(v.terms)}
     every = [selection for selection, _ in selections]
     fits = [_likeliest(every, terms, start) for terms, start in sets.values()]
+    rivals: list[tuple[Selection, FittedSet]] = []
     for selection in every if selections[0][0].record.inputs.time is not None else ():
         named = [v for v in selection.cache.values() if v.names == v.candidates]
         for near in sorted(named, key=lambda v: v.criterion)[:NEXT]:
             if labels(near.terms) not in sets:
                 sets[labels(near.terms)] = near.terms, near.values
-                one = _likeliest(every, near.terms, near.values)
-                if Adequacy(*one, FreeModel.of(one[0])).complete:
-                    fits.append(one)
+                rivals.append(_likeliest(every, near.terms, near.values))
+    fits += [one for one in rivals if Adequacy(*one, FreeModel.of(one[0])).complete]
     noises = [(selection, found) for selection, found in fits if not larger_than_noise(selection, found)]
     weighed = [(*full_criterion(selection, found), found) for selection, found in noises or fits]
     largest = selections[0][0].base.rmse

@@ -205,10 +205,11 @@ def build_record(
         states = Inputs(pressure, contraction, specimen, unknown, temperature=temperature)
         return _table(name, states, force, level, origin)
     columns = specimen, pressure, contraction, force
-    kind, joined = said_kind or find_kind(*columns, level, timed=True), _without_droop(level, contraction)
-    by_joined = given is None and joined is not level
-    if by_joined and (said_kind or find_kind(*columns, joined, timed=True)) == "isobaric":
-        kind, level = "isobaric", joined
+    kind = said_kind or find_kind(*columns, level, timed=True)
+    if given is None and kind in ("isobaric", "dynamic"):
+        joined = _without_droop(level, contraction)
+        if joined is not level and (said_kind or find_kind(*columns, joined, timed=True)) == "isobaric":
+            kind, level = "isobaric", joined
     slide, driven, locked = None, None, kind == "isometric"
     if locked:
         held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
@@ -333,9 +334,9 @@ def _without_droop(level: Array, contraction: Array) -> Array:
     held = np.flatnonzero(counts > FEW * counts.max())  # the others were passed on the way to them
     if not np.any(np.diff(values[held]) < DROOP):
         return level
-    turns = large_turns(contraction)
-    out = np.repeat(np.diff(contraction[turns]) > 0.0, np.diff(turns, append=len(level))[:-1])
-    one = np.bincount(which[: len(out)], out, len(values)) / counts
+    ends = large_turns(contraction)
+    out = np.repeat(np.diff(contraction[ends]) > 0.0, np.diff(ends))
+    one = np.bincount(which[:-1], out, len(values)) / counts
     both = np.minimum(one, 1.0 - one) > FEW
     for group in np.split(held, np.flatnonzero(np.diff(values[held]) >= DROOP) + 1):
         if both[group].sum() <= 1 and np.ptp(2 * both[group] + (one[group] > 0.5)) > 0:
