@@ -14,6 +14,7 @@ from .clipped import clipped_rows, slack_rows
 from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
 from .guess import is_log, likely_clock
+from .isobars import between
 from .mapping import Mapping, read_mapping
 from .notes import Notes
 from .package import read_metadata
@@ -27,6 +28,24 @@ from .table import Table, table_in_memory
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+
+def between_isobars(record: Record) -> np.ndarray:
+    """Mask (n,) of the samples between the isobars of a record, none where it is another kind of test or its isobars
+    were told."""
+    out = between(record.inputs.pressure, record.inputs.contraction)
+    told = "pressure_set" in record.columns or not out.any()
+    return out if not told and record.take(np.flatnonzero(~out)).kind == "isobaric" else np.zeros(len(out), bool)
+
+
+UNFIT = (
+    ("between", "pressure", between_isobars),
+    ("clipped", "force", lambda r: clipped_rows(r.inputs, r.force)),
+    ("slack", "force", slack_rows),
+)
+"""What is found in a record in time that tells nothing of a law: the note's code, its quantity, and a mask of the rows.
+"""
 
 
 def read_record(
@@ -240,11 +259,11 @@ def build_loaded(
         groups={key: values[key] for key in ("run", "muscle", "cycle") if key in values},
         **{key: values.get(key) for key in ("time", "cycle", "temperature")},
     )
-    if found.inputs.time is not None:  # the motion goes on while the load cell is at its end
-        for code, rows_of in (("clipped", lambda r: clipped_rows(r.inputs, r.force)), ("slack", slack_rows)):
+    if found.inputs.time is not None:  # the motion goes on meanwhile
+        for code, key, rows_of in UNFIT:
             out = rows_of(found)
             if out.any():
-                notes.add(code, where["force"], f"sample {int(out.argmax()) + 1}", int(out.sum()))
+                notes.add(code, where[key], f"sample {int(out.argmax()) + 1}", int(out.sum()))
                 found = found.take(np.flatnonzero(~out))
     return replace(found, notes=notes.told())
 

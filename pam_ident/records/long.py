@@ -21,7 +21,8 @@ from .load import files_sha256, headers, nothing_left, record_name, said_kind, s
 from .motion import follow, long_pause
 from .notes import Note, Notes
 from .ranges import Values, contraction_of
-from .record import Record, nominal, turns
+from .isobars import nominal
+from .record import Record, turns
 from .roughness import NORMAL_MEDIAN, roughness
 from .run_constants import on_length
 

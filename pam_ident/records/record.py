@@ -8,23 +8,14 @@ from typing import Any
 import numpy as np
 
 from ..core import Array, DataError, Inputs, Specimen
-from .kind import find_kind, large_turns
+from .isobars import as_driven, between, levels_of
+from .kind import find_kind
 from .motion import Motion, find_motion
 from .notes import Note
 from .smoothing import calmed
 
-SHORT_LIST = 200
-"""Most pressures that may each be an isobar's own value; more are one sensor's noise about fewer."""
-CROWD = 3
-"""Most of them within 5 kPa, on average; more are the steps of a coarse sensor."""
-HELD, FAR = 50, 5.0
-"""Samples of a pressure that is held at least, and its standard deviations within which a sample is its own."""
 KPA = 1e3
 """kPa a MPa: a pressure whose course is followed has numbers of the size of a length in mm."""
-DROOP = 0.02
-"""MPa between neighbouring pressures of which a regulator may droop from one to the other while the muscle moves."""
-FEW = 0.1
-"""Share of the rows below which they were only passed on the way."""
 SLIGHT = 0.05
 """Least pull of the pressure at a length, of that at the length where it pulls most: never none, nor backwards."""
 GIVE_MM_KN = 1.5
@@ -198,7 +189,7 @@ def build_record(
     `direction` overrides the branch found from the motion, `said_kind` the kind of test found from the columns. Raises
     DataError when time runs backwards.
     """
-    given, level = level, _levels(pressure if level is None else level)
+    given, level = level, levels_of(pressure if level is None else level)
     origin["said_kind"] = said_kind
     if time is None:
         unknown = np.zeros(len(force)) if direction is None else direction
@@ -207,12 +198,14 @@ def build_record(
     columns = specimen, pressure, contraction, force
     kind = said_kind or find_kind(*columns, level, timed=True)
     if given is None and kind in ("isobaric", "dynamic"):
-        joined = _without_droop(level, contraction)
-        if joined is not level and (said_kind or find_kind(*columns, joined, timed=True)) == "isobaric":
+        way = between(pressure, contraction)
+        joined = as_driven(level, pressure, contraction, way)
+        held = (values[~way] for values in (pressure, contraction, force, joined))
+        if joined is not level and (said_kind or find_kind(specimen, *held, timed=True)) == "isobaric":
             kind, level = "isobaric", joined
     slide, driven, locked = None, None, kind == "isometric"
     if locked:
-        held = _levels(contraction, listed=False)  # steps of a coarse gauge are no lengths
+        held = levels_of(contraction, listed=False)  # steps of a coarse gauge are no lengths
         driven = find_motion(time, KPA * pressure, held, force)
         per_kpa = _per_kpa(specimen, held)
         parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}
@@ -327,23 +320,6 @@ def turns(x: Array, stroke: Array, segment: Array) -> Array:
     return found
 
 
-def _without_droop(level: Array, contraction: Array) -> Array:
-    """Isobars (n,) in MPa, those joined between which a regulator droops: close ones of which one at most is driven
-    both ways, and which are not driven alike."""
-    values, which, counts = np.unique(level, return_inverse=True, return_counts=True)
-    held = np.flatnonzero(counts > FEW * counts.max())  # the others were passed on the way to them
-    if not np.any(np.diff(values[held]) < DROOP):
-        return level
-    ends = large_turns(contraction)
-    out = np.repeat(np.diff(contraction[ends]) > 0.0, np.diff(ends))
-    one = np.bincount(which[:-1], out, len(values)) / counts
-    both = np.minimum(one, 1.0 - one) > FEW
-    for group in np.split(held, np.flatnonzero(np.diff(values[held]) >= DROOP) + 1):
-        if both[group].sum() <= 1 and np.ptp(2 * both[group] + (one[group] > 0.5)) > 0:
-            values[group] = np.round(np.median(level[np.isin(which, group)]), 4)
-    return values[which]
-
-
 def _table(name: str, inputs: Inputs, force: Array, level: Array, origin: dict[str, object]) -> Record:
     """A static table: no time, so no speed; blocks are its lengths, or its isobars where each length is its own."""
     rounded = np.round(inputs.contraction, 4)
@@ -351,38 +327,3 @@ def _table(name: str, inputs: Inputs, force: Array, level: Array, origin: dict[s
     _, block = np.unique(rounded if by_length else level, return_inverse=True)
     kind = "length" if by_length else "isobar"
     return Record(name, inputs, force, level, np.zeros(len(force), int), block, inputs, block_kind=kind, **origin)  # type: ignore[arg-type]
-
-
-def _levels(pressure: Array, listed: bool = True) -> Array:
-    """Nominal pressure of each sample: its own value in a short list, unless none is `listed`, else the median of its
-    cluster (5 kPa gaps)."""
-    values, inverse, counts = np.unique(np.round(pressure, 6), return_inverse=True, return_counts=True)
-    return nominal(values, counts, listed)[inverse]
-
-
-def nominal(values: Array, counts: Array, listed: bool = True) -> Array:
-    """Nominal pressure in MPa of each of the pressures `values` (m,), ascending, that are read `counts` (m,) times."""
-    edges = (np.flatnonzero(np.diff(values) > 0.005) + 1).tolist()
-    ends = zip([0, *edges], edges, [*edges[1:], len(values)], strict=False)
-    edges = [k for a, k, b in ends if not _stray(values, counts, a, k, b)]
-    if listed and len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST, CROWD * (len(edges) + 1)):
-        return values
-    parts = zip(np.split(values, edges), np.split(counts, edges), strict=True)
-    return np.concatenate([np.full(len(v), round(_median(v, c), 4)) for v, c in parts])
-
-
-def _stray(values: Array, counts: Array, begin: int, edge: int, end: int) -> bool:
-    """Whether of two clusters, parted at an `edge`, one is a lone sample in the noise of the other, which is held."""
-    few, many = sorted((slice(begin, edge), slice(edge, end)), key=lambda part: counts[part].sum())
-    if counts[few].sum() > 1 or counts[many].sum() < HELD:
-        return False
-    mean = np.average(values[many], weights=counts[many])
-    spread = np.sqrt(np.average((values[many] - mean) ** 2, weights=counts[many]))
-    return bool(np.abs(values[few] - mean).max() < FAR * spread)
-
-
-def _median(values: Array, counts: Array) -> float:
-    """Median of values, ascending, that occur `counts` times."""
-    last = np.cumsum(counts)
-    middle = np.searchsorted(last, [(last[-1] - 1) // 2, last[-1] // 2], side="right")
-    return float(np.mean(values[middle]))

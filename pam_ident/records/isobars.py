@@ -1,0 +1,113 @@
+"""Isobars: the pressures that a test holds, though a regulator ripples, droops, and takes its time between them."""
+
+import numpy as np
+
+from ..core import Array
+from .kind import HELD_LENGTH, large_turns
+
+GAP = 0.005
+"""MPa between the clusters of pressures that are isobars."""
+SHORT_LIST = 200
+"""Most pressures that may each be an isobar's own value; more are one sensor's noise about fewer."""
+CROWD = 3
+"""Most of them within 5 kPa, on average; more are the steps of a coarse sensor."""
+HELD, FAR = 50, 5.0
+"""Samples of a pressure that is held at least, and its standard deviations within which a sample is its own."""
+DROOP = 0.02
+"""MPa between neighbouring pressures of which a regulator may droop from one to the other while the muscle moves."""
+FEW = 0.1
+"""Share of the rows below which they were only passed on the way."""
+AT_LEAST, STAYS = 2, 0.005
+"""Samples to both sides, and share of all, for which a pressure stays within GAP where it is held."""
+
+
+def levels_of(pressure: Array, listed: bool = True) -> Array:
+    """Nominal pressure of each sample: its own value in a short list, unless none is `listed`, else the median of its
+    cluster (5 kPa gaps)."""
+    values, inverse, counts = np.unique(np.round(pressure, 6), return_inverse=True, return_counts=True)
+    return nominal(values, counts, listed)[inverse]
+
+
+def nominal(values: Array, counts: Array, listed: bool = True) -> Array:
+    """Nominal pressure in MPa of each of the pressures `values` (m,), ascending, that are read `counts` (m,) times."""
+    edges = (np.flatnonzero(np.diff(values) > GAP) + 1).tolist()
+    ends = zip([0, *edges], edges, [*edges[1:], len(values)], strict=False)
+    edges = [k for a, k, b in ends if not _stray(values, counts, a, k, b)]
+    if listed and len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST, CROWD * (len(edges) + 1)):
+        return values
+    parts = zip(np.split(values, edges), np.split(counts, edges), strict=True)
+    return np.concatenate([np.full(len(v), round(_median(v, c), 4)) for v, c in parts])
+
+
+def _stray(values: Array, counts: Array, begin: int, edge: int, end: int) -> bool:
+    """Whether of two clusters, parted at an `edge`, one is a lone sample in the noise of the other, which is held."""
+    few, many = sorted((slice(begin, edge), slice(edge, end)), key=lambda part: counts[part].sum())
+    if counts[few].sum() > 1 or counts[many].sum() < HELD:
+        return False
+    mean = np.average(values[many], weights=counts[many])
+    spread = np.sqrt(np.average((values[many] - mean) ** 2, weights=counts[many]))
+    return bool(np.abs(values[few] - mean).max() < FAR * spread)
+
+
+def _median(values: Array, counts: Array) -> float:
+    """Median of values, ascending, that occur `counts` times."""
+    last = np.cumsum(counts)
+    middle = np.searchsorted(last, [(last[-1] - 1) // 2, last[-1] // 2], side="right")
+    return float(np.mean(values[middle]))
+
+
+def between(pressure: Array, contraction: Array) -> Array:
+    """Mask (n,) of the samples in which the pressure in MPa goes from one isobar to another while the muscle rests.
+
+    None where these are more than FEW: then the pressure is driven. An excursion that ends where it began is none.
+    """
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import
+
+    n = len(pressure)
+    size = 2 * max(AT_LEAST, int(STAYS * n)) + 1
+    steady = maximum_filter1d(pressure, size) - minimum_filter1d(pressure, size) <= GAP
+    held = maximum_filter1d(steady, size)
+    away, none = np.flatnonzero(~held), np.zeros(n, bool)
+    if held.all() or not held.any():
+        return none
+    isobars = np.unique(levels_of(pressure[held], listed=False))
+
+    def nearest(rows: Array) -> Array:
+        return np.abs(pressure[rows, None] - isobars).argmin(axis=1)
+
+    away = away[np.abs(pressure[away] - isobars[nearest(away)]) > GAP]
+    ways = [w for w in np.split(away, np.flatnonzero(np.diff(away) > 1) + 1) if len(w)]
+    first, last = (np.array([w[k] for w in ways], int) for k in (0, -1))
+    another = nearest(np.maximum(first - 1, 0)) != nearest(np.minimum(last + 1, n - 1))
+    ways = [w for w, goes in zip(ways, another | (first == 0), strict=True) if goes]
+    found = none.copy()
+    found[np.concatenate([np.empty(0, int), *ways])] = True
+    moved = [float(np.ptp(contraction[w])) for w in ways]
+    return found if 0 < found.sum() <= FEW * n and np.median(moved) < HELD_LENGTH else none
+
+
+def as_driven(level: Array, pressure: Array, contraction: Array, way: Array) -> Array:
+    """Nominal pressures (n,) in MPa, those on their `way` (n,) between isobars given to the next, and those joined
+    between which a regulator droops; `level` itself where there is neither."""
+    if way.any():
+        held = np.flatnonzero(~way)
+        after = np.searchsorted(held, np.arange(len(way)))
+        level = levels_of(pressure[held])[np.minimum(after, len(held) - 1)]
+    return _without_droop(level, contraction)
+
+
+def _without_droop(level: Array, contraction: Array) -> Array:
+    """Isobars (n,) in MPa, those joined between which a regulator droops: close ones of which one at most is driven
+    both ways, and which are not driven alike."""
+    values, which, counts = np.unique(level, return_inverse=True, return_counts=True)
+    held = np.flatnonzero(counts > FEW * counts.max())  # the others were passed on the way to them
+    if not np.any(np.diff(values[held]) < DROOP):
+        return level
+    ends = large_turns(contraction)
+    out = np.repeat(np.diff(contraction[ends]) > 0.0, np.diff(ends))
+    one = np.bincount(which[:-1], out, len(values)) / counts
+    both = np.minimum(one, 1.0 - one) > FEW
+    for group in np.split(held, np.flatnonzero(np.diff(values[held]) >= DROOP) + 1):
+        if both[group].sum() <= 1 and np.ptp(2 * both[group] + (one[group] > 0.5)) > 0:
+            values[group] = np.round(np.median(level[np.isin(which, group)]), 4)
+    return values[which]
