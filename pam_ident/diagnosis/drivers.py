@@ -79,8 +79,8 @@ def _way(inputs: Inputs) -> Array | None:
     if inputs.moving is None:
         return None
     way = way_since_reversal(inputs)
-    share = way[:, None] / (max(float(way.max()), 1e-9) * np.array([0.03, 0.1, 0.25]))
-    return np.maximum(0.0, 1.0 - share) * inputs.direction[:, None]
+    share = way[:, None] / (max(float(way.max()), 1e-9) * np.array([0.02, 0.06, 0.18]))
+    return np.exp(-share) * inputs.direction[:, None]
 
 
 def _rest(inputs: Inputs) -> Array | None:

@@ -125,7 +125,7 @@ class Following:
     @cached_property
     def _criteria(self) -> dict[frozenset[int], float]:
         """Deviance of sets, each in the noise of any colour that it leaves, and their penalty: of the likeliest of a
-        search, what could stand in its place, single drivers and none, and of these with fewer drivers.
+        search, what could stand in its place or that of one driver, single drivers and none, and of these with fewer.
 
         A search has one noise for all its sets, and takes what is slow in that for a driver's. A set that leaves much
         more to slow noise must be LIKELIER.
@@ -144,13 +144,24 @@ class Following:
             penalty = surfaces.of(one)[1] * math.log(max(n, 10)) + self._each * len(one)
             return n * math.log(innovation_variance(filled(left, gaps))) + penalty + doubt
 
-        sets = {best, *without.values(), *self._single, none}
+        sets = {best, *without.values(), *self._single, *self._exchanged(best), none}
         sets |= {one - {k} for one in sets for k in one}
         found: dict[frozenset[int], float] = {}
         while sets := {one for one in sets if one not in found}:
             found |= {one: criterion(one) for one in sets}
             here = min(found, key=found.__getitem__)
             sets = {here - {k} for k in here}
+        return found
+
+    def _exchanged(self, best: frozenset[int]) -> list[frozenset[int]]:
+        """A set with one driver exchanged for each other that is nearly as good: what one imitates, two may."""
+        found, least = [], self.evidence(best) - max(CLOSE, BESIDE * self.evidence(best))
+        for rest in (best - {k} for k in best):
+            worth = self._adding(rest)
+            for name in set(self.surfaces.names) - self._named(best):
+                other = self._best_group(name, worth)
+                if worth[other] > least:
+                    found.append(rest | {other})
         return found
 
     @cached_property
@@ -250,20 +261,23 @@ class Following:
         """Values (n,) or columns (n, k) as they are before what rows share is evened out."""
         return self.shared.back(values) if self.shared else values
 
+    def _loss(self, groups: frozenset[int]) -> float:
+        """What is lost by a set. What builds up after a reversal is one force, of one direction at the end: two drivers
+        cost as one."""
+        worth = [
+            -self._criteria[one] + self._each * (self._named(one) >= {"way", "direction"})
+            for one in (self.best, groups)
+        ]
+        return worth[0] - worth[1]
+
     @cached_property
     def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
         """For each of the likeliest drivers what is lost without it, and the likeliest then."""
-
-        def worth(groups: frozenset[int]) -> float:
-            """What builds up after a reversal is one force, of one direction at the end: two drivers cost as one."""
-            return -self._criteria[groups] + self._each * (self._named(groups) >= {"way", "direction"})
-
-        best, found = self.best, {}
-        for k in best:
-            name = self.surfaces.names[k]
-            other = max((one for one in self._criteria if name not in self._named(one)), key=worth, default=None)
+        found = {}
+        for name in self.chosen:
+            other = min((one for one in self._criteria if name not in self._named(one)), key=self._loss, default=None)
             if other is not None:
-                found[name] = (worth(best) - worth(other), self._named(other))
+                found[name] = (self._loss(other), self._named(other))
         return found
 
     @property
@@ -284,19 +298,16 @@ class Following:
         With one speed alone the speed and the direction of motion are one; and in a locked muscle, of which nobody
         measures how far its braid slides, the way since a reversal and the relaxation since.
         """
-        return self._within(CLOSE)
+        as_good = [self._named(one) for one in self._criteria if not one >= self.best and self._loss(one) <= CLOSE]
+        return self._alike(self.chosen.union(*as_good))
 
     @property
     def possible(self) -> frozenset[str]:
         """The likeliest, and those without which none of these is `needed`; in the place of the map only those that
         lose less than STATIC: what has no history leaves nothing to them, however large it is."""
-        return self._within(self._least)
-
-    def _within(self, most: float) -> frozenset[str]:
-        """The likeliest, and those in the place of one by which no more than that evidence is lost."""
-        place = self._instead.items()
-        found = [others for name, (loss, others) in place if loss <= (min(most, STATIC) if name == "map" else most)]
-        return self._alike(self.chosen.union(*found))
+        least, place = self._least, self._instead.items()
+        found = [others for name, (loss, others) in place if loss <= (min(least, STATIC) if name == "map" else least)]
+        return self._alike(self.likely.union(*found))
 
     @cached_property
     def drivers(self) -> frozenset[str]:

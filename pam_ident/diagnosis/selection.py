@@ -311,9 +311,9 @@ class Selection:
         free = [] if self.record.inputs.time is None else [following.in_newtons(following.surfaces.matrix)]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
         many = columns.shape[1] >= len(self.record) // 2
-        if many and self.record.inputs.time is None:
+        if many:
             return self.noise_of_best(None)[0]
-        left, taken = remainder(view.law if many else columns, view.residual)
+        left, taken = remainder(columns, view.residual)
         rich = self.noise_in(left, view, taken)
         if rich.shared or following.unsure is None:
             return rich

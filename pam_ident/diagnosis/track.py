@@ -24,6 +24,8 @@ NEGLIGIBLE = 0.05
 """Share of the noise's variance below which it does not matter how unsure the track is."""
 FAINT = 1e-6
 """Variance of what rows have in common, over that of the noise, below which it is none."""
+SHORTEST = 6
+"""Samples of a rest at a turn below which it may be the slow part of a smooth motion."""
 ON_LEVEL = 4.0
 """Standard deviations of the position sensor within which a sample lies on a hold's level."""
 
@@ -176,8 +178,9 @@ class TrackError:
 
 def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     """Samples in which the muscle may rest or slide either way, (n,): at the point of a turn without a hold, which
-    belongs to both strokes, or to neither; in the rest that a segment begins with, because nobody saw how it was come
-    to; and the last one within `near_mm` of a hold's level, where a stroke may have begun."""
+    belongs to both strokes, or to neither, and in so short a rest there that the turn may be anywhere in it; in the
+    rest that a segment begins with, because nobody saw how it was come to; and the last one within `near_mm` of a
+    hold's level, where a stroke may have begun."""
     moving, segment, x = inputs.moving, inputs.segment, inputs.displacement_mm
     assert moving is not None and segment is not None
     found = np.zeros(len(inputs), bool)
@@ -186,6 +189,9 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     begins = np.diff(segment, prepend=segment[0] - 1) != 0
     run = np.cumsum(begins | np.diff(moving, prepend=moving[0]))
     found |= np.isin(run, run[begins & ~moving]) & np.isin(segment, segment[moving])
+    turned = np.flatnonzero(moving[1:] & ~moving[:-1] & (np.diff(inputs.direction) != 0.0))
+    short = run[turned][np.bincount(run)[run[turned]] < SHORTEST]
+    found |= np.isin(run, short)
     if near_mm is not None:
         last = np.flatnonzero(moving[1:] & ~moving[:-1])
         found[last + (np.abs(np.diff(x)[last]) <= near_mm)] = True

@@ -67,19 +67,18 @@ def between(pressure: Array, contraction: Array) -> Array:
     size = 2 * max(AT_LEAST, int(STAYS * n)) + 1
     steady = maximum_filter1d(pressure, size) - minimum_filter1d(pressure, size) <= GAP
     held = maximum_filter1d(steady, size)
-    away, none = np.flatnonzero(~held), np.zeros(n, bool)
+    none = np.zeros(n, bool)
     if held.all() or not held.any():
         return none
     isobars = np.unique(levels_of(pressure[held], listed=False))
-
-    def nearest(rows: Array) -> Array:
-        return np.abs(pressure[rows, None] - isobars).argmin(axis=1)
-
-    away = away[np.abs(pressure[away] - isobars[nearest(away)]) > GAP]
-    ways = [w for w in np.split(away, np.flatnonzero(np.diff(away) > 1) + 1) if len(w)]
-    first, last = (np.array([w[k] for w in ways], int) for k in (0, -1))
-    another = nearest(np.maximum(first - 1, 0)) != nearest(np.minimum(last + 1, n - 1))
-    ways = [w for w, goes in zip(ways, another | (first == 0), strict=True) if goes]
+    nearest = np.abs(pressure[:, None] - isobars).argmin(axis=1)
+    away = np.flatnonzero(~held)
+    ways = []
+    for rows in np.split(away, np.flatnonzero(np.diff(away) > 1) + 1):
+        far = np.flatnonzero(np.abs(pressure[rows] - isobars[nearest[rows]]) > GAP)
+        way = rows[far[0] : far[-1] + 1] if len(far) else far
+        if len(way) and (way[0] == 0 or nearest[way[0] - 1] != nearest[min(way[-1] + 1, n - 1)]):
+            ways.append(way)
     found = none.copy()
     found[np.concatenate([np.empty(0, int), *ways])] = True
     moved = [float(np.ptp(contraction[w])) for w in ways]

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-
 def between_isobars(record: Record) -> np.ndarray:
     """Mask (n,) of the samples between the isobars of a record, none where it is another kind of test or its isobars
     were told."""

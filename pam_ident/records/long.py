@@ -17,11 +17,11 @@ from ..core import Array, Inputs, Specimen
 from .columns import pause_between, read_pieces, same_quantities
 from .columns_on_disk import STRETCH, Columns
 from .files import Files, find_files
+from .isobars import nominal
 from .load import files_sha256, headers, nothing_left, record_name, said_kind, specimen_of, tables_of
 from .motion import follow, long_pause
 from .notes import Note, Notes
 from .ranges import Values, contraction_of
-from .isobars import nominal
 from .record import Record, turns
 from .roughness import NORMAL_MEDIAN, roughness
 from .run_constants import on_length

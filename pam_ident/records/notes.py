@@ -9,8 +9,8 @@ LEFT_OUT = {
     "impossible_value": "{rows} left out: column {column!r} reads there several times what it does in all others "
     "(first {where})",
     "spike": "{rows} left out: column {column!r} jumps away there for a reading and comes back (first {where})",
-    "between": "{rows} left out: column {column!r} goes from one isobar to the next there while the muscle rests (first "
-    "{where})",
+    "between": "{rows} left out: column {column!r} goes from one isobar to the next there while the muscle rests "
+    "(first {where})",
     "clipped": "{rows} left out: column {column!r} is at the end of its range there or next to it (first {where})",
     "slack": "{rows} left out: column {column!r} stands at zero there while the pressure changes, as of a muscle that "
     "hangs slack (first {where})",

@@ -58,10 +58,14 @@ def pivots(x: Array, threshold: float) -> list[int]:
 
 def without_spikes(x: Array, turns: list[int], span: float) -> list[int]:
     """The turning points of x (n,) but those of lone samples off the track: a way back of one step, small beside the
-    range `span`, is a sensor's spike. Each such spike would count as a reversal, and two of them as a cycle."""
+    range `span`, and most of it out in one step, too, is a sensor's spike. Each such spike would count as a reversal,
+    and two of them as a cycle."""
     kept: list[int] = []
     for turn in turns:
-        if len(kept) > 1 and turn - kept[-1] == 1 and turn < len(x) - 1 and abs(x[turn] - x[kept[-1]]) < SPIKE * span:
+        last = kept[-1] if kept else turn
+        back = abs(x[turn] - x[last])
+        lone = turn - last == 1 and back < SPIKE * span and abs(x[last] - x[last - 1]) > 0.5 * back
+        if len(kept) > 1 and turn < len(x) - 1 and lone:
             kept.pop()
         else:
             kept.append(turn)

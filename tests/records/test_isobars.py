@@ -1,0 +1,60 @@
+"""A test that is logged throughout holds its isobars, though its pressure takes its time from one to the next."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pam_ident.core import Specimen
+from pam_ident.records import record_from_frame
+
+MUSCLE = Specimen("m", 200.0, 10.0, 25.0, 1.5)
+LOOP = np.r_[np.zeros(10), np.linspace(0.0, 30.0, 40), np.linspace(30.0, 0.0, 40), np.zeros(10)]
+
+
+def logged(ramp, pressures=(0.4, 0.1, 0.3), at_mm=0.0):
+    """Two loops on each isobar, between which the pressure goes in `ramp` rows while the muscle rests at `at_mm`."""
+    rng = np.random.default_rng(3)
+    p, x = [np.empty(0)], [np.empty(0)]
+    for before, level in zip((pressures[0], *pressures), pressures, strict=False):
+        p += [np.linspace(before, level, ramp + 2)[1:-1], np.full(200, level)]
+        x += [np.full(ramp, at_mm), np.tile(LOOP, 2)]
+    p, x = np.concatenate(p), np.concatenate(x)
+    p = p + 0.0003 * rng.standard_normal(len(p))
+    table = {
+        "time_s": 0.1 * np.arange(len(p)),
+        "pressure_MPa": p,
+        "displacement_mm": x,
+        "force_N": 1000.0 * p - 4.0 * x,
+    }
+    return record_from_frame(pd.DataFrame(table), MUSCLE)
+
+
+@pytest.mark.parametrize("ramp", [3, 8, 15])
+def test_rows_between_isobars_are_left_out_and_make_none(ramp):
+    record = logged(ramp)
+    assert record.kind == "isobaric"
+    assert record.levels == pytest.approx([0.1, 0.3, 0.4], abs=1e-3)
+    (note,) = [one for one in record.notes if one.code == "between"]
+    assert note.rows == 2 * ramp
+    assert len(record) == 600 + ramp  # the first way leads nowhere, so all of it is an isobar's
+    assert np.all(np.abs(record.inputs.pressure - record.level) < 0.005)
+
+
+def test_direction_and_clock_go_on_over_what_is_left_out():
+    record = logged(8)
+    whole = np.flatnonzero(np.diff(record.inputs.time) > 0.15)
+    assert np.diff(record.inputs.time)[whole] == pytest.approx([0.9, 0.9])
+    assert np.all(record.inputs.direction[whole] == record.inputs.direction[whole + 1])
+
+
+def test_a_pressure_that_is_driven_has_no_rows_between_isobars():
+    assert logged(60).kind == "dynamic"
+    assert not logged(60).notes
+
+
+def test_a_pressure_that_dips_and_comes_back_stays():
+    record = logged(3, pressures=(0.3, 0.3))
+    dipped = record.inputs.pressure - 0.1 * np.isin(np.arange(len(record)), range(100, 106))
+    columns = {"time_s": record.inputs.time, "pressure_MPa": dipped, "displacement_mm": record.inputs.displacement_mm}
+    found = record_from_frame(pd.DataFrame(columns | {"force_N": record.force}), MUSCLE)
+    assert len(found) == len(record) and not found.notes
