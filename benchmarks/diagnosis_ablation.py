@@ -76,8 +76,8 @@ RULES: dict[str, Rule] = {
     "a held pressure is its mean": ("follows", "without_sensor", lambda record: record.inputs),
     "sets of drivers compete in their own noise": (
         "follows",
-        "Following._criteria",
-        property(lambda self: {one: -self.evidence(one) for one in {self._search[0], *self._search[1].values()}}),
+        "Following._own_noise",
+        property(lambda self: None),
     ),
 }
 """Where a rule lives in pam_ident.diagnosis, and what stands there without it."""

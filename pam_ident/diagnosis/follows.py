@@ -26,20 +26,16 @@ from ..records import Record
 from ..records.roughness import position_noise
 from .dictionary import slopes
 from .drivers import DRIVERS
-from .noise import OTHER_SIZE, filled, isolated
 from .nouns import Follows
+from .own_noise import OwnNoise
 from .repeats import comes_back, memory_of
-from .schedule import one_speed
+from .schedule import one_speed, way_is_time
 from .search import CLOSE, TEMPER, orthonormal
 from .steady import steadied, without_sensor
 from .surfaces import Surfaces
 from .track import SharedNoise, TrackError
-from .whitening import innovation_variance
 
 Array = np.ndarray
-LIKELIER = 100.0
-"""Deviance by which slow noise must be likelier than drivers that leave a third less: 56 where a load cell wandered,
-186 and more in 14 of 16 records without anything hidden of which drivers explain so much."""
 REST = "the rest"
 """What follows nothing, where nobody knows that it is noise."""
 BESIDE = 0.01
@@ -124,44 +120,38 @@ class Following:
 
     @cached_property
     def _criteria(self) -> dict[frozenset[int], float]:
-        """Deviance of sets, each in the noise of any colour that it leaves, and their penalty: of the likeliest of a
-        search, what could stand in its place or that of one driver, single drivers and none, and of these with fewer.
-
-        A search has one noise for all its sets, and takes what is slow in that for a driver's. A set that leaves much
-        more to slow noise must be LIKELIER.
-        """
+        """Criterion of the likeliest set of a search, of what could stand in its place, of single drivers and none, and
+        of these with fewer drivers."""
         best, without = self._search
-        surfaces, none = self.surfaces, frozenset[int]()
-        if self.record.inputs.time is None or not best:
-            return {one: -self.evidence(one) for one in {best, *without.values(), none}}
-        rest = self.left - surfaces.explained(best)
-        gaps = ~self.read | isolated(rest)
-        n, most = int(np.count_nonzero(~gaps)), (1.0 + OTHER_SIZE) * float(np.sum(rest[~gaps] ** 2))
-
-        def criterion(one: frozenset[int]) -> float:
-            left = self.left - surfaces.explained(one)
-            doubt = LIKELIER if float(np.sum(left[~gaps] ** 2)) > most else 0.0
-            penalty = surfaces.of(one)[1] * math.log(max(n, 10)) + self._each * len(one)
-            return n * math.log(innovation_variance(filled(left, gaps))) + penalty + doubt
-
-        sets = {best, *without.values(), *self._single, *self._exchanged(best), none}
-        sets |= {one - {k} for one in sets for k in one}
+        sets = {best, *without.values(), frozenset[int]()}
+        if self._own_noise:
+            sets |= set(self._single)
+            sets |= {one - {k} for one in sets for k in one}
         found: dict[frozenset[int], float] = {}
         while sets := {one for one in sets if one not in found}:
-            found |= {one: criterion(one) for one in sets}
+            found |= {one: self._criterion(one) for one in sets}
             here = min(found, key=found.__getitem__)
-            sets = {here - {k} for k in here}
+            sets = {here - {k} for k in here} if self._own_noise else set()
         return found
 
-    def _exchanged(self, best: frozenset[int]) -> list[frozenset[int]]:
-        """A set with one driver exchanged for each other that is nearly as good: what one imitates, two may."""
-        found, least = [], self.evidence(best) - max(CLOSE, BESIDE * self.evidence(best))
-        for rest in (best - {k} for k in best):
+    @cached_property
+    def _own_noise(self) -> OwnNoise | None:
+        """What compares sets, None in a table and where nothing is followed."""
+        best, _ = self._search
+        compared = best and self.record.inputs.time is not None
+        return OwnNoise(self.left, self.surfaces, best, self.read, self._each) if compared else None
+
+    def _criterion(self, groups: frozenset[int]) -> float:
+        return self._own_noise.criterion(groups) if self._own_noise else -self.evidence(groups)
+
+    @cached_property
+    def _exchanged(self) -> list[frozenset[int]]:
+        """The likeliest set with one driver exchanged for each other that is nearly as good."""
+        found, least = [], self.evidence(self.best) - self._least
+        for rest in (self.best - {k} for k in self.best):
             worth = self._adding(rest)
-            for name in set(self.surfaces.names) - self._named(best):
-                other = self._best_group(name, worth)
-                if worth[other] > least:
-                    found.append(rest | {other})
+            others = [self._best_group(name, worth) for name in set(self.surfaces.names) - self.chosen]
+            found += [rest | {other} for other in others if worth[other] > least]
         return found
 
     @cached_property
@@ -264,11 +254,11 @@ class Following:
     def _loss(self, groups: frozenset[int]) -> float:
         """What is lost by a set. What builds up after a reversal is one force, of one direction at the end: two drivers
         cost as one."""
-        worth = [
-            -self._criteria[one] + self._each * (self._named(one) >= {"way", "direction"})
-            for one in (self.best, groups)
-        ]
-        return worth[0] - worth[1]
+        own, best = (
+            self._criterion(one) - self._each * (self._named(one) >= {"way", "direction"})
+            for one in (groups, self.best)
+        )
+        return own - best
 
     @cached_property
     def _instead(self) -> dict[str, tuple[float, frozenset[str]]]:
@@ -295,10 +285,11 @@ class Following:
     def likely(self) -> frozenset[str]:
         """The likeliest drivers, and those that could stand in the place of one, at odds as good.
 
-        With one speed alone the speed and the direction of motion are one; and in a locked muscle, of which nobody
-        measures how far its braid slides, the way since a reversal and the relaxation since.
+        With one speed alone the speed and the direction of motion are one; and where nothing rests, too, or in a locked
+        muscle, of which nobody measures how far its braid slides, the way since a reversal and the relaxation since.
         """
-        as_good = [self._named(one) for one in self._criteria if not one >= self.best and self._loss(one) <= CLOSE]
+        sets = [one for one in (*self._criteria, *self._exchanged) if not one >= self.best]
+        as_good = [self._named(one) for one in sets if self._loss(one) <= CLOSE]
         return self._alike(self.chosen.union(*as_good))
 
     @property
@@ -319,7 +310,7 @@ class Following:
         """Drivers with those that are one with them in this record, or may be a part of them."""
         one = [{"speed", "pressure_rate"}] if "pressure_rate" in self.surfaces.names else []  # a lag follows both
         one += [{"speed", "direction"}] if one_speed(self.record) else []
-        one += [{"way", "rest"}] if self.record.inputs.locked else []
+        one += [{"way", "rest"}] if self.record.inputs.locked or way_is_time(self.record) else []
         return found.union(*(same for same in one if found & same))
 
     @cached_property
@@ -376,8 +367,7 @@ class Following:
         surfaces, total = self.surfaces, float(self.left @ self.left)
         if not total > 0.0:
             return (Follows("noise", 1.0, "noise"),)
-        shares: dict[int, float] = {}
-        taken: frozenset[int] = frozenset()
+        shares, taken = dict[int, float](), frozenset[int]()
         while rest := self.best - taken:
             worth = self._adding(taken)
             k = max(sorted(rest), key=worth.__getitem__)

@@ -7,6 +7,8 @@ from ..records import Record
 
 SPEED_RATIO = 1.5
 """Speeds closer than this are one speed: within a stroke, speed varies with contraction and proves nothing."""
+SELDOM = 0.05
+"""Share of the samples, behind the first stroke of an isobar, up to which a muscle never rests."""
 
 
 def one_speed(record: Record) -> bool:
@@ -23,6 +25,18 @@ def one_speed(record: Record) -> bool:
     level = record.level if record.inputs.pressure_rate is None else np.zeros(len(record))
     cells = (level + 1j * record.inputs.direction)[moving]  # a pair as one number
     return all(_one(speed[moving][cells == cell]) for cell in np.unique(cells))
+
+
+def way_is_time(record: Record) -> bool:
+    """Whether strokes of one speed follow each other at once, so that the way since a reversal is the time since."""
+    inputs = record.inputs
+    if inputs.moving is None or inputs.segment is None or not one_speed(record):
+        return False
+    begun = np.zeros(len(record), bool)  # that a segment begins at rest tells nothing
+    for segment in np.unique(inputs.segment):
+        here = np.flatnonzero(inputs.segment == segment)
+        begun[here] = np.maximum.accumulate(inputs.moving[here])
+    return bool(np.mean(inputs.moving[begun]) > 1.0 - SELDOM)
 
 
 def mean_of_each(group: Array, values: Array) -> Array:

@@ -14,6 +14,7 @@ from scipy import sparse
 
 from ..core import Inputs, Specimen
 from ..records import Record
+from ..records.motion import FEWEST_HELD
 from ..records.roughness import noise_around
 from ..records.smoothing import settling_basis, smooth_basis
 from .dictionary import Slopes
@@ -24,8 +25,6 @@ NEGLIGIBLE = 0.05
 """Share of the noise's variance below which it does not matter how unsure the track is."""
 FAINT = 1e-6
 """Variance of what rows have in common, over that of the noise, below which it is none."""
-SHORTEST = 6
-"""Samples of a rest at a turn below which it may be the slow part of a smooth motion."""
 ON_LEVEL = 4.0
 """Standard deviations of the position sensor within which a sample lies on a hold's level."""
 
@@ -190,7 +189,7 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     run = np.cumsum(begins | np.diff(moving, prepend=moving[0]))
     found |= np.isin(run, run[begins & ~moving]) & np.isin(segment, segment[moving])
     turned = np.flatnonzero(moving[1:] & ~moving[:-1] & (np.diff(inputs.direction) != 0.0))
-    short = run[turned][np.bincount(run)[run[turned]] < SHORTEST]
+    short = run[turned][np.bincount(run)[run[turned]] < FEWEST_HELD]
     found |= np.isin(run, short)
     if near_mm is not None:
         last = np.flatnonzero(moving[1:] & ~moving[:-1])

@@ -11,7 +11,7 @@ from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.patterns import patterns
 from pam_ident.model import Model
 from pam_ident.records import build_record
-from pam_ident.records.record import nominal
+from pam_ident.records.isobars import nominal
 from pam_ident.rig import Plan, Secret, make_record, write_case
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.setup import Setup
