@@ -69,7 +69,7 @@ RULES: dict[str, Rule] = {
     "names of one driver earn twice": ("search", "_lengths_own", lambda effect: (effect.name,)),
     "drivers in place of another": ("follows", "Following.possible", property(lambda self: self.likely)),
     "drivers beside others": ("follows", "Following.drivers", property(lambda self: self.likely)),
-    "free forms in place of values against nature": ("confirmed", "_in_free_forms", lambda *_: []),
+    "other forms in place of values against nature": ("confirmed", "_in_other_forms", lambda *_: []),
     "what is too small goes": ("confirmed", "_large_enough", lambda base, named, fitted, least: named),
     "doubtful names go beside something unknown": ("diagnose", "_without_doubtful", lambda outcome: outcome),
     "no other noise where sure": ("select", "_sure", lambda selection, fitted: False),

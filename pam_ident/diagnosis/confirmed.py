@@ -9,6 +9,7 @@ from ..core.param import Param, Range
 from ..fitting import Fit, fit
 from ..fitting.estimate import Estimate, impossible
 from ..model import Model, Term
+from .adequacy import Adequacy, FreeModel
 from .heldout import SHORT, fit_quickly, heldout_rmse, in_best_forms
 from .nouns import Pattern
 from .search import CLOSE
@@ -37,7 +38,7 @@ def allowed_by_nature(
         near = [v for v in selection.cache.values() if v.terms and v.criterion < fitted.criterion + CLOSE]
         close = [v for v in near if instead(v) and not any(_outside(e, v.values) for e in wrong)]
         small = fitted.candidates.difference(ruled_out, (t.effect.name for t in stand))
-        for one in [*sorted(close, key=lambda v: v.criterion)[:RIVALS], *_in_free_forms(selection, fitted, ruled_out)]:
+        for one in [*sorted(close, key=lambda v: v.criterion)[:RIVALS], *_in_other_forms(selection, fitted, ruled_out)]:
             other = found(one)
             if not other[-1] and one.candidates <= small.union(t.effect.name for t in other[-2]):
                 return one, other
@@ -50,13 +51,20 @@ def _outside(estimate: Estimate, values: Mapping[str, float]) -> bool:
     return end is not None and not end.low <= values.get(estimate.name, end.low) <= end.high
 
 
-def _in_free_forms(selection: Selection, fitted: FittedSet, wrong: Collection[str]) -> list[FittedSet]:
-    """A set with each of some names in a free form that explains as much."""
+def _in_other_forms(selection: Selection, fitted: FittedSet, wrong: Collection[str]) -> list[FittedSet]:
+    """A set with each of some names in each other form, those that explain as much or are complete, best first: a form
+    that nature does not allow is none, so what it would leave less of is no measure for the others."""
     found = []
     for term in (t for t in fitted.terms if t.effect.name in wrong):
-        freer = [Term(term.effect, form) for form in term.effect.forms if form.free and form is not term.form]
-        found += [selection.refit([*fitted.without(term), one], fitted.values) for one in freer]
-    return [v for v in found if v.squares < fitted.squares + CLOSE]
+        others = [Term(term.effect, form) for form in term.effect.forms if form is not term.form]
+        found += [selection.refit([*fitted.without(term), one], fitted.values) for one in others]
+
+    def may_be(one: FittedSet) -> bool:
+        if one.squares < fitted.squares + CLOSE or selection.record.inputs.time is None:
+            return one.squares < fitted.squares + CLOSE
+        return one.criterion < math.inf and Adequacy(selection, one, FreeModel.of(selection)).complete
+
+    return sorted(filter(may_be, found), key=lambda v: v.criterion)
 
 
 def _possible(

@@ -22,8 +22,8 @@ AT_LEAST, STAYS = 2, 0.005
 
 
 def levels_of(pressure: Array, listed: bool = True) -> Array:
-    """Nominal pressure of each sample: its own value in a short list, unless none is `listed`, else the median of its
-    cluster (5 kPa gaps)."""
+    """Nominal pressure of each sample, (n,): its own value in a short list, unless none is `listed`, else the median of
+    its cluster (5 kPa gaps)."""
     values, inverse, counts = np.unique(np.round(pressure, 6), return_inverse=True, return_counts=True)
     return nominal(values, counts, listed)[inverse]
 

@@ -1,12 +1,14 @@
 """What the error follows, by shares: planted dependences of forms that no effect has, and none in noise."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.follows import told, what_it_follows
+from pam_ident.diagnosis.follows import Following, told, what_it_follows
+from pam_ident.diagnosis.schedule import way_is_time
 from pam_ident.diagnosis.steady import steadied
 from pam_ident.fitting import fit
 from pam_ident.model import Model
@@ -170,3 +172,51 @@ def test_what_imitates_two_drivers_does_not_hide_them(seed):
     record = build_record("short", SPECIMEN, p, e, force, time=time)
     found = what_it_follows(fit(Model.build("modified_chou_hannaford"), record))
     assert {one.what for one in found} == {"map", "direction", "noise"}
+
+
+def strokes(hidden, speeds=(1.0,), hold=0, seed=1, noise=1.0, pressures=(0.2, 0.4)):
+    """Triangles of three amplitudes on each isobar, `hold` rows at each turn, and what is hidden of the way gone."""
+    ends, track = (0.0, 40.0, 5.0, 25.0, 0.0, 40.0, 12.0, 30.0, 0.0), [np.zeros(1)]
+    for k, (begin, end) in enumerate(pairwise(ends)):
+        rows = round(abs(end - begin) / speeds[k % len(speeds)])
+        track += [np.linspace(begin, end, rows + 1)[1:], np.full(hold, end)]
+    x = np.tile(np.concatenate(track), len(pressures))
+    p, e = np.repeat(pressures, len(x) // len(pressures)), x / SPECIMEN.initial_length_mm
+    rng = np.random.default_rng(seed)
+    force = SPECIMEN.ideal_force(p, e) + hidden(x) + noise * rng.standard_normal(len(x))
+    time = 0.1 * np.arange(len(x)) + 20.0 * (p > pressures[0])
+    return build_record("strokes", SPECIMEN, p, e, force, time=time)
+
+
+def dahl(x):
+    """Friction of 12 N that builds up over 6 mm."""
+    z = np.zeros(len(x))
+    for k, step in enumerate(np.diff(x), start=1):
+        z[k] = np.sign(step) + (z[k - 1] - np.sign(step)) * np.exp(-abs(step) / 6.0)
+    return -12.0 * z
+
+
+def likely(record):
+    return Following.of(fit(Model.build("chou_hannaford"), record)).likely
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_friction_that_builds_up_along_the_way_follows_the_way(seed):
+    """By straight courses over the way alone relaxation at the one speed was likelier."""
+    assert likely(strokes(dahl, seed=seed)) >= {"way", "direction"}
+
+
+def test_where_nothing_rests_at_one_speed_way_and_relaxation_are_one():
+    assert way_is_time(strokes(dahl))
+    assert not way_is_time(strokes(dahl, hold=10)) and not way_is_time(strokes(dahl, speeds=(0.5, 2.0)))
+    assert "rest" in likely(strokes(dahl)) and "rest" not in likely(strokes(dahl, hold=10))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_of_one_run_time_since_it_began_is_the_clock(seed):
+    """What settles over a run of one isobar was relaxation, or the cycle, and drift was not tried."""
+
+    def damped(x):
+        return -0.8 * np.gradient(x, 0.1) + 14.0 * np.exp(-np.arange(len(x)) / 150.0)
+
+    assert likely(strokes(damped, speeds=(0.4, 1.6, 0.9), seed=seed, pressures=(0.3,))) >= {"speed", "clock"}

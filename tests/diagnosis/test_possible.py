@@ -113,8 +113,10 @@ def test_a_param_says_nothing_about_nature_unless_told():
     assert Param("a", "N", "").range is None
 
 
-def test_a_free_form_stands_for_what_is_impossible_though_a_slight_name_goes(monkeypatch):
-    """Neither the set itself is looked at again nor another with the same value."""
+@pytest.mark.parametrize(("squares", "complete"), [(12.0, False), (900.0, True), (900.0, False)])
+def test_another_form_stands_for_what_is_impossible_though_a_slight_name_goes(monkeypatch, squares, complete):
+    """One that explains as much, or that is complete. Neither the set itself is looked at again nor another with the
+    same value."""
     lag, free, creep, drift = map(as_term, ("pressure_lag", "pressure_lag:free_lagging", "creep", "force_drift"))
     kappa = Estimate(
         "pressure_lag.kappa", "1", "", 0.1, 0.01, False, True, 0.08, 0.12, range=Range(0.3, 1.7, "this test")
@@ -122,7 +124,7 @@ def test_a_free_form_stands_for_what_is_impossible_though_a_slight_name_goes(mon
     values = {"pressure_lag.kappa": 0.1}
     first = FittedSet((lag, creep, drift), values, 10.0, 10.0)
     alike = FittedSet((lag, creep), values, 11.0, 11.0)
-    other = FittedSet((free, creep, drift), {}, 12.0, 12.0)
+    other = FittedSet((free, creep, drift), {}, squares, squares)
     asked = []
 
     def possible(base, heldout, named, fitted, least):
@@ -132,12 +134,18 @@ def test_a_free_form_stands_for_what_is_impossible_though_a_slight_name_goes(mon
         return SimpleNamespace(), 1.0, kept, ruled_out
 
     selection = SimpleNamespace(
+        record=SimpleNamespace(inputs=SimpleNamespace(time=np.zeros(9))),
         noise=SimpleNamespace(too_small=0.05, whole=1.0),
         cache={1: first, 2: alike},
         weight=lambda fitted, term: 1.0,
         refit=lambda terms, start: other if free in terms else replace(other, squares=1e9),
     )
     monkeypatch.setattr(confirmed, "_possible", possible)
+    monkeypatch.setattr(confirmed, "FreeModel", SimpleNamespace(of=lambda _: None))
+    monkeypatch.setattr(
+        confirmed, "Adequacy", lambda _, one, free: SimpleNamespace(complete=complete and one.squares == squares)
+    )
     found, (_, _, named, ruled_out) = allowed_by_nature(SimpleNamespace(), 1.0, selection, first, lambda one: True)
-    assert found is other and named == [free, creep] and not ruled_out
-    assert asked == [first, other]
+    stands = squares < 30.0 or complete
+    assert (found is other and named == [free, creep] and not ruled_out) is stands
+    assert asked == ([first, other] if stands else [first])
