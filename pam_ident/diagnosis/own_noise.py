@@ -18,8 +18,8 @@ class OwnNoise:
     """Deviance of sets of groups of surfaces over what is `left` (n,), and their penalty, of which each driver has
     `each`; `best` is that of a search, and `read` (n,) the samples that are looked at.
 
-    A search has one noise for all its sets, and takes what is slow in that for a driver's. A set that leaves a third
-    more to slow noise must be LIKELIER, one that leaves less than that by as much less.
+    A search has one noise for all its sets, and takes what is slow in that for a driver's. A set that leaves two
+    thirds more to slow noise must be LIKELIER, one that leaves less than that by less, and by nothing up to a third.
     """
 
     def __init__(self, left: Array, surfaces: Surfaces, best: frozenset[int], read: Array, each: float) -> None:
@@ -35,7 +35,7 @@ class OwnNoise:
         if groups not in self.known:
             left = self.left - self.surfaces.explained(groups)
             more = (float(np.sum(left[~self.gaps] ** 2)) / self.least - 1.0) / OTHER_SIZE
-            doubt = LIKELIER * min(max(more, 0.0), 1.0)
+            doubt = LIKELIER * min(max(more - 1.0, 0.0), 1.0)
             penalty = self.surfaces.of(groups)[1] * math.log(max(self.rows, 10)) + self.each * len(groups)
             deviance = self.rows * math.log(innovation_variance(filled(left, self.gaps)))
             self.known[groups] = deviance + penalty + doubt

@@ -202,21 +202,21 @@ def likely(record):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_friction_that_builds_up_along_the_way_follows_the_way(seed):
-    """By straight courses over the way alone relaxation at the one speed was likelier."""
-    assert likely(strokes(dahl, seed=seed)) >= {"way", "direction"}
+    """By straight courses over the way alone relaxation was likelier."""
+    assert "way" in likely(strokes(dahl, seed=seed, speeds=(0.5, 2.0, 1.0)))
 
 
 def test_where_nothing_rests_at_one_speed_way_and_relaxation_are_one():
     assert way_is_time(strokes(dahl))
-    assert not way_is_time(strokes(dahl, hold=10)) and not way_is_time(strokes(dahl, speeds=(0.5, 2.0)))
+    assert not way_is_time(strokes(dahl, hold=10)) and not way_is_time(strokes(dahl, speeds=(0.5, 2.0, 1.0)))
     assert "rest" in likely(strokes(dahl)) and "rest" not in likely(strokes(dahl, hold=10))
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_of_one_run_time_since_it_began_is_the_clock(seed):
-    """What settles over a run of one isobar was relaxation, or the cycle, and drift was not tried."""
+def test_a_drift_that_slows_down_may_be_the_clock_in_one_run(seed):
+    """It was relaxation, or the cycle, alone."""
 
-    def damped(x):
-        return -0.8 * np.gradient(x, 0.1) + 14.0 * np.exp(-np.arange(len(x)) / 150.0)
+    def slowing(x):
+        return -0.8 * np.gradient(x, 0.1) - 4.0 * np.log1p(np.arange(len(x)) / 30.0)
 
-    assert likely(strokes(damped, speeds=(0.4, 1.6, 0.9), seed=seed, pressures=(0.3,))) >= {"speed", "clock"}
+    assert likely(strokes(slowing, speeds=(0.4, 1.6, 0.9), seed=seed, pressures=(0.3,))) >= {"speed", "clock"}
