@@ -112,8 +112,7 @@ def _clock(inputs: Inputs) -> Array | None:
         return None
     since = (inputs.time - inputs.time[0]) / np.ptp(inputs.time)
     settling = [np.exp(-since / tau) for tau in (0.01, 0.04, 0.15)]
-    slower = [np.log1p(since / tau) for tau in (0.005, 0.05)]
-    return np.column_stack([polynomials(inputs.time, 4)[:, 1:], *settling, *slower])
+    return np.column_stack([polynomials(inputs.time, 4)[:, 1:], *settling])
 
 
 def _temperature(inputs: Inputs) -> Array | None:
@@ -128,7 +127,7 @@ RATES = ((0,), (0, 1, 2), (0, 1, 2, 3))
 ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
 COUNTED = ((0,), (1,), (2,), (3,), (4,), (5,), (6,), (0, 1, 2), (2, 3, 4), (2, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (8, 9), (0, 1, 2, 3, 4, 5, 6, 7, 8, 9))
-DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (7, 8), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6, 7, 8))
+DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 DRIVERS = (
     Driver("map", "pressure and contraction, alike on both branches", lambda i: np.ones((len(i), 1)), orders=MAP),
     Driver("direction", "the direction of motion", _direction, ((0,), (0, 1))),

@@ -213,11 +213,11 @@ def test_where_nothing_rests_at_one_speed_way_and_relaxation_are_one():
     assert "rest" in likely(strokes(dahl)) and "rest" not in likely(strokes(dahl, hold=10))
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_drift_that_slows_down_may_be_the_clock_in_one_run(seed):
-    """It was relaxation, or the cycle, alone."""
+@pytest.mark.parametrize("seed", [2, 3])
+def test_another_driver_that_could_stand_in_the_place_of_one_is_likely(seed):
+    """A slight drift in one run: the cycle, or relaxation, is as likely, and the clock was not tried beside them."""
 
-    def slowing(x):
-        return -0.8 * np.gradient(x, 0.1) - 4.0 * np.log1p(np.arange(len(x)) / 30.0)
+    def drifting(x):
+        return -0.8 * np.gradient(x, 0.1) - 0.012 * np.arange(len(x))
 
-    assert likely(strokes(slowing, speeds=(0.4, 1.6, 0.9), seed=seed, pressures=(0.3,))) >= {"speed", "clock"}
+    assert likely(strokes(drifting, speeds=(0.4, 1.6, 0.9), seed=seed, pressures=(0.3,))) >= {"speed", "clock"}
