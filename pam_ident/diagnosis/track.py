@@ -191,6 +191,7 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     turned = np.flatnonzero(moving[1:] & ~moving[:-1] & (np.diff(inputs.direction) != 0.0))
     short = run[turned][np.bincount(run)[run[turned]] < FEWEST_HELD]
     found |= np.isin(run, short)
+    found[np.flatnonzero(moving[:-1] & ~moving[1:]) + 1] = True
     if near_mm is not None:
         last = np.flatnonzero(moving[1:] & ~moving[:-1])
         found[last + (np.abs(np.diff(x)[last]) <= near_mm)] = True
