@@ -300,13 +300,15 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
 
 
 def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -> bool:
-    """Whether a set with a pattern is better than one without by what is not the noise's tails, too.
+    """Whether a set with a pattern is better than one without by what is not the noise's tails, too, nor one sample or
+    two.
 
     A pattern may be as short as a few samples, and of all places it is tried at the one where noise was far off.
     """
     read = ~selection.noise.outlier
     before, after = (selection.noise.whiten(selection.view(v).residual)[read] for v in (fitted, found))
-    saved = deviance_saved(before, after)
+    others = np.argsort(before**2 - after**2)[:-2]
+    saved = deviance_saved(before[others], after[others])
     return saved - (fitted.squares - found.squares) > found.criterion - fitted.criterion
 
 

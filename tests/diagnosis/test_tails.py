@@ -1,11 +1,14 @@
 """A far sample in noise with heavy tails is no pattern."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy import stats
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
+from pam_ident.diagnosis.select import _outlives_tails
 from pam_ident.diagnosis.tails import deviance_saved
 from pam_ident.model import Model
 from pam_ident.records import build_record
@@ -53,3 +56,18 @@ def test_neighbours_that_are_far_off_by_chance_are_no_step_and_a_step_is_one(see
     found = diagnose(Model.build("polynomial"), loops(noise, 4.0))
     assert found.verdict == "unknown_effect"
     assert found.pattern.kind == "step"
+
+
+@pytest.mark.parametrize(("rows", "stands"), [(1, False), (2, False), (12, True)])
+def test_a_pattern_that_rests_on_two_samples_is_none(rows, stands):
+    """A pattern that takes them leaves noise without tails; the surfaces had taken one, so it was no outlier."""
+    after = np.random.default_rng(4).standard_normal(1200)
+    before = after + np.where(np.arange(1200) < rows, 14.0 * np.sqrt(2.0 / (rows + 1.0)), 0.0)
+    noise = SimpleNamespace(outlier=np.zeros(1200, bool), whiten=lambda residual: residual)
+    selection = SimpleNamespace(noise=noise, view=lambda one: SimpleNamespace(residual=one.left))
+    fitted, found = (
+        SimpleNamespace(left=left, squares=left @ left, criterion=left @ left + penalty)
+        for left, penalty in ((before, 0.0), (after, 70.0))
+    )
+    assert found.criterion < fitted.criterion
+    assert bool(_outlives_tails(selection, found, fitted)) is stands
