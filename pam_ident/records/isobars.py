@@ -65,8 +65,8 @@ def between(pressure: Array, contraction: Array) -> Array:
 
     n = len(pressure)
     size = 2 * max(AT_LEAST, int(STAYS * n)) + 1
-    steady = maximum_filter1d(pressure, size) - minimum_filter1d(pressure, size) <= GAP
-    held = maximum_filter1d(steady, size)
+    reach = np.asarray(maximum_filter1d(pressure, size)) - np.asarray(minimum_filter1d(pressure, size))
+    held: Array = np.asarray(maximum_filter1d(reach <= GAP, size), bool)
     none = np.zeros(n, bool)
     if held.all() or not held.any():
         return none
