@@ -10,7 +10,7 @@ from .whitening import innovation_variance
 
 Array = np.ndarray
 LIKELIER = 100.0
-"""Deviance by which slow noise must be likelier than drivers that leave a third less: 56 where a load cell wandered,
+"""Deviance by which slow noise must be likelier than drivers that leave much less: 56 where a load cell wandered,
 186 and more in 14 of 16 records without anything hidden of which drivers explain so much."""
 
 

@@ -178,8 +178,8 @@ class TrackError:
 def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     """Samples in which the muscle may rest or slide either way, (n,): at the point of a turn without a hold, which
     belongs to both strokes, or to neither, and in so short a rest there that the turn may be anywhere in it; in the
-    rest that a segment begins with, because nobody saw how it was come to; and the last one within `near_mm` of a
-    hold's level, where a stroke may have begun."""
+    rest that a segment begins with, because nobody saw how it was come to; the first of any rest, in which a drive may
+    still come back; and the last one within `near_mm` of a hold's level, where a stroke may have begun."""
     moving, segment, x = inputs.moving, inputs.segment, inputs.displacement_mm
     assert moving is not None and segment is not None
     found = np.zeros(len(inputs), bool)
