@@ -304,19 +304,16 @@ class Selection:
     def _noise(self, view: View) -> Noise:
         """Noise is what the law, surfaces over all drivers and free curves over contraction still leave.
 
-        Where these are too many for a short record, it is what surfaces over the likeliest drivers leave, if these
-        have less than a quarter of the rows. What an unsure track makes of the force all drivers follow, too. So it is
-        looked for in what the likeliest leave, and is noise where hardly more is left beside it.
+        What an unsure track makes of the force they follow, too. So it is looked for in what surfaces over the
+        likeliest drivers leave, and is noise where hardly more is left beside it.
         """
         following = self.following
         free = [] if self.record.inputs.time is None else [following.in_newtons(following.surfaces.matrix)]
         columns = np.hstack([view.law, *free, _free_curves(self.record)])
-        few = 2 * columns.shape[1] >= len(self.record)
-        if few:
-            best, freedom = self.noise_of_best(None)
-            if 4 * freedom < len(self.record) or self.record.inputs.time is None:
-                return best
-        left, taken = remainder(view.law if few else columns, view.residual)
+        many = columns.shape[1] >= len(self.record) // 2
+        if many and self.record.inputs.time is None:
+            return self.noise_of_best(None)[0]
+        left, taken = remainder(view.law if many else columns, view.residual)
         rich = self.noise_in(left, view, taken)
         if rich.shared or following.unsure is None:
             return rich

@@ -25,6 +25,8 @@ NEGLIGIBLE = 0.05
 """Share of the noise's variance below which it does not matter how unsure the track is."""
 FAINT = 1e-6
 """Variance of what rows have in common, over that of the noise, below which it is none."""
+SLOW = 0.5
+"""Share of its speed at which a stroke goes over into a turn that may be anywhere in a short rest."""
 ON_LEVEL = 4.0
 """Standard deviations of the position sensor within which a sample lies on a hold's level."""
 
@@ -177,9 +179,9 @@ class TrackError:
 
 def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     """Samples in which the muscle may rest or slide either way, (n,): at the point of a turn without a hold, which
-    belongs to both strokes, or to neither, and in so short a rest there that the turn may be anywhere in it; in the
-    rest that a segment begins with, because nobody saw how it was come to; the first of any rest, in which a drive may
-    still come back; and the last one within `near_mm` of a hold's level, where a stroke may have begun."""
+    belongs to both strokes, or to neither, and in a short rest of a slow turn, which may be anywhere in it; in the
+    rest that a segment begins with, because nobody saw how it was come to; and the last one within `near_mm` of a
+    hold's level, where a stroke may have begun."""
     moving, segment, x = inputs.moving, inputs.segment, inputs.displacement_mm
     assert moving is not None and segment is not None
     found = np.zeros(len(inputs), bool)
@@ -189,9 +191,11 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     run = np.cumsum(begins | np.diff(moving, prepend=moving[0]))
     found |= np.isin(run, run[begins & ~moving]) & np.isin(segment, segment[moving])
     turned = np.flatnonzero(moving[1:] & ~moving[:-1] & (np.diff(inputs.direction) != 0.0))
-    short = run[turned][np.bincount(run)[run[turned]] < FEWEST_HELD]
-    found |= np.isin(run, short)
-    found[np.flatnonzero(moving[:-1] & ~moving[1:]) + 1] = True
+    size = np.bincount(run)[run[turned]]
+    if inputs.velocity is not None and inputs.stroke_speed is not None:
+        slow = np.abs(inputs.velocity) < SLOW * inputs.stroke_speed  # a drive that stops at once has turned at the end
+        softly = (size < FEWEST_HELD) & slow[turned + 1] & slow[np.maximum(turned - size, 0)]
+        found |= np.isin(run, run[turned[softly]])
     if near_mm is not None:
         last = np.flatnonzero(moving[1:] & ~moving[:-1])
         found[last + (np.abs(np.diff(x)[last]) <= near_mm)] = True

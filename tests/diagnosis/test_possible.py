@@ -113,18 +113,22 @@ def test_a_param_says_nothing_about_nature_unless_told():
     assert Param("a", "N", "").range is None
 
 
-@pytest.mark.parametrize(("squares", "complete"), [(12.0, False), (900.0, True), (900.0, False)])
-def test_another_form_stands_for_what_is_impossible_though_a_slight_name_goes(monkeypatch, squares, complete):
-    """One that explains as much, or that is complete. Neither the set itself is looked at again nor another with the
+@pytest.mark.parametrize(
+    ("squares", "complete", "alone"),
+    [(12.0, False, False), (900.0, True, True), (900.0, True, False), (900.0, False, True)],
+)
+def test_another_form_stands_for_what_is_impossible_though_a_slight_name_goes(monkeypatch, squares, complete, alone):
+    """One that explains as much, or alone is complete. Neither the set itself is looked at again nor another with the
     same value."""
     lag, free, creep, drift = map(as_term, ("pressure_lag", "pressure_lag:free_lagging", "creep", "force_drift"))
     kappa = Estimate(
         "pressure_lag.kappa", "1", "", 0.1, 0.01, False, True, 0.08, 0.12, range=Range(0.3, 1.7, "this test")
     )
     values = {"pressure_lag.kappa": 0.1}
-    first = FittedSet((lag, creep, drift), values, 10.0, 10.0)
+    beside = () if alone else (creep, drift)
+    first = FittedSet((lag, *beside), values, 10.0, 10.0)
     alike = FittedSet((lag, creep), values, 11.0, 11.0)
-    other = FittedSet((free, creep, drift), {}, squares, squares)
+    other = FittedSet((free, *beside), {}, squares, squares)
     asked = []
 
     def possible(base, heldout, named, fitted, least):
@@ -146,6 +150,6 @@ def test_another_form_stands_for_what_is_impossible_though_a_slight_name_goes(mo
         confirmed, "Adequacy", lambda _, one, free: SimpleNamespace(complete=complete and one.squares == squares)
     )
     found, (_, _, named, ruled_out) = allowed_by_nature(SimpleNamespace(), 1.0, selection, first, lambda one: True)
-    stands = squares < 30.0 or complete
-    assert (found is other and named == [free, creep] and not ruled_out) is stands
+    stands = squares < 30.0 or (complete and alone)
+    assert (found is other and named == [free, *beside[:1]] and not ruled_out) is stands
     assert asked == ([first, other] if stands else [first])
