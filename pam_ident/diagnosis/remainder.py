@@ -10,6 +10,7 @@ from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .repeats import step_of
 from .selection import FittedSet, Selection
+from .track import comes_to_rest
 from .whitening import LAGS
 
 Array = np.ndarray
@@ -121,11 +122,17 @@ def _evened(selection: Selection, fitted: FittedSet) -> Array:
 
 
 def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What is left where the muscle turns, in samples that are looked at nowhere else: noise does not grow there."""
-    unsure, residual = selection.following.unsure, selection.view(fitted).residual
-    turns = residual[unsure.unread] if unsure else residual[:0]
-    if len(turns) < WINDOW or float(np.median(np.abs(turns))) < AT_TURNS * selection.noise.whole:
+    """What is left where the muscle turns or starts, or where it comes to rest, in samples that are looked at nowhere
+    else: noise does not grow there."""
+    unsure = selection.following.unsure
+    if unsure is None:
         return None
+    residual, stops = selection.view(fitted).residual, comes_to_rest(selection.record.inputs)
+    parts = (residual[unsure.unread & here] for here in (~stops, stops))
+    found = [v for v in parts if len(v) >= WINDOW and np.median(np.abs(v)) >= AT_TURNS * selection.noise.whole]
+    if not found:
+        return None
+    turns = np.concatenate(found)
     size = float(np.sqrt(np.mean(turns**2)))
     text = f"about {newtons(size)} rms at the turns of the motion, where noise is {newtons(selection.noise.whole)}"
     return Pattern("other", "direction", None, "", float(np.sum(turns**2) / np.sum(residual**2)), text)
@@ -172,7 +179,7 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """
     if selection.record.inputs.time is None:
         return None
-    clean = ~selection.noise.outlier
+    clean = ~selection.noise.outlier | comes_to_rest(selection.record.inputs)  # a level lasts
     left, time = _evened(selection, fitted)[clean], selection.record.inputs.time[clean]
     gaps = np.diff(time, prepend=time[0])
     piece = np.cumsum(gaps > GAP * np.median(gaps))

@@ -25,7 +25,7 @@ NEGLIGIBLE = 0.05
 """Share of the noise's variance below which it does not matter how unsure the track is."""
 FAINT = 1e-6
 """Variance of what rows have in common, over that of the noise, below which it is none."""
-SLOW = 0.5
+SLOW = 0.8
 """Share of its speed at which a stroke goes over into a turn that may be anywhere in a short rest."""
 ON_LEVEL = 4.0
 """Standard deviations of the position sensor within which a sample lies on a hold's level."""
@@ -177,11 +177,17 @@ class TrackError:
         return SharedNoise(blocks, alone) if blocks or alone.any() else None
 
 
+def comes_to_rest(inputs: Inputs) -> Array:
+    """Samples with which a rest begins behind a stroke, (n,)."""
+    moving = inputs.moving
+    return np.zeros(len(inputs), bool) if moving is None else np.diff(moving, prepend=False) & ~moving
+
+
 def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     """Samples in which the muscle may rest or slide either way, (n,): at the point of a turn without a hold, which
     belongs to both strokes, or to neither, and in a short rest of a slow turn, which may be anywhere in it; in the
-    rest that a segment begins with, because nobody saw how it was come to; and the last one within `near_mm` of a
-    hold's level, where a stroke may have begun."""
+    rest that a segment begins with, because nobody saw how it was come to; the first of any rest, in which a drive may
+    still come back; and the last one within `near_mm` of a hold's level, where a stroke may have begun."""
     moving, segment, x = inputs.moving, inputs.segment, inputs.displacement_mm
     assert moving is not None and segment is not None
     found = np.zeros(len(inputs), bool)
@@ -196,6 +202,7 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
         slow = np.abs(inputs.velocity) < SLOW * inputs.stroke_speed  # a drive that stops at once has turned at the end
         softly = (size < FEWEST_HELD) & slow[turned + 1] & slow[np.maximum(turned - size, 0)]
         found |= np.isin(run, run[turned[softly]])
+    found |= comes_to_rest(inputs)
     if near_mm is not None:
         last = np.flatnonzero(moving[1:] & ~moving[:-1])
         found[last + (np.abs(np.diff(x)[last]) <= near_mm)] = True
