@@ -55,15 +55,15 @@ def _in_other_forms(selection: Selection, fitted: FittedSet, wrong: Collection[s
     """A set with each of some names in each other form, those that explain as much, best first; of a single name those
     that are complete, too: a form that nature does not allow is none, so what it leaves is no measure for the others,
     but two names together can imitate much."""
-    found = []
+    found, alone = [], len(fitted.terms) == 1 and selection.record.inputs.time is not None
     for term in (t for t in fitted.terms if t.effect.name in wrong):
         others = [Term(term.effect, form) for form in term.effect.forms if form is not term.form]
         found += [selection.refit([*fitted.without(term), one], fitted.values) for one in others]
 
     def may_be(one: FittedSet) -> bool:
-        if one.squares < fitted.squares + CLOSE or selection.record.inputs.time is None or len(fitted.terms) > 1:
-            return one.squares < fitted.squares + CLOSE
-        return one.criterion < math.inf and Adequacy(selection, one, FreeModel.of(selection)).complete
+        if one.squares < fitted.squares + CLOSE:
+            return True
+        return alone and one.criterion < math.inf and Adequacy(selection, one, FreeModel.of(selection)).complete
 
     return sorted(filter(may_be, found), key=lambda v: v.criterion)
 

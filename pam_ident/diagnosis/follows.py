@@ -144,7 +144,7 @@ class Following:
     def _criterion(self, groups: frozenset[int]) -> float:
         return self._own_noise.criterion(groups) if self._own_noise else -self.evidence(groups)
 
-    @cached_property
+    @property
     def _exchanged(self) -> list[frozenset[int]]:
         """The likeliest set with one driver exchanged for each other that is nearly as good."""
         found, least = [], self.evidence(self.best) - self._least

@@ -33,9 +33,11 @@ if TYPE_CHECKING:
 def between_isobars(record: Record) -> np.ndarray:
     """Mask (n,) of the samples between the isobars of a record, none where it is another kind of test or its isobars
     were told."""
+    none = np.zeros(len(record), bool)
+    if "pressure_set" in record.columns:
+        return none
     out = between(record.inputs.pressure, record.inputs.contraction)
-    told = "pressure_set" in record.columns or not out.any()
-    return out if not told and record.take(np.flatnonzero(~out)).kind == "isobaric" else np.zeros(len(out), bool)
+    return out if out.any() and record.take(np.flatnonzero(~out)).kind == "isobaric" else none
 
 
 UNFIT = (

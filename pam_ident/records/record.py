@@ -195,8 +195,7 @@ def build_record(
         unknown = np.zeros(len(force)) if direction is None else direction
         states = Inputs(pressure, contraction, specimen, unknown, temperature=temperature)
         return _table(name, states, force, level, origin)
-    columns = specimen, pressure, contraction, force
-    kind = said_kind or find_kind(*columns, level, timed=True)
+    kind = said_kind or find_kind(specimen, pressure, contraction, force, level, timed=True)
     if given is None and kind in ("isobaric", "dynamic"):
         way = between(pressure, contraction)
         joined = as_driven(level, pressure, contraction, way)
