@@ -96,15 +96,18 @@ def _rest(inputs: Inputs) -> Array | None:
 
 
 def _cycle(inputs: Inputs) -> Array | None:
-    if inputs.cycle is None or len(np.unique(inputs.cycle)) < 2:
+    if inputs.cycle is None:
         return None
-    count = inputs.cycle - inputs.cycle.min()
-    way = way_travelled(inputs) / max(inputs.reach_mm, 1e-9)
-    states = [np.exp(-count), 1.0 / (1.0 + count), np.log1p(way), np.exp(-way), np.exp(-0.25 * way)]
+    count, test = inputs.cycle - inputs.cycle.min(), np.zeros(len(inputs))
     if inputs.segment is not None:
         test = cycles_of_test(inputs) - 1.0
-        states += [np.exp(-0.5 * test), 1.0 / (1.0 + test)]
-    return np.column_stack(states)
+    if not count.any() and not test.any():
+        return None
+    way = way_travelled(inputs) / max(inputs.reach_mm, 1e-9)
+    by_way = [np.log1p(way), np.exp(-way), np.exp(-0.25 * way)]
+    counted = [np.exp(-count), 1.0 / (1.0 + count)] if count.any() else [0.0 * way, 0.0 * way]
+    of_test = [np.exp(-0.5 * test), 1.0 / (1.0 + test)] if inputs.segment is not None else []
+    return np.column_stack([*counted, *by_way, *of_test])
 
 
 def _clock(inputs: Inputs) -> Array | None:
@@ -115,11 +118,21 @@ def _clock(inputs: Inputs) -> Array | None:
     return np.column_stack([polynomials(inputs.time, 4)[:, 1:], *settling])
 
 
+def _wanders(values: Array) -> bool:
+    """Whether values (n,) are more than what a sensor reads of one that stays (von Neumann 1941)."""
+    spread = float(np.var(values))
+    return spread > 0.0 and float(np.mean(np.diff(values) ** 2)) < spread
+
+
 def _temperature(inputs: Inputs) -> Array | None:
-    if inputs.temperature is None or np.ptp(inputs.temperature) <= 0.0:
+    if inputs.temperature is None or not _wanders(inputs.temperature):
         return None
     warmer = since_first(inputs, inputs.temperature)
-    return warmer[:, None] * polynomials(warmer, 2)
+    states = warmer[:, None] * polynomials(warmer, 2)
+    if inputs.time is None or inputs.segment is None:
+        return states
+    lags = [warmer - relax(inputs, warmer, tau) for tau in BEHIND]
+    return np.column_stack([states, *lags])
 
 
 MAP = ((0, 0), (1, 0), (0, 1), (1, 2), (0, 5), (2, 2), (1, 4), (4, 2), (3, 4), (2, 7), (4, 7))
@@ -128,6 +141,9 @@ ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
 COUNTED = ((0,), (1,), (2,), (3,), (4,), (5,), (6,), (0, 1, 2), (2, 3, 4), (2, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (8, 9), (0, 1, 2, 3, 4, 5, 6, 7, 8, 9))
 DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
+BEHIND = (10.0, 40.0, 160.0)
+"""Times in s by which the wall may follow the sensor of its temperature."""
+WARMED = ((0,), (0, 1, 2), (3,), (4,), (5,), (0, 3, 4, 5))
 DRIVERS = (
     Driver("map", "pressure and contraction, alike on both branches", lambda i: np.ones((len(i), 1)), orders=MAP),
     Driver("direction", "the direction of motion", _direction, ((0,), (0, 1))),
@@ -138,5 +154,5 @@ DRIVERS = (
     Driver("rest", "rest and relaxation", _rest, RELAXED, in_motion="relaxation"),
     Driver("cycle", "the cycle and the distance travelled", _cycle, COUNTED),
     Driver("clock", "the clock", _clock, DRIFTED, ((0, 0),)),
-    Driver("temperature", "the temperature", _temperature, ((0,), (0, 1, 2))),
+    Driver("temperature", "the temperature", _temperature, WARMED),
 )

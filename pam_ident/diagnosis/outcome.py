@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core.digits import millimetres, newtons
+from ..core.digits import millimetres, newtons, number
 from ..effects import Effect
 from ..fitting import Fit, repeat_noise
 from ..fitting.carried import length_rmse
@@ -21,7 +21,7 @@ from .noise import Noise
 from .nouns import Candidate, Diagnosis, Follows, Pattern
 from .probability import BESIDE, BY_FORM, DOUBTFUL, LAPSE, by_form_alone, probabilities
 from .ranking import ranked
-from .remainder import pattern_of, unlike_noise
+from .remainder import hum, pattern_of, unlike_noise
 from .repeats import rounding, step_of
 from .selection import FittedSet, Selection
 from .sentence import MORE, as_slow_noise, reservations, sentence
@@ -217,6 +217,10 @@ class Outcome:
             said += f" What is left may be rounding: the force was read in steps of {newtons(step_of(record.force))}."
         elif self.verdict == "adequate" and self._noise.coloured:
             said += as_slow_noise(self.follows)
+        if not self.pattern and (period := hum(self.selection, self.fitted)):
+            said += (
+                f" The noise hums: it has a beat with a period of {number(period, 3)} s, smaller than the rest of it."
+            )
         if self.slow:
             said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
         elif self.unfollowed:

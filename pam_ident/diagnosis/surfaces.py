@@ -79,6 +79,11 @@ class Surfaces:
         which = self._which(groups)
         return self.matrix[:, which] @ self._sizes(which)
 
+    def without(self, groups: frozenset[int], values: Array) -> Array:
+        """Values (n,) less what a set of groups explains of them."""
+        which = self._which(groups)
+        return values - self.matrix[:, which] @ _solved(self.gram, self.matrix.T @ values, which)
+
     def _which(self, groups: frozenset[int]) -> Array:
         return np.concatenate([np.empty(0, int), *(self.columns[k] for k in sorted(groups))])
 
