@@ -9,7 +9,7 @@ from ..core.digits import newtons, number, percent
 from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns.beat import PATTERN as BEAT_IN_TIME
-from .repeats import step_of
+from .repeats import rounding, step_of
 from ..model import Term
 from .selection import FittedSet, Selection
 from .track import comes_to_rest
@@ -55,8 +55,9 @@ JUMPING = 1.8
 nothing hidden."""
 LEAP = 10.0
 """Standard deviations by which a single step of it may do so: 7.1 at most in 40 records with nothing hidden."""
-FORETOLD = 0.07
-"""Share of the noise's innovations that the LAGS samples before may foretell: 0.04 at most in the same records."""
+FORETOLD, FORETOLD_BESIDE = 0.07, 0.3
+"""Share of the noise's innovations that the LAGS samples before may foretell, without names: 0.04 at most in the same
+records; and beside names, where a load cell may hum: 0.24 at most in seven that did, and 0.47 where a frame rings."""
 ONE_IN_100 = 2.58
 """Standard deviations that normal numbers exceed once in a hundred times."""
 APART, NORMAL, GAP = 20, 0.455, 5.0
@@ -174,7 +175,7 @@ def _in_motion(selection: Selection, fitted: FittedSet) -> Pattern | None:
     moved, rested = left[read & moving], left[read & ~moving]
     if min(len(moved), len(rested)) < WINDOW:
         return None
-    size, calm = float(np.std(moved)), float(np.std(rested))
+    size, calm = float(np.std(moved)), math.sqrt(np.var(rested) + rounding(step_of(selection.record.force)))
     if size < AT_TURNS * calm:
         return None
     text = f"about {newtons(size)} rms while the muscle moves, where it is {newtons(calm)} while it rests"
@@ -203,7 +204,7 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     weights = np.linalg.lstsq(before, now)[0]
     left = now - before @ weights
     share = 1.0 - float(left @ left) / n / float(np.mean(now**2))
-    if share < (HUM / (1.0 + HUM) if fitted.candidates else FORETOLD):
+    if share < (FORETOLD_BESIDE if fitted.candidates else FORETOLD):
         return None
     flat = np.abs(np.fft.rfft(np.r_[1.0, -weights[::-1]], 64 * LAGS))  # least where its spectrum is highest
     beat = int(np.argmin(flat))

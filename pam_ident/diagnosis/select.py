@@ -57,7 +57,7 @@ def investigate(
     likeliest of these noises, are then compared by their full likelihood, each with its own noise. Nothing of this
     where no noise could take the place of any name: a little colour is what a form leaves that is not exactly right.
     Nor where the answer is no noise, and the free model is likelier than each of its parts with the noise that it
-    leaves: noise is then what that leaves, and where this is another, and the answer by it likelier than all, it stands.
+    leaves: noise is then what that leaves.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection)
@@ -65,17 +65,6 @@ def investigate(
     doubtful = may_be_noise or selection.noise_left_by(fitted).coloured
     if not selection.noise.coloured and (not doubtful or _sure(selection, fitted)):
         return selection, fitted
-    if selection.record.inputs.time is not None:
-        least, _, likeliest = _compared([(selection, fitted)])[0]
-        free = FreeModel.of(selection)
-        if free.criterion + CLOSE < least:
-            if not free.noise.like(selection.noise):
-                again = Selection(base, candidates, noise=free.noise, before=selection)
-                found = _answer(again)
-                if full_criterion(again, found)[0] < least:
-                    return again, found
-            if not may_be_noise:
-                return selection, selection.refit(likeliest.terms, likeliest.values)
     selections = [(selection, fitted)]
 
     def select_again(noise: Noise) -> None:
@@ -84,6 +73,13 @@ def investigate(
             again = Selection(base, candidates, noise=noise, before=selection)
             selections.append((again, _answer(again)))
 
+    free = FreeModel.of(selection)
+    if selection.record.inputs.time is not None and free.criterion + CLOSE < _compared(selections)[0][0]:
+        select_again(free.noise)
+        if not may_be_noise:
+            _, _, likeliest = _compared(selections)[0]
+            final, _ = selections[-1]
+            return final, final.refit(likeliest.terms, likeliest.values)
     select_again(selection.noise_left_by(selection.empty))
     last, answer = selections[-1]
     select_again(last.noise_left_by(answer))

@@ -368,9 +368,9 @@ class Selection:
 
 
 def stands(term: Term, inputs: Inputs, values: Mapping[str, float]) -> bool:
-    """Whether what a free form follows hardly changes in a record: a softening that does not fade, times a free
-    surface, is that surface, and could follow any static error."""
-    if not term.form.free or not term.form.nonlinear or term.effect.static or term.form.uses_force:
+    """Whether what a form follows hardly changes in a record: a softening that does not fade is a constant force, and
+    times a free surface could follow any static error."""
+    if not term.form.nonlinear or term.effect.static or term.form.uses_force:
         return False
     state = term.columns(inputs, values, np.zeros(len(inputs)))[:, 0]
     return float(np.ptp(state)) < LEAST_CHANGE * float(np.max(np.abs(state)))

@@ -11,11 +11,19 @@ def _constant(inputs: Inputs, values: Values, force: Array) -> Array:
     return one(-inputs.xp.ones(len(inputs)))
 
 
+def _of_the_rest_length(inputs: Inputs, values: Values, force: Array) -> Array:
+    """A rest length that is off by a share e_off/(1 + e_off) changes what the contraction is divided by, too."""
+    return one(inputs.contraction - 1.0)
+
+
 EFFECT = Effect(
     name="length_offset",
     title="offset of the initial length",
     source="ε → ε − ε_off; see Martens & Boblan 2017, Actuators 6(4), 33 on the definition of the initial length",
-    forms=(TransformsContraction("textbook", "ε → ε − e_off", (OFFSET,), _constant),),
+    forms=(
+        TransformsContraction("textbook", "ε → ε − e_off", (OFFSET,), _constant),
+        TransformsContraction("rest_length", "ε → ε − e_off (1 − ε)", (OFFSET,), _of_the_rest_length),
+    ),
     follows=("map",),
     test="a gauge block in place of the muscle's length",
     levers=("pressure",),

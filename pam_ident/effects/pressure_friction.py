@@ -1,9 +1,12 @@
 """Dry friction that grows with the contact pressure of the braid."""
 
+from dataclasses import replace
+
 from ..core import Inputs, Param
 from ._history import dahl_operator
 from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, one, slip
 from .coulomb_friction import CONTACT
+from .presliding_hysteresis import FREE, PRESSED
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
 MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
@@ -69,6 +72,8 @@ EFFECT = Effect(
             nonlinear=(P_0,),
             resisting=2,
         ),
+        replace(PRESSED, name="presliding", same_as="presliding_hysteresis"),
+        replace(FREE, name="free_presliding", same_as="presliding_hysteresis"),
     ),
     follows=("direction",),
     test="pressures over 4:1: the gap between the branches grows with them",
