@@ -6,11 +6,11 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ..core.digits import newtons, number, percent
+from ..model import Term
 from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns.beat import PATTERN as BEAT_IN_TIME
 from .repeats import rounding, step_of
-from ..model import Term
 from .selection import FittedSet, Selection
 from .track import comes_to_rest
 from .whitening import LAGS

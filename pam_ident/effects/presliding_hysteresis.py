@@ -65,12 +65,6 @@ def _rested(inputs: Inputs, values: Values, force: Array) -> Array:
     return _three(inputs, values, force, rested=True)
 
 
-PRESSED = AddsForce(
-    "pressed", "dz/dx = (1 − z sgn ẋ)/x_s, −(W + W_p p) z", (W, W_PRESSURE), _growing, (WIDE,), remembers=True
-)
-"""Friction that grows with pressure as well, as is the free form's."""
-FREE = free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(LONG,), remembers=True, resisting=3)
-
 EFFECT = Effect(
     name="presliding_hysteresis",
     title="presliding hysteresis",
@@ -79,7 +73,15 @@ EFFECT = Effect(
     forms=(
         AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,), remembers=True),
         AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,), remembers=True),
-        replace(PRESSED, same_as="pressure_friction"),
+        AddsForce(
+            "pressed",
+            "dz/dx = (1 − z sgn ẋ)/x_s, −(W + W_p p) z",
+            (W, W_PRESSURE),
+            _growing,
+            (WIDE,),
+            remembers=True,
+            same_as="pressure_friction",
+        ),
         AddsForce(
             "lugre",
             "−W z, dz/dx = (1 − z sgn ẋ/g)/x_s, g = 1 + (peak−1) exp(−(v/v_s)²)",
@@ -91,7 +93,10 @@ EFFECT = Effect(
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
         AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
-        replace(FREE, same_as="pressure_friction"),
+        replace(
+            free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(LONG,), remembers=True, resisting=3),
+            same_as="pressure_friction",
+        ),
     ),
     follows=("way", "direction"),
     test="reversals and minor loops at one slow speed",

@@ -1,14 +1,12 @@
 """Dry friction that grows with the contact pressure of the braid."""
 
-from dataclasses import replace
-
 from ..core import Inputs, Param
 from ._history import dahl_operator
-from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, one, slip
+from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, one, slip, with_pressure
 from .coulomb_friction import CONTACT
-from .presliding_hysteresis import FREE, PRESSED
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
+F_0 = Param("F_0", "N", "friction force without pressure", 0.0, 2000.0, scale=10.0)
 MU_HOLD = Param("mu_hold", "N/MPa", "friction force per pressure left in holds", -5000.0, 5000.0, scale=20.0)
 GROWTH = Param(
     "growth",
@@ -42,7 +40,7 @@ def _area(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _bending(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-dahl_operator(inputs, values["x_s"]) * (inputs.pressure + values["p_0"]))
+    return with_pressure(one(-dahl_operator(inputs, values["x_s"])), inputs)
 
 
 def _power(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -59,7 +57,7 @@ EFFECT = Effect(
         AddsForce("held", "−μ_f p sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _held),
         AddsForce("preloaded", "−μ_f (p + p_0) sgn(ε̇), μ_hold in holds", (MU, MU_HOLD), _preloaded, (P_0,)),
         AddsForce(
-            "bending", "dz/dx = (1 − z sgn ẋ)/x_s, −μ_f (p + p_0) z", (MU,), _bending, (P_0, CONTACT), remembers=True
+            "bending", "dz/dx = (1 − z sgn ẋ)/x_s, −(F_0 + μ_f p) z", (F_0, MU), _bending, (CONTACT,), remembers=True
         ),
         AddsForce("power", "−μ_f 0.3 MPa (p/0.3 MPa)^n sgn(ε̇)", (MU, MU_HOLD), _power, (POWER,)),
         AddsForce("contact_area", "−μ_f p S(ε)^g sgn(ε̇), S the bladder's area", (MU, MU_HOLD), _area, (GROWTH,)),
@@ -72,8 +70,6 @@ EFFECT = Effect(
             nonlinear=(P_0,),
             resisting=2,
         ),
-        replace(PRESSED, name="presliding", same_as="presliding_hysteresis"),
-        replace(FREE, name="free_presliding", same_as="presliding_hysteresis"),
     ),
     follows=("direction",),
     test="pressures over 4:1: the gap between the branches grows with them",
