@@ -103,10 +103,13 @@ def _cycle(inputs: Inputs) -> Array | None:
         test = cycles_of_test(inputs) - 1.0
     if not count.any() and not test.any():
         return None
-    way = way_travelled(inputs) / max(inputs.reach_mm, 1e-9)
+    way, on = (way_travelled(inputs, of_test) / max(inputs.reach_mm, 1e-9) for of_test in (False, True))
     by_way = [np.log1p(way), np.exp(-way), np.exp(-0.25 * way)]
     counted = [np.exp(-count), 1.0 / (1.0 + count)] if count.any() else [0.0 * way, 0.0 * way]
-    of_test = [np.exp(-0.5 * test), 1.0 / (1.0 + test)] if inputs.segment is not None else []
+    if inputs.segment is None:
+        return np.column_stack([*counted, *by_way])
+    anew = float((on != way).any())  # or these are the same again
+    of_test = [np.exp(-0.5 * test), 1.0 / (1.0 + test), anew * np.exp(-on), anew * np.exp(-0.25 * on)]
     return np.column_stack([*counted, *by_way, *of_test])
 
 
@@ -138,7 +141,7 @@ def _temperature(inputs: Inputs) -> Array | None:
 MAP = ((0, 0), (1, 0), (0, 1), (1, 2), (0, 5), (2, 2), (1, 4), (4, 2), (3, 4), (2, 7), (4, 7))
 RATES = ((0,), (0, 1, 2), (0, 1, 2, 3))
 ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
-COUNTED = ((0,), (1,), (2,), (3,), (4,), (5,), (6,), (0, 1, 2), (2, 3, 4), (2, 5, 6), (0, 1, 2, 3, 4, 5, 6))
+COUNTED = (*((k,) for k in range(9)), (0, 1, 2), (2, 3, 4), (2, 5, 6), (7, 8), tuple(range(9)))
 RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (8, 9), (0, 1, 2, 3, 4, 5, 6, 7, 8, 9))
 DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))
 BEHIND = (10.0, 40.0, 160.0)

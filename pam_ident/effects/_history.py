@@ -104,15 +104,16 @@ def greatest_so_far(inputs: Inputs, values: Array) -> Array:
     return np.concatenate([np.maximum.accumulate(part) for part in np.split(values, anew)])
 
 
-def way_travelled(inputs: Inputs) -> Array:
-    """Millimetres gone to and fro up to each sample, since cycles were last counted anew, the rubber rested, (n,)."""
+def way_travelled(inputs: Inputs, of_test: bool = False) -> Array:
+    """Millimetres gone to and fro up to each sample, since cycles were last counted anew, the rubber rested, or
+    since the test began if it is `of_test`, (n,)."""
     assert inputs.cycle is not None
     x = inputs.way_mm
     if inputs.live is not None:
         xp = inputs.xp
         return inputs.live.step((xp.zeros_like(x), x), lambda way, before: (way + xp.abs(x - before), x))[0]
     steps = np.abs(np.diff(x, prepend=x[0]))
-    anew = np.diff(inputs.cycle, prepend=inputs.cycle[0]) < 0
+    anew = np.diff(inputs.cycle, prepend=inputs.cycle[0]) < (-math.inf if of_test else 0)
     steps[anew] = 0.0
     way = np.cumsum(steps)
     begins = np.maximum.accumulate(np.where(anew, np.arange(len(x)), 0))

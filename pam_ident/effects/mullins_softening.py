@@ -78,6 +78,10 @@ def _any_by_way(inputs: Inputs, values: Values, force: Array) -> Array:
     return _slowing(way_travelled(inputs) / values["s_0"], values)
 
 
+def _any_by_all_way(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _slowing(way_travelled(inputs, of_test=True) / values["s_0"], values)
+
+
 def _linear(inputs: Inputs, values: Values, force: Array) -> Array:
     return _straight(inputs, _fading(inputs, values))
 
@@ -106,6 +110,10 @@ def _logarithmic(inputs: Inputs, values: Values, force: Array) -> Array:
 def _travelled(inputs: Inputs, values: Values, force: Array) -> Array:
     """What is gone, not what is counted, softens; between isobars the rubber rests."""
     return _straight(inputs, inputs.xp.exp(-way_travelled(inputs) / values["s_0"]))
+
+
+def _travelled_on(inputs: Inputs, values: Values, force: Array) -> Array:
+    return _straight(inputs, inputs.xp.exp(-way_travelled(inputs, of_test=True) / values["s_0"]))
 
 
 def _pseudo_elastic(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -161,6 +169,14 @@ EFFECT = Effect(
             remembers=True,
         ),
         AddsForce(
+            "travelled_on",
+            "as travelled, over the way of the test",
+            (F_EXTRA, G_EXTRA),
+            _travelled_on,
+            (WAY,),
+            remembers=True,
+        ),
+        AddsForce(
             "pseudo_elastic",
             "E → E − E_lost tanh((W_max − W)/m) in the bladder's force, W_max the greatest W so far",
             (E_LOST,),
@@ -177,6 +193,13 @@ EFFECT = Effect(
             name="free_whole_test",
         ),
         free_form("(1 + s/(q s_0))^−q", _any_by_way, nonlinear=(WAY, SLOWING), remembers=True, name="free_travelled"),
+        free_form(
+            "as free_travelled, s of the whole test",
+            _any_by_all_way,
+            nonlinear=(WAY, SLOWING),
+            remembers=True,
+            name="free_travelled_on",
+        ),
     ),
     follows=("cycle",),
     test="at least three cycles, and a re-run of the first after rest",
