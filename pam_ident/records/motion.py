@@ -152,9 +152,9 @@ def _jumps(x: Array, held: Array, begin: int, end: int, least: float) -> list[Ar
     """Strokes from one hold, or a turn, to the next with a single sample between them, or none: then the first of the
     next, as one sample (1,) each; by `least` mm and more, between two turns."""
     k = np.arange(begin + 1, end + 1)
-    arrived = (held[k - 1] | (k == begin + 1)) & held[k] & (np.abs(x[k] - x[k - 1]) >= least)
-    after = np.minimum(k + 1, end)
-    between = held[k - 1] & ~held[k] & held[after] & (np.abs(x[after] - x[k - 1]) >= least)
+    starts, after = held[k - 1] | (k == begin + 1), np.minimum(k + 1, end)
+    arrived = starts & held[k] & (np.abs(x[k] - x[k - 1]) >= least)
+    between = starts & ~held[k] & held[after] & (np.abs(x[after] - x[k - 1]) >= least)
     return [k[[one]] for one in np.flatnonzero(arrived | between)]
 
 
