@@ -17,7 +17,7 @@ MOST_N = 1e6
 """Force that no muscle reaches; arithmetic with much larger ones overflows."""
 SPIKE, FEW = 5.0, 0.02
 """A force so many times the largest plausible one, in at most this share of the rows, is a fault of the reading."""
-STILL = 0.02
+STILL = 0.05
 """Standard deviation of a force beside that of an ideal braid's in the same states, below which it does not answer."""
 CLIPPED_ROWS, CLIPPED_SHARE = 20, 0.02
 """Rows at the very same extreme force that make a limit, if the muscle moves meanwhile."""
