@@ -30,11 +30,14 @@ more names, the more they imitate. Of 15 single names that left less than a tent
 
 
 def full_criterion(selection: Selection, fitted: FittedSet) -> tuple[float, Noise]:
-    """Deviance of a set with the noise it leaves, plus its penalty; and that noise."""
+    """Deviance of a set with the noise it leaves, plus its penalty; and that noise. A pattern pays for each place where
+    it was looked for, too."""
     noise = selection.noise_left_by(fitted)
     penalty = 0.0
     for term in fitted.terms:
-        penalty += selection.penalty.alone(term) + (0.0 if term.effect.candidate else CLOSE)
+        penalty += selection.penalty.alone(term)
+        if not term.effect.candidate:
+            penalty += CLOSE + 2.0 * math.log(math.prod(max(len(p.grid), 1) for p in term.form.nonlinear))
     return noise.deviance + penalty, noise
 
 
