@@ -185,11 +185,14 @@ def _selected(
     in part, where they are likelier in the place of a name and the answer is then complete."""
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
     answer = answer_of(alone, candidates, known, following, tried, odds)
-    if tried and (answer.lacking or answer.fitted.candidates):
-        partly = [e for e in seen if e.name not in tried and not following.likely.isdisjoint(e.follows)]
-        if further := likelier_instead(answer, partly):
-            wider = answer_of(alone, candidates, known, following, tried + further, odds)
-            return answer if wider.lacking else wider
+    partly = [e for e in seen if e.name not in tried and not following.likely.isdisjoint(e.follows)]
+    if not (tried or answer.fitted.terms or answer.lacking):
+        partly = seen  # slow noise may be what a form says in fewer words than surfaces can
+    elif not tried or not (answer.lacking or answer.fitted.candidates):
+        partly = []
+    if further := likelier_instead(answer, partly):
+        wider = answer_of(alone, candidates, known, following, tried + further, odds)
+        return answer if wider.lacking else wider
     return answer
 
 

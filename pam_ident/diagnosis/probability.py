@@ -80,7 +80,8 @@ def by_form_alone(
             why = f"Beside {others[0].title} it explains little, and an unforeseen form of that might, too."
             found[name] = BY_FORM if free else 1.0 - DOUBTFUL, why
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
-            found[name] = BY_FORM, f"The error rather follows {follows}; only its form speaks for it."
+            rather = f"The error rather follows {follows}" if follows != "noise" else "Slow noise could look the same"
+            found[name] = BY_FORM, f"{rather}; only its form speaks for it."
         elif timed and name in known and (alike := [e for e in others if e.name in static]):
             found[name] = BY_FORM, f"With {alike[0].title} it could follow nearly any static error."
         elif timed and name in known and (warm := [e for e in others if e.follows[:1] == ("temperature",)]):
