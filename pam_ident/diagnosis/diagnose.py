@@ -181,10 +181,15 @@ def _selected(
     following: Following,
     odds: Mapping[str, float] | None,
 ) -> Selected:
-    """The answer of those effects, `seen` in the record, that follow what the error does first; and of those that do so
-    in part, where they are likelier in the place of a name and the answer is then complete."""
+    """The answer of those effects, `seen` in the record, that follow what the error may follow first; where it is
+    incomplete, of those that follow what is likely, if theirs is complete; and of those that do so in part, or of all
+    where nothing is followed, if they are likelier in the place of a name, or of none, and the answer is then complete."""
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
     answer = answer_of(alone, candidates, known, following, tried, odds)
+    likely = [e.name for e in seen if e.name in tried and not following.likely.isdisjoint(e.follows[:1])]
+    if answer.lacking and len(likely) < len(tried):
+        narrower = answer_of(alone, candidates, known, following, likely, odds)
+        answer = answer if narrower.lacking else narrower
     partly = [e for e in seen if e.name not in tried and not following.likely.isdisjoint(e.follows)]
     if not (tried or answer.fitted.terms or answer.lacking):
         partly = seen  # slow noise may be what a form says in fewer words than surfaces can
