@@ -145,9 +145,12 @@ class Adequacy:
     @property
     def _static_part_open(self) -> bool:
         """Whether the error follows pressure and contraction most, and of the names none does: over strokes that are
-        all alike memories of them can imitate that, and nothing shows that it is memory."""
+        all alike memories of them can imitate that, and nothing shows that it is memory, unless written forms say it
+        better than the free model does."""
         following, names = self.selection.following, [term.effect for term in self.fitted.terms]
-        return bool(names and following.uncovered(names, ("map",))) and following.shares()[0].what == "map"
+        if not names or not following.uncovered(names, ("map",)) or following.shares()[0].what != "map":
+            return False
+        return any(t.form.free for t in self.fitted.terms) or self.free.odds(self.selection, self.fitted) > -CLOSE
 
     def standing(self) -> "Adequacy":
         """The same with those names alone that may stand.
