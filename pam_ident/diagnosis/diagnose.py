@@ -182,8 +182,8 @@ def _selected(
     odds: Mapping[str, float] | None,
 ) -> Selected:
     """The answer of those effects, `seen` in the record, that follow what the error may follow first; where it is
-    incomplete, of those that follow what is likely, if theirs is complete; and of those that do so in part, or of all
-    where nothing is followed, if they are likelier in the place of a name, or of none, and the answer is then complete."""
+    incomplete, of those that follow what is likely; and of those that do so in part, or of all where nothing is
+    followed, if they are likelier in the place of a name, or of none: these two only where they are complete."""
     tried = [] if following.uncovered(known) else [e.name for e in seen if following.supports(e.follows)]
     answer = answer_of(alone, candidates, known, following, tried, odds)
     likely = [e.name for e in seen if e.name in tried and not following.likely.isdisjoint(e.follows[:1])]

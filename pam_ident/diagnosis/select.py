@@ -75,7 +75,8 @@ def investigate(
 
     free = FreeModel.of(selection)
     if selection.record.inputs.time is not None and free.criterion + CLOSE < _compared(selections)[0][0]:
-        select_again(free.noise)
+        if free.noise.whole < selection.noise.whole:
+            select_again(free.noise)
         if not may_be_noise:
             _, _, likeliest = _compared(selections)[0]
             final, _ = selections[-1]

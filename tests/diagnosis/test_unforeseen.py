@@ -7,6 +7,7 @@ import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import diagnose
+from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.model import Model
 from pam_ident.records.record import build_record
 
@@ -99,6 +100,47 @@ NOTHING = lambda p, e, side, v: 0.0 * p  # noqa: E731
 def oven(time):
     """A room that warms and cools, out of step with pressures and strokes."""
     return 22.0 + 4.0 * np.sin(2.0 * np.pi * time / (0.37 * time[-1]))
+
+
+@pytest.mark.parametrize(("size", "verdict"), [(0.8, "missing_effect"), (3.0, "unknown_effect")])
+def test_a_load_cell_may_hum_beneath_its_noise(size, verdict):
+    """A beat in time is no effect that is missing, if it is smaller than the noise; a larger one is."""
+    hum = lambda time, force, temperature: force + size * np.sqrt(2.0) * np.sin(2.0 * np.pi * time / 1.37)  # noqa: E731
+    found = diagnose(LAW, strokes(lambda p, e, side, v: -4.0 * side, cell=hum, speeds=(4.0, 12.0)))
+    assert found.verdict == verdict, found.sentence
+    assert ("The noise hums" in found.sentence) == (verdict == "missing_effect"), found.sentence
+    assert found.selected == ("coulomb_friction",) or verdict == "unknown_effect"
+
+
+def test_a_wall_that_lags_its_sensor_follows_the_temperature():
+    """Where the temperature swings faster than that, little of the force is in step with what the sensor reads."""
+    swing = lambda time: 22.0 + 12.0 * np.sin(2.0 * np.pi * time / 25.0)  # noqa: E731
+
+    def softer(time, force, temperature):
+        wall = temperature.copy()
+        for k, part in enumerate(-np.expm1(-np.diff(time) / 25.0), 1):
+            wall[k] = wall[k - 1] + part * (temperature[k] - wall[k - 1])
+        return force * (1.0 - 0.02 * (wall - wall[0]))
+
+    found = diagnose(LAW, strokes(NOTHING, warm=swing, cell=softer))
+    assert found.selected == ("thermal_softening",), found.sentence
+
+
+def test_a_temperature_that_stays_drives_nothing():
+    rng = np.random.default_rng(4)
+    read = strokes(NOTHING, warm=lambda time: 22.0 + 0.05 * rng.standard_normal(len(time)))
+    names = [driver.what for driver in DRIVERS if driver.states(read.inputs) is not None]
+    assert "temperature" not in names
+    assert "temperature" in [d.what for d in DRIVERS if d.states(strokes(NOTHING, warm=oven).inputs) is not None]
+
+
+def test_rubber_may_soften_by_its_way_over_the_whole_test():
+    """And not recover between isobars."""
+    record = strokes(NOTHING, speeds=(4.0, 12.0), times=3)
+    x = record.inputs.displacement_mm
+    way = np.cumsum(np.abs(np.diff(x, prepend=x[0])))
+    found = diagnose(LAW, replace(record, force=record.force - 60.0 * x / STROKE_MM * np.exp(-way / 300.0)))
+    assert found.selected == ("mullins_softening",), found.sentence
 
 
 def test_a_static_name_beside_warm_rubber_is_not_sure():
@@ -337,6 +379,14 @@ def test_noise_does_not_know_the_run(hidden, cell):
     expected = "adequate" if hidden is NOTHING else "unknown_effect"
     assert (found.verdict, found.selected) == (expected, ()), found.sentence
     assert ("at the turns" in found.sentence) == (hidden is kick)
+
+
+def test_noise_does_not_know_whether_the_muscle_moves():
+    """What is there in motion alone, and follows nothing that was recorded, is no noise."""
+    rng = np.random.default_rng(12)
+    found = diagnose(LAW, strokes(lambda p, e, side, v: 6.0 * (v != 0.0) * rng.standard_normal(len(p))))
+    assert (found.verdict, found.selected) == ("unknown_effect", ()), found.sentence
+    assert "while the muscle moves" in found.sentence
 
 
 def ringing(time, force, temperature):

@@ -52,8 +52,7 @@ REMEMBER = {
     "pressure_friction:bending",
     *(f"pressure_lag:{form}" for form in ("lagging", "filling", "conductance", "valve", "choking", "free_lagging")),
     "mullins_softening:pseudo_elastic",
-    "mullins_softening:travelled",
-    "mullins_softening:free_travelled",
+    *(f"mullins_softening:{form}" for form in ("travelled", "travelled_on", "free_travelled", "free_travelled_on")),
     *(f"nonlocal_hysteresis:{form}" for form in ("textbook", "growing", "curved")),
     *(f"first_cycle:{form}" for form in ("textbook", "shaped", "rested")),
 }

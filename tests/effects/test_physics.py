@@ -178,6 +178,11 @@ def ideal(e, p, specimen=MUSCLE):
 def test_end_taper_and_length_offset_shift_the_contraction_the_law_sees():
     np.testing.assert_allclose(force_with("end_taper", {"k1": 1.3}, inputs()), ideal(1.3 * EPS, 0.4), rtol=1e-12)
     np.testing.assert_allclose(force_with("length_offset", {"e_off": 0.01}, inputs()), ideal(EPS - 0.01, 0.4))
+    longer = MUSCLE.initial_length_mm * 1.01  # e_off is the share by which the length was taken too short
+    read = 1.0 - longer * (1.0 - EPS) / MUSCLE.initial_length_mm
+    np.testing.assert_allclose(
+        force_with("length_offset:rest_length", {"e_off": -0.01 / 1.01}, inputs(read)), ideal(EPS, 0.4)
+    )
     tapered = force_with("end_taper:saturating", {"k1": 1.5, "e_s": 0.1}, inputs())
     np.testing.assert_allclose(tapered, ideal(EPS + 0.05 * (1.0 - np.exp(-EPS / 0.1)), 0.4), rtol=1e-12)
 

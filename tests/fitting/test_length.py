@@ -205,6 +205,19 @@ def test_weights_that_are_changed_without_a_pause_are_told_apart():
     np.testing.assert_allclose(weights_of(whole), weights_of(parted), rtol=0.01)
 
 
+@pytest.mark.parametrize("order", [(1, 3, 0, 2), (0, 3, 1, 2)])
+def test_weights_in_any_order_are_told_apart(order):
+    """The first step alone explains little of them."""
+    whole = without_pauses(rig(3))
+    turns = pivots(whole.inputs.pressure, 0.5 * float(np.ptp(whole.inputs.pressure)))
+    edges = [0, *np.array(turns)[[len(turns) * k // 4 for k in (1, 2, 3)]], len(whole)]
+    force = np.concatenate([np.full(b - a, 100.0 + 60.0 * k) for a, b, k in zip(edges, edges[1:], order, strict=False)])
+    force = force + np.random.default_rng(1).normal(0.0, 0.5, len(whole))
+    np.testing.assert_allclose(
+        np.unique(weights_of(replace(whole, force=force))), [100.0, 160.0, 220.0, 280.0], atol=0.2
+    )
+
+
 @pytest.mark.parametrize("load", ["friction", "one way", "swelling", "swinging", "noise", "two like ones"])
 def test_what_else_a_load_does_within_a_run_is_no_other_weight(load):
     whole = without_pauses(rig(3))

@@ -299,14 +299,14 @@ def test_a_stroke_with_stops_in_few_rows_rests_there_and_is_read_as_it_arrives(n
     assert np.median(speeds) == pytest.approx(5.6, rel=0.02) and np.quantile(speeds, 0.1) == pytest.approx(1.6, rel=0.1)
 
 
-@pytest.mark.parametrize("rows", [2, 3])
-def test_a_way_back_in_a_single_step_is_a_stroke(rows):
-    """A short way out in some rows, and back to the same rest at once: friction turns twice."""
+@pytest.mark.parametrize(("rows", "between"), [(2, ()), (3, ()), (3, (38.6,))])
+def test_a_way_back_in_a_single_step_is_a_stroke(rows, between):
+    """A short way out in some rows, and back to the same rest at once, or over a single sample: friction turns twice."""
     up = np.linspace(0.0, 40.0, 60)
-    dip = np.linspace(40.0, 38.0, rows + 1)[1:]
+    dip = np.r_[np.linspace(40.0, 38.0, rows + 1)[1:], between]
     x = np.r_[up, np.full(30, 40.0), dip, np.full(30, 40.0), up[::-1], np.zeros(30)]
     x = x + 0.01 * np.random.default_rng(1).standard_normal(len(x))
     found = find_motion(0.1 * np.arange(len(x)), x, np.full(len(x), 0.3))
-    again = slice(90 + rows + 1, 120 + rows)
+    again = slice(90 + len(dip) + 1, 120 + len(dip))
     assert np.all(found.direction[91 : 90 + rows] == -1.0)
     assert np.all(found.direction[again] == 1.0) and not found.moving[again].any()
