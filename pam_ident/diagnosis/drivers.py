@@ -104,13 +104,11 @@ def _cycle(inputs: Inputs) -> Array | None:
     if not count.any() and not test.any():
         return None
     way, on = (way_travelled(inputs, of_test) / max(inputs.reach_mm, 1e-9) for of_test in (False, True))
-    by_way = [np.log1p(way), np.exp(-way), np.exp(-0.25 * way)]
-    counted = [np.exp(-count), 1.0 / (1.0 + count)] if count.any() else [0.0 * way, 0.0 * way]
-    if inputs.segment is None:
-        return np.column_stack([*counted, *by_way])
-    anew = float((on != way).any())  # or these are the same again
-    of_test = [np.exp(-0.5 * test), 1.0 / (1.0 + test), anew * np.exp(-on), anew * np.exp(-0.25 * on)]
-    return np.column_stack([*counted, *by_way, *of_test])
+    counted, anew = float(count.any()), float((on != way).any())  # or they are constant, or the same again
+    states = [counted * np.exp(-count), counted / (1.0 + count), np.log1p(way), np.exp(-way), np.exp(-0.25 * way)]
+    if inputs.segment is not None:
+        states += [np.exp(-0.5 * test), 1.0 / (1.0 + test), anew * np.exp(-on), anew * np.exp(-0.25 * on)]
+    return np.column_stack(states)
 
 
 def _clock(inputs: Inputs) -> Array | None:

@@ -73,8 +73,8 @@ def investigate(
             again = Selection(base, candidates, noise=noise, before=selection)
             selections.append((again, _answer(again)))
 
-    free = FreeModel.of(selection)
-    if selection.record.inputs.time is not None and free.criterion + CLOSE < _compared(selections)[0][0]:
+    free = FreeModel.of(selection) if selection.record.inputs.time is not None else None
+    if free and free.criterion + CLOSE < _compared(selections)[0][0]:
         if free.noise.whole < selection.noise.whole:
             select_again(free.noise)
         if not may_be_noise:

@@ -301,7 +301,7 @@ def test_a_stroke_with_stops_in_few_rows_rests_there_and_is_read_as_it_arrives(n
 
 @pytest.mark.parametrize(("rows", "between"), [(2, ()), (3, ()), (3, (38.6,))])
 def test_a_way_back_in_a_single_step_is_a_stroke(rows, between):
-    """A short way out in some rows, and back to the same rest at once, or over a single sample: friction turns twice."""
+    """A short way out in some rows, and back to the same rest at once, or over one sample: friction turns twice."""
     up = np.linspace(0.0, 40.0, 60)
     dip = np.r_[np.linspace(40.0, 38.0, rows + 1)[1:], between]
     x = np.r_[up, np.full(30, 40.0), dip, np.full(30, 40.0), up[::-1], np.zeros(30)]
