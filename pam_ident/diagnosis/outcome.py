@@ -17,7 +17,7 @@ from .answer import Selected
 from .confirmed import impossible_alone
 from .confounding import groups
 from .follows import Following
-from .noise import Noise
+from .noise import OTHER_SIZE, Noise
 from .nouns import Candidate, Diagnosis, Follows, Pattern
 from .probability import BESIDE, BY_FORM, DOUBTFUL, LAPSE, by_form_alone, probabilities
 from .ranking import ranked
@@ -25,6 +25,9 @@ from .remainder import hum, pattern_of, unlike_noise
 from .repeats import rounding, step_of
 from .selection import FittedSet, Selection
 from .sentence import MORE, as_slow_noise, reservations, sentence
+
+MANY = 0.1
+"""Share of a record's samples from which they are no few."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +124,13 @@ class Outcome:
         return self.following.uncovered(self.known, chosen)
 
     @property
+    def unread(self) -> bool:
+        """Whether more than noise is left beside names, and many samples were left aside, as where a drive turns all
+        the time: what they hold nobody looked at."""
+        left = self.best.rmse**2 > (1.0 + OTHER_SIZE) * self.floor**2
+        return self._complete_in_time and left and float(np.mean(self._noise.outlier)) > MANY
+
+    @property
     def _complete_in_time(self) -> bool:
         return bool(self.named) and self.selection.record.inputs.time is not None and not self.seen
 
@@ -143,15 +153,16 @@ class Outcome:
     @cached_property
     def chance(self) -> dict[str, float]:
         """Chance, by candidate, that it belongs to the answer; beside something unknown of those that stand alone."""
-        lapse = BESIDE if self.pattern else DOUBTFUL if self.seen or self.slow or self.unfollowed else LAPSE
+        doubtful = self.seen or self.slow or self.unfollowed or self.unread
+        lapse = BESIDE if self.pattern else DOUBTFUL if doubtful else LAPSE
         chance = probabilities(self.selection, self.classes, self.selected, lapse)
         kept = set(self.selected).union(*self.classes) if self.lacking else set(chance)
-        doubtful = dict.fromkeys(chance, BY_FORM if self.worse else 1.0)
-        for name in doubtful:
+        by_form = dict.fromkeys(chance, BY_FORM if self.worse else 1.0)
+        for name in by_form:
             alike = {name}.union(*(group[:1] for group in self.classes if name in group))
-            doubtful[name] *= min(self.by_form.get(one, (1.0, ""))[0] for one in alike)
+            by_form[name] *= min(self.by_form.get(one, (1.0, ""))[0] for one in alike)
         return {
-            name: chance[name] * (1.0 - self.unknown_instead.get(name, 0.0)) * doubtful[name]
+            name: chance[name] * (1.0 - self.unknown_instead.get(name, 0.0)) * by_form[name]
             for name in chance
             if name in kept and name not in self.ruled_out
         }

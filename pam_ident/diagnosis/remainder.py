@@ -83,9 +83,10 @@ def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 
 def hum(selection: Selection, fitted: FittedSet) -> float:
-    """Period in s of a beat in time that is beside names and smaller than the noise, as a load cell hums; else 0."""
+    """Period in s of a line of the spectrum that is beside names and smaller than the noise, as a load cell hums; else
+    0."""
     term = _shape_in(fitted)
-    if term is None or term.effect.name != BEAT_IN_TIME.name or not fitted.candidates:
+    if term is None or term.label != f"{BEAT_IN_TIME.name}:seen" or not fitted.candidates:
         return 0.0
     without, left = (
         float(np.mean(selection.plain_residual(terms, fitted.values) ** 2))
