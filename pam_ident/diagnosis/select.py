@@ -74,12 +74,12 @@ def investigate(
             selections.append((again, _answer(again)))
 
     free = FreeModel.of(selection) if selection.record.inputs.time is not None else None
-    if free and free.criterion + CLOSE < _compared(selections)[0][0]:
+    if free and free.criterion + CLOSE < (compared := _compared(selections))[0][0]:
         if free.noise.whole < selection.noise.whole:
             select_again(free.noise)
+        final, _ = selections[-1]
         if not may_be_noise:
-            _, _, likeliest = _compared(selections)[0]
-            final, _ = selections[-1]
+            _, _, likeliest = (compared if final is selection else _compared(selections))[0]
             return final, final.refit(likeliest.terms, likeliest.values)
     select_again(selection.noise_left_by(selection.empty))
     last, answer = selections[-1]

@@ -65,3 +65,15 @@ def test_a_step_that_no_slow_noise_takes_at_once_is_no_noise():
     record = build_record("plug", Specimen("m", 200.0, 10.0, 25.0, 1.5), p, e, force, time=time)
     found = diagnose(Model.build("exponential_law"), record, detail=False)
     assert (found.verdict, found.selected) == ("unknown_effect", ()) and "jumps" in found.sentence, found.sentence
+
+
+def test_the_noise_of_a_short_dynamic_record_is_what_the_likeliest_drivers_leave():
+    """Of 400 rows surfaces over all drivers leave too few, and the law alone left slow noise."""
+    muscle, t = Specimen("m", 200.0, 10.0, 25.0, 1.5), 0.05 * np.arange(400)
+    e = 0.1 - 0.08 * np.cos(2.0 * np.pi * t / 7.0) * np.cos(2.0 * np.pi * t / 31.0)
+    p = 0.3 + 0.12 * np.sin(2.0 * np.pi * t / 4.3 + 1.0) + 0.06 * np.sin(2.0 * np.pi * t / 11.0)
+    force = muscle.ideal_force(p - 0.012, e) - 18.0 * (t / t[-1]) ** 1.5
+    record = build_record("t", muscle, p, e, force + np.random.default_rng(2).standard_normal(400), time=t)
+    found = diagnose(Model.build("chou_hannaford"), record)
+    assert set(found.selected) == {"threshold_pressure", "force_drift"}
+    assert found.noise_floor == pytest.approx(1.0, rel=0.15)
