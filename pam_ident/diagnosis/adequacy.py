@@ -101,11 +101,16 @@ class Adequacy:
     @cached_property
     def unexplained(self) -> tuple[float, float]:
         """Squares that the set leaves beyond noise: as a share of the noise's, and of what is to be explained."""
+        left, before, noise = self._squares
+        return (left - noise) / noise, (left - noise) / max(before - noise, 1e-9 * noise)
+
+    @cached_property
+    def _squares(self) -> tuple[float, float, float]:
+        """Mean squares in N² of what the set and the law leave, and of the noise."""
         clean = ~self.free.noise.outlier
         alone = self.selection.plain_residual((), self.selection.base.values)
         left, before = (float(np.mean(one[clean] ** 2)) for one in (self.residual, alone))
-        noise = self.free.noise.whole**2
-        return (left - noise) / noise, (left - noise) / max(before - noise, 1e-9 * noise)
+        return left, before, self.free.noise.whole**2
 
     @cached_property
     def residual(self) -> np.ndarray:
@@ -126,9 +131,7 @@ class Adequacy:
     @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
-        if larger_than_noise(self.selection, self.fitted) or self.comes_back > self.selection.noise.too_small:
-            return False
-        if self._static_part_open:
+        if larger_than_noise(self.selection, self.fitted) or self._returns or self._static_part_open:
             return False
         free = [term.effect.follows[:1] for term in self.fitted.terms if term.form.free]
         if len(set(free)) < len(free):  # no form speaks for either, and together they follow anything of that driver
@@ -141,6 +144,13 @@ class Adequacy:
             return odds < CLOSE + EXACT * self.selection.excess
         beyond, share = self.unexplained
         return beyond < self.selection.noise.too_small or (bool(self.fitted.terms) and share < FORM_TOLERANCE)
+
+    @property
+    def _returns(self) -> bool:
+        """Whether what comes back is too much for noise, and for forms that are not exactly right."""
+        left, before, noise = self._squares
+        much = bool(not self.fitted.terms or self.comes_back * left > FORM_TOLERANCE * (before - noise))
+        return much and self.comes_back > self.selection.noise.too_small
 
     @property
     def _static_part_open(self) -> bool:

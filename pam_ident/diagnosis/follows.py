@@ -333,6 +333,12 @@ class Following:
         loss, instead = self._instead.get(without, (0.0, self.chosen))
         return loss < CLOSE and instead.issubset(drivers)
 
+    def as_good(self, driver: str) -> frozenset[str]:
+        """What stands in the place of one of the likeliest drivers and explains as much; nothing in the place of the
+        map, which has no history and is simpler."""
+        loss, others = self._instead.get(driver, (math.inf, self.chosen))
+        return others - self.chosen if loss < CLOSE and driver != "map" else frozenset()
+
     def unknown_instead(self, effect: Effect, known: Iterable[Effect]) -> float:
         """Chance that the force follows, in place of what an effect follows first, what none of the `known` follows."""
         if not effect.follows or self.record.inputs.time is None:

@@ -88,7 +88,7 @@ class Outcome:
         matter, and what is left has no look of its own."""
         if not self.seen or self.named:
             return False
-        rounds = rounding(step_of(self.selection.record.force))
+        rounds = rounding(step_of(self.selection.record))
         if rounds < max(self.base.rmse**2 - self.floor**2, self.selection.noise.too_small * self.floor**2):
             return False
         return unlike_noise(self.selection, self.selection.empty) is None
@@ -225,7 +225,7 @@ class Outcome:
         said = sentence(self.base, self.best, labels, least, self.classes, self.pattern, self.floor, far, extra)
         record = self.selection.record
         if self.rounded:
-            said += f" What is left may be rounding: the force was read in steps of {newtons(step_of(record.force))}."
+            said += f" What is left may be rounding: the force was read in steps of {newtons(step_of(record))}."
         elif self.verdict == "adequate" and self._noise.coloured:
             said += as_slow_noise(self.follows)
         if not self.pattern and (period := hum(self.selection, self.fitted)):

@@ -4,7 +4,9 @@ import math
 from collections.abc import Collection, Sequence
 from itertools import chain
 
+from ..effects import Effect
 from ..model import Term
+from .drivers import DRIVERS
 from .search import TEMPER
 from .selection import FittedSet, Selection
 
@@ -65,8 +67,9 @@ def by_form_alone(
     With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
     and the error rather `follows` another; where it is static beside another that is, or is not told from one that
     is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
-    temperature, of which nobody knows from where it counts; where it follows a way that the braid slides and nobody
-    measured; and where it follows the clock in more than one way.
+    temperature, of which nobody knows from where it counts; where another driver explains as much as the one that it
+    follows first, and it is grouped with no effect that follows that; where it follows a way that the braid slides and
+    nobody measured; and where it follows the clock in more than one way.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -90,9 +93,20 @@ def by_form_alone(
         elif timed and name in known and term.form.free:
             why = "No written form of it fits, and its free form could follow nearly any static error."
             found[name] = 1.0 - DOUBTFUL, why
+        elif timed and (other := _undecided(selection, term.effect, classes)):
+            found[name] = 1.0 - DOUBTFUL, f"The error could as well follow {other}; its form alone tells."
         elif selection.record.inputs.slid_by_pressure and term.effect.follows[:1] == ("way",):
             why = "How far the braid slides while the pressure alone changes is not measured."
             found[name] = 1.0 - DOUBTFUL, why
         elif term.effect.follows == ("clock",) and len(term.form.linear) > 1:
             found[name] = 1.0 - DOUBTFUL, "Noise that wanders as slowly as the test lasts could look the same."
     return found
+
+
+def _undecided(selection: Selection, effect: Effect, classes: Sequence[Sequence[str]]) -> str:
+    """What explains as much as what an effect follows first, in words, where none of its group follows that; else ""."""
+    others = selection.following.as_good(*effect.follows[:1]) if effect.follows else frozenset()
+    group = {effect.name}.union(*(one for one in classes if effect.name in one))
+    if any(not others.isdisjoint(e.follows[:1]) for e in selection.weighed if e.name in group):
+        return ""
+    return " and ".join(driver.text for driver in DRIVERS if driver.what in others)

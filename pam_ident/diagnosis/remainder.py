@@ -55,14 +55,15 @@ JUMPING = 1.8
 nothing hidden."""
 LEAP = 10.0
 """Standard deviations by which a single step of it may do so: 7.1 at most in 40 records with nothing hidden."""
-FORETOLD, FORETOLD_BESIDE = 0.07, 0.3
+FORETOLD = 0.3
 """Share of the noise's innovations that the LAGS samples before may foretell, without names: 0.04 at most in the same
 records; and beside names, where a load cell may hum: 0.24 at most in seven that did, and 0.47 where a frame rings."""
 ONE_IN_100 = 2.58
 """Standard deviations that normal numbers exceed once in a hundred times."""
-APART, NORMAL, GAP = 20, 0.455, 5.0
-"""Samples on either side of a moment between whose means what is left jumps; the median square over the mean square of
-what is normal; and the usual times between samples from which a longer one is a break."""
+APART, NEARBY, NORMAL, GAP = (20, 10, 5), 20, 0.455, 5.0
+"""Samples on either side of a moment between whose medians what is left jumps, and that tell how large noise is there;
+the median square over the mean square of what is normal; and the usual times between samples from which a longer one is
+a break."""
 
 
 def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -83,10 +84,9 @@ def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 
 def hum(selection: Selection, fitted: FittedSet) -> float:
-    """Period in s of a line of the spectrum that is beside names and smaller than the noise, as a load cell hums; else
-    0."""
+    """Period in s of a line of the spectrum that is smaller than the noise, as a load cell hums; else 0."""
     term = _shape_in(fitted)
-    if term is None or term.label != f"{BEAT_IN_TIME.name}:seen" or not fitted.candidates:
+    if term is None or term.label != f"{BEAT_IN_TIME.name}:seen":
         return 0.0
     without, left = (
         float(np.mean(selection.plain_residual(terms, fitted.values) ** 2))
@@ -176,7 +176,7 @@ def _in_motion(selection: Selection, fitted: FittedSet) -> Pattern | None:
     moved, rested = left[read & moving], left[read & ~moving]
     if min(len(moved), len(rested)) < WINDOW:
         return None
-    size, calm = float(np.std(moved)), math.sqrt(np.var(rested) + rounding(step_of(selection.record.force)))
+    size, calm = float(np.std(moved)), math.sqrt(np.var(rested) + rounding(step_of(selection.record)))
     if size < AT_TURNS * calm:
         return None
     text = f"about {newtons(size)} rms while the muscle moves, where it is {newtons(calm)} while it rests"
@@ -205,7 +205,7 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     weights = np.linalg.lstsq(before, now)[0]
     left = now - before @ weights
     share = 1.0 - float(left @ left) / n / float(np.mean(now**2))
-    if share < (FORETOLD_BESIDE if fitted.candidates else FORETOLD):
+    if share < FORETOLD:
         return None
     flat = np.abs(np.fft.rfft(np.r_[1.0, -weights[::-1]], 64 * LAGS))  # least where its spectrum is highest
     beat = int(np.argmin(flat))
@@ -217,44 +217,53 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 
 def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What stands still and jumps is no noise: however slow that is, it wanders all the time.
-
-    The means before and after each moment differ by so many times what neighbouring samples do, which takes it out that
-    noise may be larger in places.
-    """
+    """What stands still and jumps is no noise: however slow that is, it wanders all the time."""
     if selection.record.inputs.time is None:
         return None
     clean = ~selection.noise.outlier | comes_to_rest(selection.record.inputs)  # a level lasts
     left, time = _evened(selection, fitted)[clean], selection.record.inputs.time[clean]
+    for apart in APART:
+        at, far = _leaps(left, time, step_of(selection.record), apart)
+        if not len(at):
+            continue
+        chance = math.exp(ONE_IN_100 * MEDIAN / math.sqrt(len(far) / (2.0 * apart)))  # moments that share no sample
+        if far.mean() < max(JUMPING, chance) and far.max() < LEAP**2:
+            continue
+        worst = float(time[at[int(np.argmax(far))]])
+        text = f"jumps: what is left stays level between sudden steps, the largest at {number(worst)} s"
+        share = 1.0 - 1.0 / max(float(far.mean()), 1.0)
+        return Pattern("other", "time", worst, "s", share, text)
+    return None
+
+
+def _leaps(left: Array, time: Array, step: float, apart: int) -> tuple[Array, Array]:
+    """Moments, and by how much the medians of `apart` samples before and after each differ: squared, beside the usual.
+
+    `left` is in N, (n,), at a `time` in s; the force was read in steps of `step` N. How much neighbouring samples
+    differ, but for those that jump, takes it out that noise may be larger in places.
+    """
+    squares = np.diff(left) ** 2
+    if len(squares) < 2 * NEARBY:
+        return np.empty(0, int), np.empty(0)
+    usual = np.sort(sliding_window_view(squares, 2 * NEARBY), axis=1)[:, : -2 * NEARBY // 5].mean(axis=1)
+    at = np.arange(apart, len(left) - apart)
+    middle = np.median(sliding_window_view(left, apart), axis=1)
+    between = np.abs(middle[at] - middle[at - apart])
+    beside = np.maximum(usual, 0.1 * np.median(usual))[np.clip(at - NEARBY, 0, len(usual) - 1)]
     gaps = np.diff(time, prepend=time[0])
     piece = np.cumsum(gaps > GAP * np.median(gaps))
-    sums = np.cumsum(np.r_[0.0, left])
-    squares = np.cumsum(np.r_[0.0, 0.0, 0.5 * np.diff(left) ** 2])
-    at = np.arange(APART, len(left) - APART)
-    between = (sums[at + APART] - 2.0 * sums[at] + sums[at - APART]) / APART
-    beside = squares[at + APART] - squares[at + 1] + squares[at] - squares[at - APART + 1]
-    seen = (piece[at + APART - 1] == piece[at - APART]) & (beside > 0.0)
-    at, between = at[seen], between[seen]
-    far = between**2 / beside[seen]
-    pace = np.round(np.log2((time[at + APART - 1] - time[at - APART]) / APART)) if len(at) else at
+    seen = (piece[at + apart - 1] == piece[at - apart]) & (beside > 0.0)
+    at, between, beside = at[seen], between[seen], beside[seen]
+    far = np.maximum(between, step) ** 2 / beside
+    pace = np.round(np.log2((time[at + apart - 1] - time[at - apart]) / apart)) if len(at) else at
     enough = np.zeros(len(at), bool)
     for one in np.unique(pace):  # as fast as it is read, slow noise steps on, or is another each time
         alike = pace == one
-        enough |= alike & (np.count_nonzero(alike) >= WINDOW * APART // 2)
-        far[alike] /= np.median(far[alike])
-    rounded = np.abs(between) <= step_of(selection.record.force)  # of what does not move it may be all
-    far[rounded] = np.minimum(far[rounded], 1.0 / NORMAL)
-    at, far = at[enough], far[enough]
-    if not len(far):
-        return None
-    alone = len(far) / (2.0 * APART)  # moments that share no sample
-    chance = math.exp(ONE_IN_100 * MEDIAN / math.sqrt(alone))
-    if far.mean() * NORMAL < max(JUMPING, chance) and far.max() * NORMAL < LEAP**2:
-        return None
-    share = max(1.0 - 1.0 / (NORMAL * float(far.mean())), 0.0)
-    worst = float(time[at[int(np.argmax(far))]])
-    text = f"jumps: what is left stays level between sudden steps, the largest at {number(worst)} s"
-    return Pattern("other", "time", worst, "s", share, text)
+        enough |= alike & (np.count_nonzero(alike) >= WINDOW * apart // 2)
+        far[alike] *= NORMAL / np.median(far[alike])
+    rounded = between < 1.5 * step  # of what does not move it may be all
+    far[rounded] = np.minimum(far[rounded], 1.0)
+    return at[enough], far[enough]
 
 
 def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:

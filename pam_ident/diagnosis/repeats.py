@@ -30,7 +30,7 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
     trend, changing = _trends(record, residual, rows)
     flat = residual - trend
     groups = [*repeats(record, rows), *repeats(record, rows, at_rest=True)]
-    coarse = rounding(step_of(record.force))
+    coarse = rounding(step_of(record))
     common = in_common(groups, flat)
     if not (common.certain and common.shared > SHARE * common.size + common.n * coarse):
         return residual
@@ -86,13 +86,13 @@ def comes_back(record: Record, residual: Array, rows: Array) -> float:
     groups = repeats(record, rows)
     alike = in_common(groups, residual - _trends(record, residual, rows)[0])
     opposite = in_common(groups, residual)
-    found = [(alike, alike.shared - alike.n * rounding(step_of(record.force))), (opposite, -opposite.shared)]
+    found = [(alike, alike.shared - alike.n * rounding(step_of(record))), (opposite, -opposite.shared)]
     return max(min(max(shared / max(one.size, 1e-300), 0.0), 1.0) if one.certain else 0.0 for one, shared in found)
 
 
-def step_of(force: Array) -> float:
-    """The step in N in which a force (n,) was read."""
-    steps = np.diff(np.unique(force))
+def step_of(record: Record) -> float:
+    """The step in N in which the force was read."""
+    steps = np.diff(np.unique(record.as_measured.force))
     return float(np.min(steps)) if len(steps) else 0.0
 
 
