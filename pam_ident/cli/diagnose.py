@@ -140,7 +140,7 @@ def describe(found: "Diagnosis") -> list[str]:
     ]
     lines += text.table(("candidate", "probability", "alone leaves [N]", "held out [N]"), rows)
     alike = ", or of one that this record cannot tell from it" if found.groups else ""
-    lines += [f"each probability is of the effect by itself{alike}"] * bool(rows)
+    lines += [f"each probability is of the effect by itself{alike}; they need not add up to 100 %"] * bool(rows)
     others = [in_words(s.effect, found.best.model.own) for s in tried if s not in shown]
     lines += [f"less likely still: {', '.join(others)}"] if others else []
     for status, words in STATUS.items():

@@ -97,9 +97,10 @@ def _motion(found: "Inspection") -> list[str]:
         lines.append("time        none: a static table")
         return lines
     speeds = ", ".join(f"{v:.3g}" for v in found.speeds) or "none"
+    how = "of the pressure" if found.kind == "isometric" else f"at {speeds} mm/s"
     lines += [
         f"time        {found.duration_s:.6g} s",
-        f"strokes     {found.strokes}, {'of the pressure' if found.kind == 'isometric' else f'at {speeds} mm/s'}",
+        f"strokes     {found.strokes}{'' if not found.strokes else f', {how}'}",
         f"holds       {found.holds} ({found.hold_samples} samples)",
         f"cycles      {found.cycles} at most {COUNTED.get(found.kind, 'in a row')}",
     ]

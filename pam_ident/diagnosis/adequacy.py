@@ -13,6 +13,7 @@ import numpy as np
 
 from ..core.digits import newtons
 from ..effects import Effect
+from ..fitting import fit
 from .follows import Following
 from .noise import OTHER_SIZE, Noise
 from .nouns import Pattern
@@ -106,11 +107,18 @@ class Adequacy:
 
     @cached_property
     def _squares(self) -> tuple[float, float, float]:
-        """Mean squares in N² of what the set and the law leave, and of the noise."""
-        clean = ~self.free.noise.outlier
-        alone = self.selection.plain_residual((), self.selection.base.values)
+        """Mean squares in N² of what the set and the law alone leave, and of the noise."""
+        clean, base = ~self.free.noise.outlier, self.selection.base
+        alone = self.selection.plain_residual((), base.values)
+        if base.model.terms:
+            alone = fit(replace(base.model, terms=()), base.record, detail=False).residual
         left, before = (float(np.mean(one[clean] ** 2)) for one in (self.residual, alone))
         return left, before, self.free.noise.whole**2
+
+    @property
+    def _formed(self) -> bool:
+        """Whether effects are in it, named or in the model already, whose forms may not be exactly right."""
+        return bool(self.fitted.terms or self.selection.base.model.terms)
 
     @cached_property
     def residual(self) -> np.ndarray:
@@ -143,13 +151,13 @@ class Adequacy:
         if len(set(followed)) < len(followed):
             return odds < CLOSE + EXACT * self.selection.excess
         beyond, share = self.unexplained
-        return beyond < self.selection.noise.too_small or (bool(self.fitted.terms) and share < FORM_TOLERANCE)
+        return beyond < self.selection.noise.too_small or (self._formed and share < FORM_TOLERANCE)
 
     @property
     def _returns(self) -> bool:
         """Whether what comes back is too much for noise, and for forms that are not exactly right."""
         left, before, noise = self._squares
-        much = bool(not self.fitted.terms or self.comes_back * left > FORM_TOLERANCE * (before - noise))
+        much = not self._formed or self.comes_back * left > FORM_TOLERANCE * (before - noise)
         return much and self.comes_back > self.selection.noise.too_small
 
     @property

@@ -20,6 +20,8 @@ Array = np.ndarray
 Untold = tuple[dict[str, str], dict[str, str]]
 SURE = 0.01
 """Probability by chance, of all parameters together, below which a difference counts."""
+CLEAR = 3.0
+"""Standard errors from which a parameter is no zero."""
 SHARE = 0.05
 """Difference of a share of the squared error that is told."""
 
@@ -248,7 +250,7 @@ def _sentence(
     own = (*a.best.model.own, *b.best.model.own)
     told: dict[str, list[str]] = {}
     for one in effects:
-        told.setdefault(_missing_in(one, names), []).append(named(one.effect, own))
+        told.setdefault(_missing_in(one, names, known), []).append(named(one.effect, own))
     parts += [f"Missing in {who}: {', '.join(found)}" for who, found in told.items()]
     shares = [{one.what: one.share for one in each.follows} for each in (a, b)]
     words = {one.what: one.text for each in (a, b) for one in each.follows}
@@ -269,14 +271,20 @@ def _names(a: Diagnosis, b: Diagnosis) -> tuple[str, str]:
     return (first, second) if first != second else ("A", "B")
 
 
-def _missing_in(one: EffectDifference, names: tuple[str, str]) -> str:
-    """Where an effect is missing, in words."""
+def _missing_in(one: EffectDifference, names: tuple[str, str], known: list[ParameterDifference]) -> str:
+    """Where an effect is missing, in words. One that is named in one record alone may be as large in the other, by the
+    parameters that are `known` of both."""
     if one.where == "both":
         return "both"
     k = "ab".index(one.where)
     if (one.a, one.b)[1 - k] is None:
         return f"{names[k]}, which {names[1 - k]} could not show"
-    return f"{names[k]} alone"
+    own = [each for each in known if each.name.startswith(f"{one.effect.partition(':')[0]}.")]
+    there = [abs(each.b) > CLEAR * each.b_stderr if k == 0 else abs(each.a) > CLEAR * each.a_stderr for each in own]
+    alike = any(there) and not any(each.differs for each in own)
+    return (
+        f"{names[k]}, and in {names[1 - k]}, where it was not named, about as large" if alike else f"{names[k]} alone"
+    )
 
 
 def _more(force: float, error: float) -> str:

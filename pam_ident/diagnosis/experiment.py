@@ -168,7 +168,7 @@ def _promise(found: Sequence[Separation], minutes: float, own: Sequence[Effect])
     verb = "separate" if far[0].rival else "show"
     text = f"In {minutes:.0f} minutes it would {verb} {said} standard errors."
     if vague := [s for s in far if s.share < ALL]:
-        text += f" Fewer than {max(s.needed for s in vague):.0f} leave a doubt."
+        text += f" Below {max(s.needed for s in vague):.0f} a doubt is left."
     return f"{text} It would not tell {open_}." if open_ else text
 
 
@@ -194,7 +194,7 @@ def after_pattern(pattern: Pattern, selection: Selection, fitted: FittedSet) -> 
         "local": ("reversal", f"turn the muscle about its axis at {middle}: a rub moves or goes"),
         "step": ("cycles", "mark the clamps: a slipped mount shows as a shifted length"),
         "trend": ("cycles", "tare before and after: a trend that goes on is the rig's"),
-    }.get(pattern.kind, ("pressure", "then measure another muscle the same way: what it shows, too, is the rig's"))
+    }.get(pattern.kind, ("pressure", "then measure another muscle the same way: an error that both show is the rig's"))
     law = replace(selection.base.model, terms=())
     runs = [c for c in possible_runs(selection.record, law, fitted.values) if lever in c.vary]
     if not runs:

@@ -19,7 +19,8 @@ TOLD = 0.05
 
 def missing(chance: float) -> str:
     """The word before names of which the least sure has a certain chance."""
-    return "Missing" if chance >= SURE else "Probably missing" if chance >= 0.5 else "Perhaps missing"
+    told = round(chance, 2)
+    return "Missing" if told >= SURE else "Probably missing" if told >= 0.5 else "Perhaps missing"
 
 
 def start(base: Fit, floor: float) -> str:
@@ -101,7 +102,7 @@ def could_be_tried(found: Sequence[Follows], others: Iterable[Effect], fit: Fit)
     for one in found:
         names = [f"{e.title} (--also {e.name})" for e in free if one.what in e.follows and one.share >= WORTH_TRYING]
         if names:
-            return f" These follow {one.text}, too, and are tried only if asked for: {', '.join(names)}."
+            return f" Tried only if asked for, and following {one.text}, too: {', '.join(names)}."
     return ""
 
 

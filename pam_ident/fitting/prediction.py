@@ -227,7 +227,7 @@ class Predictor:
         found = self.at(there)
         by_newton = inputs.specimen.initial_length_mm / np.where(slope < 0.0, -slope, math.nan)
         stderr, mean, reading = (by_newton * half for half in (found.stderr, found.half_mean, found.half_reading))
-        return LengthPrediction(e, stderr, mean, reading, found.outside)
+        return LengthPrediction(e, stderr, mean, reading, found.outside | np.isnan(e))
 
     def _stderr(self, inputs: Inputs, force: Array) -> Array:
         if self.matrix is None or not self._index:

@@ -232,11 +232,12 @@ def _cuts(
         if wrong:
             then, now = before["time"][wrong[0]], values["time"][wrong[0]]
             another = (
-                "where another run begins here, give it a file of its own, or a header above it; else fix the clock"
+                "where another run begins, give it a file of its own in one folder, or a header above it; else fix the "
+                "clock"
             )
             raise DataError(
                 f"{place_of(table, block, wrong[0], sources['time'])}: time runs backwards "
-                f"({then:g} s, then {now:g} s); {another if len(wrong) == 1 else 'sort the rows or fix the clock'}"
+                f"({then:g} s, then {now:g} s){f', and in {len(wrong) - 1} rows more' * (len(wrong) > 1)}; {another}"
             )
     return sorted(cuts)
 

@@ -81,6 +81,8 @@ def find_files(path: str | Path) -> Files:
     """The files of a record: one, those of a folder or of a pattern (`runs/*.csv`) in the order of the numbers in their
     names, or that of a bundled data set by its name. Raises DataError where there are none."""
     given, path = str(path), Path(path)
+    if not given.strip():  # which would be this folder
+        raise DataError("no record was named; give the path of a file or folder, or the name of a data set")
     if path.is_file():
         return Files(given, (path,), path.parent, path.name.removesuffix(".gz").rpartition(".")[0] or path.name)
     endings = (*TEXT, *catalogue())

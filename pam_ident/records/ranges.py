@@ -9,6 +9,8 @@ from .quantities import SHAPES, Source
 from .table import Table, TableRows
 
 MOST_CONTRACTION = 0.95
+AT_REST = 0.1
+"""Share of the initial length by which a longest length may miss it: a muscle is about as long when it rests."""
 MOST = {
     "time": (1e13, "s", "seconds"),
     "pressure": (10.0, "MPa", "a gauge pressure below 10 MPa"),
@@ -64,9 +66,12 @@ def beyond_reason(values: Values, length_mm: float) -> Iterator[tuple[str, int, 
     contraction = contraction_of(values, length_mm)
     wild = np.flatnonzero(~(np.abs(contraction) < MOST_CONTRACTION))
     if len(wild):
+        check = "Check its unit, and initial_length_mm of the specimen"
+        if "displacement" in values and abs(float(np.nanmax(contraction)) - 1.0) < AT_REST:
+            check = "It looks like the muscle's length: call the column length_mm"
         wrong = (
             f"contraction ratio {contraction[wild[0]]:.3g}; expected within -{MOST_CONTRACTION} to {MOST_CONTRACTION}. "
-            "Check its unit, and initial_length_mm of the specimen"
+            f"{check}"
         )
         yield next(k for k in SHAPES if k in values), int(wild[0]), wrong
     for key, (most, unit, meant) in MOST.items():

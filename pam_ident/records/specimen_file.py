@@ -68,9 +68,9 @@ def read_kind(path: str | Path) -> str:
 
 
 def _content(path: Path, record: Path | None = None) -> dict[str, Any]:
-    beside = f" beside {record}" if record else ""
+    there = f" beside {record}" if record and path.name == "specimen.toml" else ""
     absent = (
-        f"no specimen file{beside}; write one with a table [specimen] (name, initial_length_mm, initial_radius_mm, "
+        f"no specimen file{there}; write one with a table [specimen] (name, initial_length_mm, initial_radius_mm, "
         "braid_angle_deg) or pass --specimen FILE"
     )
     return read_toml(path, absent)

@@ -49,6 +49,8 @@ def find_layout(place: str, head: bytes, mapping: Told | None = None) -> Layout:
     text = head[skip : skip + (len(head) - skip) // 2 * 2].decode(encoding, errors="replace")
     if not text.strip():
         raise DataError(f"{place}: the file is empty; expected a header row and one row a sample")
+    if text.lstrip().startswith("{") and '"pam-ident/' in text:
+        raise DataError(f"{place}: JSON that this program wrote, no record; a saved fit is for validate and predict")
     if _NO_TEXT.search(text):
         raise DataError(f"{place}: not a readable CSV file (it is not text); expected a table as text")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")

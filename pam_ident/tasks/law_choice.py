@@ -210,7 +210,7 @@ def _chosen(
         why = said + _next(second)
     else:
         other = f"the {get_law(best.law).title} ({best.parameters}, {_error(best)})"
-        why = f"{said}, as little as {other} to its standard error"
+        why = f"{said}; {other} errs by less, but not beyond its standard error"
     return LawChoice(simplest.law, why, trials)
 
 

@@ -180,7 +180,7 @@ def _check_needs(model: Model, inputs: Inputs) -> None:
                 "branch": "branch ('contraction' or 'extension')",
             }
             give = ", ".join(dict.fromkeys(words.get(need, need) for need in lacking))
-            raise DataError(f"{term.effect.name} needs {', '.join(lacking)} of each state; give {give}, too")
+            raise DataError(f"{term.effect.name} needs {', '.join(lacking)} at each state: add {give}")
 
 
 def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":
