@@ -55,7 +55,7 @@ def possible_runs(record: Record, model: Model, values: dict[str, float]) -> lis
     if plain is None:
         return []
     fast = plain.speeds_mm_s[-1]
-    top = max(float(record.levels[-1]), float(np.max(record.steady.pressure)))
+    top = float(np.max(record.steady.pressure) if record.drives_pressure else record.levels[-1])
     few, spread = _over_5_to_1(top, 3), _over_5_to_1(top, 5)
     speed, pressure, hold, loops = ("speed",), ("pressure",), ("hold",), ("reversal",)
     decades = tuple(round_number(v) for v in np.geomspace(fast / 100.0, fast, 4))

@@ -104,7 +104,8 @@ def by_form_alone(
 
 
 def _undecided(selection: Selection, effect: Effect, classes: Sequence[Sequence[str]]) -> str:
-    """What explains as much as what an effect follows first, in words, where none of its group follows that; else ""."""
+    """What explains as much as what an effect follows first, in words; else, or where one of its group follows that,
+    nothing."""
     others = selection.following.as_good(*effect.follows[:1]) if effect.follows else frozenset()
     group = {effect.name}.union(*(one for one in classes if effect.name in one))
     if any(not others.isdisjoint(e.follows[:1]) for e in selection.weighed if e.name in group):

@@ -15,6 +15,8 @@ from .quantities import BRANCHES, QUANTITIES, SHAPES, Source
 from .ranges import Values, check_empty, check_ranges, place_of
 from .table import Clock, Table, TableRows, numbers_in
 
+SHUFFLED = 0.1
+"""Share of the rows before which time runs backwards from which they are in no order, rather than of several runs."""
 SENSORS = {"time", "pressure", "pressure_set", *SHAPES, "force", "temperature", "cycle", "torque", "angle"}
 """Quantities whose empty cells cost a row; branch and slack must be said in each."""
 FAULTS = {"frozen_sensor": frozen_rows, "impossible_value": impossible_rows, "spike": spike_rows}
@@ -231,13 +233,16 @@ def _cuts(
         wrong = [int(k) for k in np.flatnonzero(back) if int(k) not in cuts]
         if wrong:
             then, now = before["time"][wrong[0]], values["time"][wrong[0]]
-            another = (
-                "where another run begins, give it a file of its own in one folder, or a header above it; else fix the "
-                "clock"
+            more = f", and so in {len(wrong) - 1} rows more" * (len(wrong) > 1)
+            advice = (
+                "where another run begins, give it a file of its own in one folder, or a header above it; else fix "
             )
+            advice += "the clock"
+            if len(wrong) > SHUFFLED * len(block):
+                advice = "sort the rows or fix the clock"
             raise DataError(
-                f"{place_of(table, block, wrong[0], sources['time'])}: time runs backwards "
-                f"({then:g} s, then {now:g} s){f', and in {len(wrong) - 1} rows more' * (len(wrong) > 1)}; {another}"
+                f"{place_of(table, block, wrong[0], sources['time'])}: time runs backwards ({then:g} s, then {now:g} s"
+                f"){more}; {advice}"
             )
     return sorted(cuts)
 

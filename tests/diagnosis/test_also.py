@@ -144,14 +144,14 @@ def test_the_sentence_takes_the_first_that_the_rest_follows_and_the_record_can_s
     shares = [Follows("noise", 0.5, "noise"), Follows("map", 0.3, "the map"), Follows("cycle", 0.2, "the cycle")]
     said = could_be_tried(shares, others, base)
     assert said == (
-        " These follow the map, too, and are tried only if asked for: contact or buckling near an end of the stroke "
+        " Tried only if asked for, and following the map, too: contact or buckling near an end of the stroke "
         "(--also end_contact), bladder of Ogden's rubber (--also ogden_bladder)."
     )
     assert could_be_tried([Follows("temperature", 0.9, "the temperature")], others, base) == ""
     assert could_be_tried([Follows("map", 0.09, "the map")], others, base) == ""
     clock = [Follows("clock", 0.4, "the clock"), Follows("cycle", 0.2, "the cycle")]
     assert could_be_tried(clock, others, base).startswith(
-        " These follow the cycle, too, and are tried only if asked for: loss of the first stroke ("
+        " Tried only if asked for, and following the cycle, too: loss of the first stroke ("
     )
     table = fit(Model.build("sarosi"), read_record(dataset_record("dmsp20_300")))
     assert could_be_tried([Follows("acceleration", 0.9, "the acceleration")], others, table) == ""
