@@ -227,7 +227,8 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
         if not len(at):
             continue
         chance = math.exp(ONE_IN_100 * MEDIAN / math.sqrt(len(far) / (2.0 * apart)))  # moments that share no sample
-        if far.mean() < max(JUMPING, chance) and far.max() < LEAP**2:
+        once = LEAP**2 if apart == APART[0] else math.inf  # a few neighbours may be far off by chance
+        if far.mean() < max(JUMPING, chance) and far.max() < once:
             continue
         worst = float(time[at[int(np.argmax(far))]])
         text = f"jumps: what is left stays level between sudden steps, the largest at {number(worst)} s"

@@ -39,7 +39,9 @@ def weighted(tmp_path_factory):
 def test_a_mass_is_unknown_by_itself_and_the_answer_says_what_could_be_tried(weighted):
     found = diagnose(LAW, weighted[0])
     assert found.verdict == "unknown_effect" and found.selected == ()
-    assert found.sentence.endswith(" and are tried only if asked for: inertia of the moving mass (--also moving_mass).")
+    assert found.sentence.endswith(
+        "Tried only if asked for, and following the acceleration, too: inertia of the moving mass (--also moving_mass)."
+    )
     assert "moving_mass" not in {one.effect for one in found.ranking}
 
 
