@@ -38,8 +38,6 @@ RULES: dict[str, Rule] = {
         "in_spite_of",
         lambda selection, *_: (selection, selection.empty),
     ),
-    "noise is as large as its innovations": ("adequacy", "larger_than_noise", lambda selection, fitted: False),
-    "no set is compared by noise that it exceeds": ("select", "larger_than_noise", lambda selection, fitted: False),
     "noise does not come back": ("adequacy", "comes_back", lambda record, residual, rows: 0.0),
     "what comes back is no noise": ("noise", "without_repeats", lambda record, residual, rows: residual),
     "1/f noise": ("noise", "likelier_colour", lambda *_: (0.0, 1.0)),
@@ -75,6 +73,8 @@ RULES: dict[str, Rule] = {
     "what is too small goes": ("confirmed", "_large_enough", lambda base, named, fitted, least: named),
     "doubtful names go beside something unknown": ("diagnose", "_without_doubtful", lambda outcome: outcome),
     "no other noise where sure": ("select", "_sure", lambda selection, fitted: False),
+    "where much is unread, a name is less sure": ("outcome", "Outcome.unread", property(lambda self: False)),
+    "another driver explains as much": ("probability", "_undecided", lambda *_: ""),
     "a held pressure is its mean": ("follows", "without_sensor", lambda record: record.inputs),
     "sets of drivers compete in their own noise": (
         "follows",

@@ -227,8 +227,9 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
         if not len(at):
             continue
         chance = math.exp(ONE_IN_100 * MEDIAN / math.sqrt(len(far) / (2.0 * apart)))  # moments that share no sample
-        once = LEAP**2 if apart == APART[0] else math.inf  # a few neighbours may be far off by chance
-        if far.mean() < max(JUMPING, chance) and far.max() < once:
+        others = far[np.abs(at - at[int(np.argmax(far))]) > 2 * apart]  # a few neighbours may be far off by chance
+        once = LEAP**2 if apart == APART[0] else math.inf
+        if float(np.sum(others)) / max(len(others), 1) < max(JUMPING, chance) and far.max() < once:
             continue
         worst = float(time[at[int(np.argmax(far))]])
         text = f"jumps: what is left stays level between sudden steps, the largest at {number(worst)} s"
