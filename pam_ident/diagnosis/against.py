@@ -282,9 +282,7 @@ def _missing_in(one: EffectDifference, names: tuple[str, str], known: list[Param
     own = [each for each in known if each.name.startswith(f"{one.effect.partition(':')[0]}.")]
     there = [abs(each.b) > CLEAR * each.b_stderr if k == 0 else abs(each.a) > CLEAR * each.a_stderr for each in own]
     alike = any(there) and not any(each.differs for each in own)
-    return (
-        f"{names[k]}, and in {names[1 - k]}, where it was not named, about as large" if alike else f"{names[k]} alone"
-    )
+    return f"{names[k]} alone{f', though about as large in {names[1 - k]}' * alike}"
 
 
 def _more(force: float, error: float) -> str:

@@ -79,7 +79,7 @@ def _way(inputs: Inputs) -> Array | None:
     if inputs.moving is None:
         return None
     way = way_since_reversal(inputs)
-    share = way[:, None] / (max(float(way.max()), 1e-9) * np.array([0.02, 0.06, 0.18, 0.54]))
+    share = way[:, None] / (max(float(way.max()), 1e-9) * np.array([0.02, 0.06, 0.18]))
     return np.exp(-share) * inputs.direction[:, None]
 
 
@@ -138,7 +138,7 @@ def _temperature(inputs: Inputs) -> Array | None:
 
 MAP = ((0, 0), (1, 0), (0, 1), (1, 2), (0, 5), (2, 2), (1, 4), (4, 2), (3, 4), (2, 7), (4, 7))
 RATES = ((0,), (0, 1, 2), (0, 1, 2, 3))
-ONE_OR_ALL = ((0,), (1,), (2,), (3,), (0, 1, 2, 3))
+ONE_OR_ALL = ((0,), (1,), (2,), (0, 1, 2))
 COUNTED = (*((k,) for k in range(9)), (0, 1, 2), (2, 3, 4), (2, 5, 6), (7, 8), tuple(range(9)))
 RELAXED = ((0, 2, 4), (1, 3, 5), (0, 1, 2, 3, 4, 5), (6, 7), (8, 9), (0, 1, 2, 3, 4, 5, 6, 7, 8, 9))
 DRIFTED = ((0,), (0, 1), (0, 1, 2, 3), (0, 4, 5, 6), (0, 1, 2, 3, 4, 5, 6))

@@ -56,8 +56,8 @@ nothing hidden."""
 LEAP = 10.0
 """Standard deviations by which a single step of it may do so: 4.8 at most in the same records."""
 FORETOLD = 0.3
-"""Share of the noise's innovations that the LAGS samples before may foretell, without names: 0.04 at most in the same
-records; and beside names, where a load cell may hum: 0.24 at most in seven that did, and 0.47 where a frame rings."""
+"""Share of the noise's innovations that the LAGS samples before may foretell: 0.04 at most in records with nothing
+hidden, 0.24 where a load cell hummed, and 0.47 where a frame rings."""
 ONE_IN_100 = 2.58
 """Standard deviations that normal numbers exceed once in a hundred times."""
 APART, NEARBY, NORMAL, GAP = (20, 10, 5), 20, 0.455, 5.0
@@ -186,8 +186,8 @@ def _in_motion(selection: Selection, fitted: FittedSet) -> Pattern | None:
 def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What the samples before foretell is no noise: a beat, a swing, what comes and goes.
 
-    Noise is foretold by its colour and no further: a longer linear prediction (Makhoul 1975, Proceedings of the IEEE
-    63, 561–580) adds nothing. Beside names it may hum.
+    Noise is foretold by its colour and no further, unless it hums: a longer linear prediction (Makhoul 1975,
+    Proceedings of the IEEE 63, 561–580) adds nothing.
     """
     enough = (WINDOW + 1) * LAGS
     if selection.record.inputs.time is None or len(selection.record) < enough:

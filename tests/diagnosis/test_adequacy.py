@@ -87,6 +87,25 @@ def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_expla
     assert little == {"series_compliance": (0.85, said)}
 
 
+def test_a_name_whose_driver_another_replaces_at_odds_as_good_rests_on_its_form(hidden_effect, monkeypatch):
+    pressed = Term(catalogue()["pressure_friction"], catalogue()["pressure_friction"].forms[0])
+    selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [pressed.effect, catalogue()["creep"]])
+    fitted, first = selection.refit([pressed]), pressed.effect.follows[0]
+
+    def instead(loss, *others):
+        monkeypatch.setitem(selection.following.__dict__, "_instead", {first: (loss, frozenset(others))})
+        return by_form_alone(selection, fitted, [pressed], classes, "")
+
+    classes = ()
+    why = "The error could as well follow rest and relaxation; its form alone tells."
+    assert instead(3.0, "rest") == {"pressure_friction": (0.85, why)}
+    assert instead(30.0, "rest") == {}, "the other explains less"
+    classes = (("pressure_friction", "creep"),)
+    assert instead(3.0, "rest") == {}, "the group says so"
+    monkeypatch.setitem(selection.following.__dict__, "_instead", {"map": (3.0, frozenset({"cycle"}))})
+    assert selection.following.as_good("map") == frozenset(), "what has no history is simpler"
+
+
 def test_a_small_name_in_its_free_form_is_no_sure_one(hidden_effect):
     pressed, drift = (catalogue()[name] for name in ("pressure_friction", "force_drift"))
     large, free = Term(pressed, pressed.forms[0]), Term(drift, next(form for form in drift.forms if form.free))

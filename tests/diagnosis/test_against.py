@@ -7,7 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pam_ident.diagnosis.against import _between, _holm, against
+from pam_ident.diagnosis.against import (
+    EffectDifference,
+    ParameterDifference,
+    _between,
+    _holm,
+    _missing_in,
+    against,
+)
 from pam_ident.records import build_record, read_record, thinned
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.setup import Setup
@@ -62,6 +69,14 @@ def test_the_sentence_says_more_and_less_in_words_and_ends_each_thought(found):
     thoughts = found.sentence.split(". ")
     assert len(thoughts) == 4 and all(not one[0].islower() for one in thoughts) and " -" not in found.sentence
     assert thoughts[2] == "Missing in hidden_effect alone: friction that grows with pressure (pressure_friction)"
+
+
+def test_what_is_as_large_in_the_other_record_is_not_missing_in_one_alone():
+    one = EffectDifference("creep", 0.84, 0.01, "a")
+    alike = ParameterDifference("creep.share", "", 0.0283, 7e-4, 0.0293, 4e-4, 0.001, -6e-4, 0.0026, 0.2)
+    assert _missing_in(one, ("A", "B"), [alike]) == "A alone, though about as large in B"
+    for other in (replace(alike, b=2e-4), replace(alike, p=1e-6), replace(alike, name="creeping.share")):
+        assert _missing_in(one, ("A", "B"), [other]) == "A alone"
 
 
 @pytest.mark.long

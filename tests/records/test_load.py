@@ -214,6 +214,26 @@ def test_a_file_with_a_header_only_is_refused(write):
     assert f"{path}: a header but no rows" in refusal(path)
 
 
+def test_a_saved_answer_is_no_record(write):
+    path = write('{\n  "schema": "pam-ident/fit/1",\n  "law": "sarosi"\n}\n')
+    assert f"{path}: JSON that this program wrote" in refusal(path)
+
+
+def test_no_name_is_no_folder(write):
+    write(GOOD)
+    with pytest.raises(DataError, match="no record was named"):
+        read_record("")
+
+
+def test_a_length_in_place_of_a_displacement_is_recognised(write):
+    lines = [line.split(",") for line in GOOD.splitlines()]
+    place = lines[0].index("displacement_mm")
+    for k, line in enumerate(lines[1:]):
+        line[place] = str(200.0 - 2.0 * k)
+    said = refusal(write("\n".join(map(",".join, lines)) + "\n"))
+    assert "'displacement_mm'" in said and "looks like the muscle's length: call the column length_mm" in said
+
+
 def test_a_missing_file_is_refused(write, tmp_path):
     write(GOOD)
     assert "no such file" in refusal(tmp_path / "gone.csv")

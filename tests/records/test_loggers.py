@@ -146,7 +146,7 @@ def test_shuffled_rows_are_no_static_table(put):
     for header in ("time_s", "Zeit [s]"):
         refusal(put(column(0, header, shuffled)), "time runs backwards", "sort the rows")
     begun = np.r_[TIME[:12], TIME[: ROWS - 12]]
-    refusal(put(column(0, "Zeit [s]", begun)), "where another run begins here, give it a file of its own")
+    refusal(put(column(0, "Zeit [s]", begun)), "where another run begins, give it a file of its own")
 
 
 def test_a_mapping_against_an_absolute_header_is_refused(put):
