@@ -248,7 +248,7 @@ def _lacking(record: Record, parameters: int) -> str | None:
     if different < states:
         return f"{different} different states of pressure and length, and the least for this law is {states}"
     if by_length(record) and len(np.unique(weights_of(record)[~at_limit(record)])) < 2:
-        return "all samples that tell of the law carry one weight, which leaves the scale of force and pressure open (hang three)"
+        return "all samples that tell of the law carry one weight, and its size scales the pressure (hang three)"
     if inputs.time is None:
         return None
     strokes = len(np.unique(record.stroke[record.stroke > 0]))
