@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.digits import newtons, number, percent
 from ..fitting import Fit
-from .follows import told, what_it_follows
+from .follows import Following, told
 from .nouns import Bin, Comparison, Follows, Region
 
 Array = np.ndarray
@@ -65,7 +65,7 @@ def compare(fit: Fit, follows: tuple[Follows, ...] | None = None) -> Comparison:
     odd, even = _odd_even(fit, cell, len(levels), total)
     rest = 1.0 - (odd or 0.0) - (even or 0.0) if odd is not None else math.nan
     by = _profiles(fit, signs, levels, edges, total)
-    follows = what_it_follows(fit) if follows is None else follows
+    follows = Following.of(fit).shares() if follows is None else follows
     sentence = f"{_sentence(fit, by, odd, even, worst)} {told(follows)}"
     branches = tuple(NAMES[s] for s in signs)
     return Comparison(fit, branches, levels, edges, mean, rms, share, by, odd, even, rest, worst, follows, sentence)

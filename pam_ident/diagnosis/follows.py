@@ -41,13 +41,7 @@ REST = "the rest"
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
 STATIC = 500.0
-"""Loss of evidence by which nothing takes the place of pressure and contraction: four static records lost 1,380 to
-1,680, where 1 % of the evidence was 277,000 and more."""
-
-
-def what_it_follows(fit: Fit) -> tuple[Follows, ...]:
-    """Shares of a fit's squared error, largest first, noise last; they add to 1, and none is what chance would give."""
-    return Following.of(fit).shares()
+"""Loss of evidence by which nothing takes the place of the map: four static records lost 1,380 to 1,680."""
 
 
 class Following:
@@ -334,8 +328,7 @@ class Following:
         return loss < CLOSE and instead.issubset(drivers)
 
     def as_good(self, driver: str) -> frozenset[str]:
-        """What stands in the place of one of the likeliest drivers and explains as much; nothing in the place of the
-        map, which has no history and is simpler."""
+        """What replaces one of the likeliest drivers at odds as good; nothing the map, which has no history."""
         loss, others = self._instead.get(driver, (math.inf, self.chosen))
         return others - self.chosen if loss < CLOSE and driver != "map" else frozenset()
 
@@ -366,7 +359,7 @@ class Following:
         return not follows or self.record.inputs.time is None or follows[0] in sought
 
     def shares(self) -> tuple[Follows, ...]:
-        """As `what_it_follows` gives them."""
+        """Shares of the squared error, largest first, noise last; they add to 1, and none is what chance would give."""
         moving = self.record.inputs.moving
         rests = moving is not None and not moving.all()
         words = {driver.what: driver.text if rests else driver.in_motion or driver.text for driver in DRIVERS}

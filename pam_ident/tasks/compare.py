@@ -9,7 +9,7 @@ import numpy as np
 from ..core import UsageError
 from ..core.digits import millimetres, newtons, percent
 from ..diagnosis.compare import compare
-from ..diagnosis.follows import told, what_it_follows
+from ..diagnosis.follows import Following, told
 from ..diagnosis.nouns import Bin, Comparison, Follows
 from ..fitting import Fit, fit
 from ..fitting.carried import InLength, driven
@@ -35,7 +35,7 @@ def _compare_length(one: Fit) -> Comparison:
     assert one.lengths is not None
     follows: tuple[Follows, ...] = ()
     if len(np.unique(one.lengths.weight[one.rows])) > 1:
-        follows = what_it_follows(fit(one.model, driven(one.model, one.record, one.values)))
+        follows = Following.of(fit(one.model, driven(one.model, one.record, one.values))).shares()
     found = compare(InLength.of(one), follows)
     by = {"load_N": tuple(_by_weight(one)), **found.by}
     return replace(found, fit=one, by=by, sentence=_sentence(one, replace(found, by=by)))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.follows import Following, told, what_it_follows
+from pam_ident.diagnosis.follows import Following, told
 from pam_ident.diagnosis.schedule import way_is_time
 from pam_ident.diagnosis.steady import steadied
 from pam_ident.fitting import fit
@@ -53,7 +53,7 @@ PLANTED = {
 
 
 def shares(record):
-    return {one.what: one.share for one in what_it_follows(fit(Model.build("exponential_law"), record))}
+    return {one.what: one.share for one in Following.of(fit(Model.build("exponential_law"), record)).shares()}
 
 
 @pytest.mark.parametrize("seed", [50, 51])
@@ -96,7 +96,7 @@ def test_rest_is_told_only_where_something_rests(hold_s, words):
         relaxed[k] = relaxed[k - 1] + 0.02 * (e[k] - relaxed[k - 1])
     force = SPECIMEN.ideal_force(p, e) + 400.0 * relaxed + np.random.default_rng(2).standard_normal(len(t))
     record = build_record("rig", SPECIMEN, p, e, force, time=t)
-    found = what_it_follows(fit(Model.build("chou_hannaford"), record))
+    found = Following.of(fit(Model.build("chou_hannaford"), record)).shares()
     assert [one.text for one in found if one.what == "rest"] == [words]
 
 
@@ -136,7 +136,7 @@ def test_what_is_slow_in_noise_follows_no_driver_beside_what_is_there(what, seed
 
 def test_what_comes_back_and_follows_nothing_is_told_apart_from_noise():
     comb = record_with(lambda at: 6.0 * np.sign(np.sin(at["e"] * 200.0 * 2.0 * np.pi / 3.1)))
-    found = what_it_follows(fit(Model.build("exponential_law"), comb))
+    found = Following.of(fit(Model.build("exponential_law"), comb)).shares()
     by_name = {one.what: one.share for one in found}
     assert by_name["repeats"] > 0.5
     assert "comes back with every repeat" in told(found)
@@ -156,7 +156,7 @@ def test_of_a_motion_that_smoothing_bends_nothing_is_taken_off():
     steady, _ = steadied(record, found.model, found.values)
     assert np.std(record.steady.displacement_mm - x) > 5.0  # by smoothing alone
     assert np.std(steady.inputs.displacement_mm - x) == pytest.approx(0.05, rel=0.1)
-    assert [one.what for one in what_it_follows(found)] == ["noise"]
+    assert [one.what for one in Following.of(found).shares()] == ["noise"]
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -170,7 +170,7 @@ def test_what_imitates_two_drivers_does_not_hide_them(seed):
     noise = 1.2 * np.random.default_rng(seed).standard_normal(len(x))
     force = SPECIMEN.ideal_force(p - 0.04, e) - 3.0 * side + noise
     record = build_record("short", SPECIMEN, p, e, force, time=time)
-    found = what_it_follows(fit(Model.build("modified_chou_hannaford"), record))
+    found = Following.of(fit(Model.build("modified_chou_hannaford"), record)).shares()
     assert {one.what for one in found} == {"map", "direction", "noise"}
 
 
