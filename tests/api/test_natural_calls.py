@@ -213,7 +213,7 @@ def test_28_predict_at_a_record_or_a_table(fitted, record, frame):
 
 
 def test_29_predict_without_what_an_effect_needs_says_so(rubbing):
-    with pytest.raises(DataError, match="coulomb_friction needs branch of each state; give branch"):
+    with pytest.raises(DataError, match="coulomb_friction needs branch at each state: add branch"):
         rubbing.predict(0.3, 0.05)
 
 
