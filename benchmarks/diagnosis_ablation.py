@@ -38,6 +38,8 @@ RULES: dict[str, Rule] = {
         "in_spite_of",
         lambda selection, *_: (selection, selection.empty),
     ),
+    "noise is as large as its innovations": ("adequacy", "larger_than_noise", lambda selection, fitted: False),
+    "no set is compared by noise that it exceeds": ("select", "larger_than_noise", lambda selection, fitted: False),
     "noise does not come back": ("adequacy", "comes_back", lambda record, residual, rows: 0.0),
     "what comes back is no noise": ("noise", "without_repeats", lambda record, residual, rows: residual),
     "1/f noise": ("noise", "likelier_colour", lambda *_: (0.0, 1.0)),

@@ -15,9 +15,9 @@ from ..core.digits import newtons
 from ..effects import Effect
 from ..fitting import fit
 from .follows import Following
-from .noise import Noise
+from .noise import OTHER_SIZE, Noise
 from .nouns import Pattern
-from .remainder import OF_ALL
+from .remainder import OF_ALL, ONE_IN_100
 from .repeats import comes_back
 from .search import CLOSE
 from .selection import FORM_TOLERANCE, FittedSet, Selection
@@ -40,6 +40,21 @@ def full_criterion(selection: Selection, fitted: FittedSet) -> tuple[float, Nois
         if not term.effect.candidate:
             penalty += CLOSE + 2.0 * math.log(math.prod(max(len(p.grid), 1) for p in term.form.nonlinear))
     return noise.deviance + penalty, noise
+
+
+def larger_than_noise(selection: Selection, fitted: FittedSet) -> bool:
+    """Whether what a set leaves of a record in time is larger than the noise that it is taken for: its variance by more
+    than OTHER_SIZE, and by more than such noise would once in a hundred records, which is much where it is slow.
+
+    Noise is the same all the time, so it is as large as its innovations say. How large slow noise is beside what an
+    unsure track shares is not known so well.
+    """
+    own, time = selection.noise_left_by(fitted), selection.record.inputs.time
+    if time is None or (own.coloured and own.shared):
+        return False
+    left = selection.plain_residual(fitted.terms, fitted.values)[~own.outlier]
+    chance = math.sqrt(2.0 * (1.0 + own.share**2 * own.memory_samples(time)) / len(left))
+    return float(np.mean(left**2)) / own.whole**2 - 1.0 > max(OTHER_SIZE, ONE_IN_100 * chance)
 
 
 @dataclass(frozen=True)
@@ -124,7 +139,7 @@ class Adequacy:
     @property
     def complete(self) -> bool:
         """Whether what is left is noise, or what effects may leave whose forms are not exactly right."""
-        if self._returns or self._static_part_open:
+        if larger_than_noise(self.selection, self.fitted) or self._returns or self._static_part_open:
             return False
         free = [term.effect.follows[:1] for term in self.fitted.terms if term.form.free]
         if len(set(free)) < len(free):  # no form speaks for either, and together they follow anything of that driver

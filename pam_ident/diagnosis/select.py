@@ -11,7 +11,7 @@ from ..effects import AddsForce, Effect
 from ..fitting import Fit
 from ..fitting.floor import SHAPES, repeats
 from ..model import Term
-from .adequacy import Adequacy, FreeModel, full_criterion
+from .adequacy import Adequacy, FreeModel, full_criterion, larger_than_noise
 from .follows import Following
 from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
@@ -138,7 +138,8 @@ def _compared(selections: Sequence[tuple[Selection, FittedSet]]) -> list[tuple[f
                 sets[labels(near.terms)] = near.terms, near.values
                 rivals.append(_likeliest(every, near.terms, near.values))
     fits += [one for one in rivals if Adequacy(*one, FreeModel.of(one[0])).complete]
-    weighed = [(*full_criterion(selection, found), found) for selection, found in fits]
+    noises = [(selection, found) for selection, found in fits if not larger_than_noise(selection, found)]
+    weighed = [(*full_criterion(selection, found), found) for selection, found in noises or fits]
     largest = selections[0][0].base.rmse
     possible = [item for item in weighed if item[1].whole <= largest or not item[2].terms]
     return sorted(possible or weighed, key=lambda item: item[0])
