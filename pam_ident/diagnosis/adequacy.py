@@ -109,9 +109,10 @@ class Adequacy:
     def _squares(self) -> tuple[float, float, float]:
         """Mean squares in N² of what the set and the law alone leave, and of the noise."""
         clean, base = ~self.free.noise.outlier, self.selection.base
-        alone = self.selection.plain_residual((), base.values)
         if base.model.terms:
             alone = fit(replace(base.model, terms=()), base.record, detail=False).residual
+        else:
+            alone = self.selection.plain_residual((), base.values)
         left, before = (float(np.mean(one[clean] ** 2)) for one in (self.residual, alone))
         return left, before, self.free.noise.whole**2
 
@@ -156,9 +157,10 @@ class Adequacy:
     @property
     def _returns(self) -> bool:
         """Whether what comes back is too much for noise, and for forms that are not exactly right."""
+        if self.comes_back <= self.selection.noise.too_small:
+            return False
         left, before, noise = self._squares
-        much = not self._formed or self.comes_back * left > FORM_TOLERANCE * (before - noise)
-        return much and self.comes_back > self.selection.noise.too_small
+        return not self._formed or self.comes_back * left > FORM_TOLERANCE * (before - noise)
 
     @property
     def _static_part_open(self) -> bool:

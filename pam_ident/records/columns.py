@@ -234,12 +234,11 @@ def _cuts(
         if wrong:
             then, now = before["time"][wrong[0]], values["time"][wrong[0]]
             more = f", and so in {len(wrong) - 1} rows more" * (len(wrong) > 1)
-            advice = (
-                "where another run begins, give it a file of its own in one folder, or a header above it; else fix "
+            another = (
+                "where another run begins, give it a file of its own in one folder, or a header above it; else fix the "
+                "clock"
             )
-            advice += "the clock"
-            if len(wrong) > SHUFFLED * len(block):
-                advice = "sort the rows or fix the clock"
+            advice = "sort the rows or fix the clock" if len(wrong) > SHUFFLED * len(block) else another
             raise DataError(
                 f"{place_of(table, block, wrong[0], sources['time'])}: time runs backwards ({then:g} s, then {now:g} s"
                 f"){more}; {advice}"
