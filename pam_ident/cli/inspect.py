@@ -68,8 +68,7 @@ def _columns(found: "Inspection", elsewhere: set[str]) -> list[str]:
     wall = f"wall {s.wall_thickness_mm:g} mm" if s.wall_thickness_mm is not None else "wall not given"
     lines = [
         *_files(found),
-        f"specimen    {s.name}: length {s.initial_length_mm:g} mm, radius {s.initial_radius_mm:g} mm, "
-        f"braid angle {s.braid_angle_deg:g}°, {wall}",
+        f"specimen    {s.name}: {s.geometry}, {wall}",
         f"columns     {', '.join(f'{key} from {column!r}' for key, column in record.columns.items())}",
     ]
     if record.passed:

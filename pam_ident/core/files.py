@@ -25,6 +25,8 @@ def check_target(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
 
     Raises UsageError.
     """
+    if str(path).endswith(("/", os.sep)):
+        raise UsageError(f"{path}: is the name of a folder; expected the name of a file to write")
     path = Path(path)
     if suffixes and path.suffix.lower() not in suffixes:
         raise UsageError(f"{path}: expected a file name ending in {' or '.join(suffixes)}")

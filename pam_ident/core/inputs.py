@@ -81,6 +81,14 @@ class Specimen:
             )
 
     @property
+    def geometry(self) -> str:
+        """Length, radius and braid angle, in words."""
+        return (
+            f"length {self.initial_length_mm:g} mm, radius {self.initial_radius_mm:g} mm, "
+            f"braid angle {self.braid_angle_deg:g}°"
+        )
+
+    @property
     def a(self) -> float:
         """3 / tan²θ0 (Chou & Hannaford 1996)."""
         return 3.0 / math.tan(math.radians(self.braid_angle_deg)) ** 2

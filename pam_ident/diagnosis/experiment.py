@@ -200,6 +200,5 @@ def after_pattern(pattern: Pattern, selection: Selection, fitted: FittedSet) -> 
     if not runs:
         return Experiment((lever,), f"{capital(text)}.")
     best = min(runs, key=lambda c: c.cost)
-    return Experiment(
-        best.vary, f"{capital(best.strokes.words())}; {text}.", minutes=best.minutes, protocol=best.strokes
-    )
+    text = f"{capital(best.strokes.words())}, {best.minutes:.0f} minutes in all; {text}."
+    return Experiment(best.vary, text, minutes=best.minutes, protocol=best.strokes)

@@ -27,10 +27,7 @@ def kind_of(result: Any) -> str:
 
 
 def _specimen(one: "Specimen") -> str:
-    return (
-        f"Specimen {one.name}: length {one.initial_length_mm:g} mm, radius {one.initial_radius_mm:g} mm, "
-        f"braid angle {one.braid_angle_deg:g}°"
-    )
+    return f"Specimen {one.name}: {one.geometry}"
 
 
 def _record(one: "Record") -> str:

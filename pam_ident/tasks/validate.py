@@ -1,7 +1,7 @@
 """A saved fit held against another record."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,8 +88,20 @@ class Validation(Shown):
 
     @property
     def warnings(self) -> tuple[Doubt, ...]:
-        """What looks wrong in the fit and in the record."""
-        return (*self.saved.doubts, *doubts_of(self.record))
+        """What looks wrong in the fit and in the record, and of the one beside the other."""
+        return (*self.saved.doubts, *self._beside(), *doubts_of(self.record))
+
+    def _beside(self) -> Iterator[Doubt]:
+        written = list(self.saved.written.values())
+        key = "rmse_mm" if self.in_mm else "rmse_N"
+        n, square = (sum(one.get("n", 0) * (one.get(key) or 0.0) ** k for one in written) for k in (0, 2))
+        if n and math.isclose(math.sqrt(square / n), self.rmse, rel_tol=1e-6):
+            text = "the fit was made to this very record, or to its like to the last digit: this is no test of it"
+            yield Doubt("own_record", text)
+        fitted, here = self.saved.specimen, self.record.specimen
+        if fitted.geometry != here.geometry:
+            text = f"another muscle: the fit is of {fitted.name} ({fitted.geometry}), the record of {here.name} "
+            yield Doubt("other_specimen", f"{text}({here.geometry})")
 
     @property
     def as_well(self) -> list[str]:

@@ -31,6 +31,16 @@ def test_validate_on_another_record(answer, saved, clean, rubbing):
     assert same["rmse_N"] == pytest.approx(1.0, abs=0.1) and 0.93 < same["coverage"] < 0.98
     assert [one["name"] for one in same["simpler"]] == ["mean_over_pressure", "polynomial"]
     assert all(one["rmse_N"] > same["rmse_N"] for one in same["simpler"])
+    assert "own_record" in [one["code"] for one in same["warnings"]]
+    assert not {"own_record", "other_specimen"} & {one["code"] for one in found["warnings"]}
+
+
+def test_validate_on_another_muscle_says_so(answer, saved, rubbing, tmp_path):
+    muscle = '[specimen]\nname = "thick"\ninitial_length_mm = 200\ninitial_radius_mm = 12\nbraid_angle_deg = 25\n'
+    (tmp_path / "specimen.toml").write_text(muscle, encoding="utf-8")
+    _, found = answer("validate", saved, rubbing, "--specimen", tmp_path / "specimen.toml")
+    told = {one["code"]: one["text"] for one in found["warnings"]}
+    assert "the record of thick (length 200 mm, radius 12 mm, braid angle 25°)" in told["other_specimen"]
 
 
 def test_a_fit_that_was_not_valid_says_so_elsewhere(ask, answer, saved, clean, tmp_path):

@@ -53,3 +53,5 @@ def test_targets_that_cannot_be_written_are_refused(tmp_path):
         files.check_target(tmp_path / "none" / "map.svg")
     with pytest.raises(UsageError, match="is a folder"):
         files.check_target(tmp_path)
+    with pytest.raises(UsageError, match="the name of a folder"):
+        files.check_target(f"{tmp_path}/results/")

@@ -193,7 +193,7 @@ def test_what_no_known_effect_explains_is_described_not_named(tmp_path, unknown,
     answer = diagnose(Model.build(EXPONENTIAL), record)
     assert answer.verdict == "unknown_effect" and answer.pattern is not None
     assert answer.pattern.kind == kind and answer.selected == ()
-    assert answer.next_experiment is not None
+    assert answer.next_experiment is not None and "minutes in all" in answer.next_experiment.text
 
 
 @LONG
