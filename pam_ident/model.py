@@ -220,7 +220,9 @@ class Model:
         within the record."""
         r0 = inputs.specimen.initial_radius_mm
         near = {"lower": 0.85 * r0, "upper": 1.15 * r0, "start": r0}
-        return tuple(replace(p, **near) if p.name == "r0" else p.within(inputs.seconds) for p in self.params)
+        return tuple(
+            replace(p, **near) if p.name == "r0" else p.within(inputs.seconds, inputs.interval) for p in self.params
+        )
 
     def to_lmfit(self, inputs: Inputs, rows: Array | None = None) -> "tuple[lmfit.Model, lmfit.Parameters]":
         """This model for lmfit: `model.fit(force[rows], parameters, inputs=inputs)`, force (n,) in N.

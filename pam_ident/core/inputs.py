@@ -129,8 +129,8 @@ class Inputs:
     extension, 0 where a static table knows no branch; a hold keeps the direction of the motion before
     it and has `moving` False. `stroke_speed` is the median speed of the stroke a sample belongs to.
     `segment` numbers the runs between changes of what is held or gaps in time. `slide` is the contraction of the braid
-    alone, of which velocity and direction are, where that is another; `pressure_rate`, in MPa/s, that of a driven one;
-    `locked` whether it alone is driven. Fields that a record lacks are None. With `live` the samples are no record, but
+    alone, of which velocity and direction are, where that is another: of a locked muscle; `pressure_rate`, in MPa/s,
+    that of a driven pressure; `locked` whether it alone is driven. Fields that a record lacks are None. With `live` the samples are no record, but
     n muscles at one instant.
     """
 
@@ -168,6 +168,11 @@ class Inputs:
         """From the first sample to the last; without end where no time was recorded."""
         return math.inf if self.time is None else float(self.time[-1] - self.time[0])
 
+    @cached_property
+    def interval(self) -> float:
+        """The usual time from a sample to the next in s, 0 where no time was recorded."""
+        return 0.0 if self.time is None or len(self) < 2 else float(np.median(np.diff(self.time)))
+
     @property
     def way(self) -> Array:
         """Contraction of the braid, along which it slides and rubs, shape (n,)."""
@@ -177,11 +182,6 @@ class Inputs:
     def way_mm(self) -> Array:
         """The same in mm, shape (n,)."""
         return self.displacement_mm if self.slide is None else self.slide * self.specimen.initial_length_mm
-
-    @property
-    def slid_by_pressure(self) -> bool:
-        """Whether the braid slides by a length and by a pressure that are both driven."""
-        return self.slide is not None and not self.locked
 
     @cached_property
     def reach_mm(self) -> float:

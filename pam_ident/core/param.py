@@ -5,6 +5,9 @@ from dataclasses import dataclass, replace
 
 from .errors import UsageError
 
+SEEN = 2.0
+"""Samples within which nothing is seen to relax: what does follows the speed there."""
+
 
 @dataclass(frozen=True)
 class Range:
@@ -33,8 +36,8 @@ class Param:
     the effect vanishes. `grid` lists values of a shape parameter from which fits are started,
     because the error has several minima in it. `scale` is a typical magnitude in `unit`, `range` where nature
     ends, None where no source says. Of one that is held both bounds are its value. `slowest`, of a relaxation time,
-    is the longest that its form has, over this one: none outlasts a record, for what relaxes more slowly is elastic
-    there; 0 of any other parameter.
+    is the longest that its form has, over this one, and this one over the shortest: none outlasts a record, for what
+    relaxes more slowly is elastic there, nor is over between its samples; 0 of any other parameter.
 
     Raises UsageError when the bounds do not hold `start`.
     """
@@ -62,13 +65,14 @@ class Param:
         """The parameter with its `range` in a record with a largest force."""
         return self if self.range is None else replace(self, range=self.range.where_measured(force_N))
 
-    def within(self, seconds: float) -> "Param":
-        """The parameter with its bounds, start and grid in a record of that length."""
-        upper = max(seconds / self.slowest, self.lower) if self.slowest else self.upper
-        if upper >= self.upper:
+    def within(self, seconds: float, interval: float) -> "Param":
+        """The parameter with its bounds, start and grid in a record of that length and sampling interval, in s."""
+        if not self.slowest:
             return self
-        grid = tuple(dict.fromkeys(min(value, upper) for value in self.grid))
-        return replace(self, upper=upper, start=min(self.start, upper), grid=grid)
+        upper = min(max(seconds / self.slowest, self.lower), self.upper)
+        lower = min(max(self.lower, SEEN * interval * self.slowest), upper)
+        grid = tuple(dict.fromkeys(min(max(value, lower), upper) for value in self.grid))
+        return replace(self, lower=lower, upper=upper, start=min(max(self.start, lower), upper), grid=grid)
 
     def clip(self, value: float) -> float:
         """`value` moved into the bounds."""

@@ -107,4 +107,4 @@ def grid(form: Form, inputs: Inputs) -> list[dict[str, float]]:
 
 
 def _within(form: Form, inputs: Inputs) -> list[Param]:
-    return [p.within(inputs.seconds) for p in form.nonlinear]
+    return [p.within(inputs.seconds, inputs.interval) for p in form.nonlinear]

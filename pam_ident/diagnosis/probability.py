@@ -95,7 +95,7 @@ def by_form_alone(
             found[name] = 1.0 - DOUBTFUL, why
         elif timed and (other := _undecided(selection, term.effect, classes)):
             found[name] = 1.0 - DOUBTFUL, f"The error could as well follow {other}; its form alone tells."
-        elif selection.record.inputs.slid_by_pressure and term.effect.follows[:1] == ("way",):
+        elif selection.record.kind == "dynamic" and term.effect.follows[:1] == ("way",):
             why = "How far the braid slides while the pressure alone changes is not measured."
             found[name] = 1.0 - DOUBTFUL, why
         elif term.effect.follows == ("clock",) and len(term.form.linear) > 1:

@@ -225,7 +225,7 @@ def _refine(selection: Selection, fitted: FittedSet) -> FittedSet:
     """Drop, exchange the form of, and add effects as long as that makes the set cheaper."""
     for _ in range(4):
         fewer = [selection.refit(fitted.without(term), fitted.values, best=fitted.criterion) for term in fitted.terms]
-        rivals = [*fewer, *_in_other_forms(selection, fitted, fewer)]
+        rivals = [*fewer, *_in_other_forms(selection, fitted, fewer), *_special_cases(selection, fitted)]
         if len(fitted.terms) < MOST:
             rivals += _additions(selection, fitted)
         best = min(rivals, key=lambda v: v.criterion, default=fitted)
@@ -252,6 +252,33 @@ def _in_other_forms(selection: Selection, fitted: FittedSet, fewer: Sequence[Fit
             selection.refit_choice(data, choice, rest, fitted.criterion)
             for choice in best_forms(data, selection.penalty, others)
         ]
+    return found
+
+
+def _special_cases(selection: Selection, fitted: FittedSet) -> list[FittedSet]:
+    """The set with a term exchanged for another effect that follows the same first, in a form of fewer parameters with
+    the same nonlinear ones, from where they stand: a search that begins elsewhere may not find that it does as well."""
+    found = []
+    for term in fitted.terms:
+        rest, name = fitted.without(term), term.effect.name
+        taken = {t.effect.exclusion_group for t in rest}
+        for effect in selection.candidates:
+            if (
+                effect is term.effect
+                or effect.follows[:1] != term.effect.follows[:1]
+                or effect.exclusion_group in taken
+            ):
+                continue
+            for form in effect.forms:
+                names = {p.name for p in form.nonlinear}
+                if (
+                    names
+                    and names <= {p.name for p in term.form.nonlinear}
+                    and len(form.params) < len(term.form.params)
+                ):
+                    start = {f"{effect.name}.{p}": fitted.values[f"{name}.{p}"] for p in names}
+                    terms = [*rest, Term(effect, form)]
+                    found.append(selection.refit(terms, fitted.values | start, best=fitted.criterion))
     return found
 
 

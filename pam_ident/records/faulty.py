@@ -2,6 +2,7 @@
 that moves meanwhile; single readings that leave all others, as a loose plug or a lost bit makes them.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -21,15 +22,16 @@ TIMES, SHARE = 4.0, 0.02
 """How many times that a reading is off (some ten standard deviations of white noise), and the share of the largest
 that it is off: a smaller one decides nothing."""
 SENSORS = ("pressure", "displacement", "contraction", "length", "force")
-LEAST = 5
-"""Repeats of a reading from which it may hang."""
-RARE = 0.01
-"""Share of repeats among the other readings up to which a repeat is none of a coarse sensor or of a simulation."""
+LEAST, CHANCE = 5, 0.01
+"""Repeats of a reading from which it may hang, and the probability, in a record, of as many by chance: a coarse sensor,
+which repeats more than that share of its other readings, repeats itself, too."""
+COARSEST = 0.5
+"""Share of repeats from which a sensor is too coarse, or a simulation too still, to tell."""
 MOST = 0.2
 """Share of a column up to which its long repeats are faults; more are the protocol's rests."""
 JUMP, FAR, FAST = 4.0, 8.0, 0.25
-"""How many of its usual steps, and of those just behind it, a sensor jumps by when it wakes; by how many of its own the
-way goes on beyond doubt; and the share of a fast step from which a step is none of a rest."""
+"""How many of its usual steps, and of those just behind it, a sensor jumps by when it wakes; by how many of its usual
+bends from row to row the way goes on beyond doubt; and the share of a fast step from which a step is none of a rest."""
 
 
 def impossible_rows(values: Mapping[str, Array]) -> dict[str, Array]:
@@ -103,30 +105,35 @@ def frozen_rows(values: Mapping[str, Array]) -> dict[str, Array]:
 
 def _frozen(x: Array, way: Array | None) -> Array:
     """Mask (n,) of repeats of a reading after its first, in runs that end in a jump or in which the `way` (n,), which
-    moves the reading, goes on.
+    moves the reading, goes on; of a coarse sensor in runs that do both.
 
     A clipped sensor, a rest and a noiseless hold repeat readings too. The first is at an end of the range, and none
     ends in a step that is far larger than those before and behind.
     """
     hung = np.zeros(len(x), bool)
     repeats = x[1:] == x[:-1]
-    if not LEAST <= np.count_nonzero(repeats) <= (MOST + RARE) * len(x):
+    count = np.count_nonzero(repeats)
+    if not LEAST <= count <= COARSEST * len(x):
         return hung
-    runs = [(b, e) for b, e in _runs(repeats) if e - b >= LEAST]
+    least = max(LEAST, math.log(len(x) / CHANCE) / math.log(len(x) / count))
+    runs = [(b, e) for b, e in _runs(repeats) if e - b >= least]
     inside = sum(e - b for b, e in runs)
-    if not runs or inside > MOST * len(x) or repeats.sum() - inside > RARE * len(x):
+    if not runs or inside > MOST * len(x):
         return hung
+    coarse = count - inside > CHANCE * len(x)
     steps = np.abs(np.diff(x))
     usual = float(np.median(steps[steps > 0.0])) if inside < len(steps) else 0.0
     way = np.zeros(len(x)) if way is None else way
     ways = np.abs(np.diff(way))
-    pace, fast = float(np.median(ways)), ways > FAST * float(np.quantile(ways, 0.95))
+    rough = float(np.median(np.abs(np.diff(way, 2)))) or float(np.median(ways))
+    fast = ways > FAST * float(np.quantile(ways, 0.95))
     for begin, end in runs:
         behind = steps[end + 1 : end + 4]
         wakes = len(behind) == 3 and steps[end] > JUMP * max(float(behind.max()), usual)
-        far = np.ptp(way[begin : end + 1]) > FAR * pace > 0.0
+        far = np.ptp(way[begin : end + 1]) > FAR * rough > 0.0
         moves = far or np.count_nonzero(fast[begin:end]) >= LEAST
-        hung[begin + 1 : end + 1] = (wakes or moves) and x.min() < x[begin] < x.max()
+        hangs = wakes and moves if coarse else wakes or moves
+        hung[begin + 1 : end + 1] = hangs and x.min() < x[begin] < x.max()
     return hung
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 LEFT_OUT = {
     "empty_cells": "{rows} left out: column {column!r} is empty there (first {where})",
-    "frozen_sensor": "{rows} left out: column {column!r} repeats one reading there and jumps when it wakes "
-    "(first {where})",
+    "frozen_sensor": "{rows} left out: column {column!r} repeats one reading there, and jumps when it wakes or misses "
+    "a motion (first {where})",
     "impossible_value": "{rows} left out: column {column!r} reads there several times what it does in all others "
     "(first {where})",
     "spike": "{rows} left out: column {column!r} jumps away there for a reading and comes back (first {where})",

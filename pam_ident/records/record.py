@@ -209,7 +209,7 @@ def build_record(
         per_kpa = _per_kpa(specimen, held)
         parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}
         motion = replace(driven, **parts)
-        slide = _slid(specimen, held, pressure)
+        slide = held + per_kpa * KPA * pressure / specimen.initial_length_mm
     else:
         loaded = kind in ("isotonic", "dynamic")
         held = np.zeros(len(level)) if loaded else level
@@ -219,7 +219,6 @@ def build_record(
         if kind == "dynamic":
             assert driven is not None
             motion = _of_the_braid(motion, driven, _per_kpa(specimen, contraction))
-            slide = _slid(specimen, contraction, pressure)
     segment, cycle = motion.segment, motion.cycle if cycle is None else counted_anew(cycle, held)
     inputs = Inputs(
         pressure=pressure,
@@ -242,8 +241,10 @@ def build_record(
     run = np.cumsum((np.diff(motion.stroke, prepend=0) != 0) | np.diff(motion.moving, prepend=False))
     smooth = motion.position / specimen.initial_length_mm + (held if locked else 0.0)
     steady = calmed(pressure, segment, time, run) if driven is None else driven.position / KPA
-    slid = smooth if locked else _slid(specimen, smooth, steady) if slide is not None else None
-    calm = replace(inputs, pressure=steady, contraction=held if locked else smooth, slide=slid)
+    if locked:
+        calm = replace(inputs, pressure=steady, contraction=held, slide=smooth)
+    else:
+        calm = replace(inputs, pressure=steady, contraction=smooth)
     return Record(name, inputs, force, level, motion.stroke, block, calm, **origin)  # type: ignore[arg-type]
 
 
@@ -268,15 +269,11 @@ def _per_kpa(specimen: Specimen, contraction: Array) -> Array:
     return 1e-3 * GIVE_MM_KN / KPA * np.maximum(pull, SLIGHT * pull.max())
 
 
-def _slid(specimen: Specimen, contraction: Array, pressure: Array) -> Array:
-    """Contraction of the braid where ends and threads give, at contractions and pressures in MPa, each (n,)."""
-    return contraction + _per_kpa(specimen, contraction) * KPA * pressure / specimen.initial_length_mm
-
-
 def _of_the_braid(motion: Motion, driven: Motion, per_kpa: Array) -> Motion:
     """The motion of a braid that slides with the length or, where that rests, with the pressure, by mm/kPa (n,).
 
-    Where both drive it, how far the pressure does is too unsure to say that it wins; strokes are the length's."""
+    How far it slides there is too unsure to be added to the way, or to win where both drive it; strokes are the
+    length's."""
     only, rows = driven.moving & ~motion.moving, np.arange(len(per_kpa))
     moving = motion.moving | only
     last = np.maximum.accumulate(np.where(moving, rows, 0))  # a rest keeps the direction before it

@@ -45,8 +45,7 @@ def case(folder, law, name, form, seed=7, ratio=3.0):
 def test_a_name_is_doubtful_that_noise_may_look_like_or_whose_way_nobody_measured(
     hidden_effect, name, form, driver, doubted
 ):
-    inputs = replace(hidden_effect.inputs, slide=hidden_effect.inputs.contraction)
-    record = replace(hidden_effect, inputs=inputs, steady=inputs)
+    record = replace(hidden_effect, said_kind="dynamic")
     term = as_term(f"{name}:{form}")
     selection = Selection(fit(Model.build(EXPONENTIAL), record), [term.effect])
     selection.following.likely = frozenset({driver})

@@ -85,6 +85,15 @@ def test_what_relaxes_within_a_fifth_of_a_second_is_no_creep():
             assert fastest >= 0.2
 
 
+@pytest.mark.parametrize(("form", "fastest"), [("textbook", 1.0), ("prony_3", 0.1), ("free", 0.1)])
+def test_what_relaxes_within_two_samples_is_no_creep(form, fastest):
+    for interval, least in ((0.01, 0.2), (0.5, 1.0)):
+        x = np.linspace(0.0, 0.2, 400)
+        inputs = Inputs(np.full(400, 0.3), x, MUSCLE, np.ones(400), time=interval * np.arange(400))
+        (tau,) = (p for p in Model.build("polynomial", (f"creep:{form}",)).bounded(inputs) if p.name == "creep.tau")
+        assert tau.lower == pytest.approx(least / fastest) and min(tau.grid) >= tau.lower
+
+
 @pytest.mark.parametrize(
     ("form", "slowest", "least"),
     [("textbook", 1.0, 1.0), ("following", 1.0, 2.0), ("prony_3", 10.0, 2.0), ("free", 10.0, 2.0)],

@@ -235,6 +235,15 @@ def test_rows_of_a_sensor_that_hangs_are_found(key, begin, end):
     assert name == key and list(np.flatnonzero(rows)) == list(range(begin + 1, end))
 
 
+def test_a_coarse_load_cell_hangs_where_more_repeats_than_its_own_end_in_a_jump():
+    columns = strokes()
+    columns["force"][450:490] = columns["force"][450]
+    coarse = {**columns, "force": 3.0 * np.round(columns["force"] / 3.0)}
+    assert np.mean(np.diff(coarse["force"]) == 0.0) > 0.1
+    ((name, rows),) = frozen_rows(coarse).items()
+    assert name == "force" and list(np.flatnonzero(rows)) == list(range(450, 490))  # 449 reads the same by chance
+
+
 @pytest.mark.parametrize("digits", [2, 12])
 def test_holds_clips_and_coarse_sensors_do_not_hang(digits):
     smooth = np.interp(np.arange(2000) % 400, [0, 100, 160, 170, 400], [0, 40, 40, 0, 0])
@@ -252,6 +261,16 @@ def test_a_sensor_hangs_through_a_hold_and_wakes_where_it_fell_asleep():
     columns["force"][409:432] = columns["force"][409]  # the last 3 rows out, the hold, and the first 3 back
     ((name, rows),) = frozen_rows(columns).items()
     assert name == "force" and list(np.flatnonzero(rows)) == list(range(410, 432))
+
+
+def test_a_load_cell_hangs_in_a_slow_turn_and_wakes_where_it_fell_asleep():
+    columns, t = strokes(), np.arange(2000)
+    x = columns["displacement"] = 40.0 * np.sin(t / 20.0) + np.random.default_rng(3).normal(0.0, 0.02, 2000)
+    columns["force"] = 900.0 - x + np.random.default_rng(4).standard_normal(2000)
+    turn = slice(654, 665)  # about the 10th quarter, 2 mm there and back
+    columns["force"][turn] = columns["force"][654]
+    ((name, rows),) = frozen_rows(columns).items()
+    assert name == "force" and list(np.flatnonzero(rows)) == list(range(655, 665))
 
 
 def test_a_gauge_hangs_while_its_set_pressure_goes_on_and_wakes_where_it_fell_asleep():
