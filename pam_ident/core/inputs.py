@@ -130,8 +130,8 @@ class Inputs:
     it and has `moving` False. `stroke_speed` is the median speed of the stroke a sample belongs to.
     `segment` numbers the runs between changes of what is held or gaps in time. `slide` is the contraction of the braid
     alone, of which velocity and direction are, where that is another: of a locked muscle; `pressure_rate`, in MPa/s,
-    that of a driven pressure; `locked` whether it alone is driven. Fields that a record lacks are None. With `live` the samples are no record, but
-    n muscles at one instant.
+    that of a driven pressure; `locked` whether it alone is driven. Fields that a record lacks are None. With `live` the
+    samples are no record, but n muscles at one instant.
     """
 
     pressure: Array
