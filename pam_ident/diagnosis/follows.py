@@ -375,12 +375,12 @@ class Following:
             taken |= {k}
         whole = sum(shares.values())
         left = self.left - surfaces.explained(self.best)
-        back = (1.0 - whole) * comes_back(self.record, left, self.read)
+        back = (1.0 - whole) * comes_back(self.record, self.in_newtons(left), self.read)
         found = [
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]
         if back > 0.0:
-            text = "a course of its own that comes back with every repeat, or every second one"
+            text = "a course of its own that comes back with every repeat, every second one, or the same force"
             found.append(Follows("repeats", back, text))
         found.sort(key=lambda one: -one.share)
         # What a table leaves may be noise; nothing in it repeats, to tell.

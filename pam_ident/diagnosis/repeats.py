@@ -1,5 +1,6 @@
 """What comes back with every cycle is no noise, whatever its colour."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -22,8 +23,8 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
 
     Strokes, and the holds behind them, repeat each other at one pressure, speed and direction. Of each cycle a line in
     time is taken off first, because noise slower than a cycle comes back, too; what its slopes at one pressure share
-    does as well. `rows` (mask, (n,)) are looked at. A stroke less its neighbour, over the root of two, has noise of
-    the same size and colour as a stroke by itself.
+    does as well. So does what follows the force alone, an error of the load cell's. `rows` (mask, (n,)) are looked at.
+    A stroke less its neighbour, over the root of two, has noise of the same size and colour as a stroke by itself.
     """
     if record.inputs.time is None:
         return residual
@@ -32,9 +33,13 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
     groups = [*repeats(record, rows), *repeats(record, rows, at_rest=True)]
     coarse = rounding(step_of(record))
     common = in_common(groups, flat)
-    if not (common.certain and common.shared > SHARE * common.size + common.n * coarse):
-        return residual
     own = residual.copy()
+    if not (common.certain and common.shared > SHARE * common.size + common.n * coarse):
+        one, other = _at_one_force(record, residual, rows)
+        if _shared(flat, one, other, coarse) <= SHARE:
+            return residual
+        own[one] = changing[one] + (flat[one] - flat[other]) / np.sqrt(2.0)
+        return own
     for group in groups:
         for (one, x), (other, y) in zip(group, [*group[1:], group[0]], strict=True):
             own[one] = changing[one] + (flat[one] - flat[other[nearest(x, y)]]) / np.sqrt(2.0)
@@ -79,15 +84,42 @@ def comes_back(record: Record, residual: Array, rows: Array) -> float:
     turns; 0 where it may be chance.
 
     Rounding of a coarse gauge comes back, too, and is taken off, as is a line in time of each cycle: slow noise is
-    alike in neighbouring strokes, but never opposite. `rows` (mask, (n,)) are looked at.
+    alike in neighbouring strokes, but never opposite. What strokes share wherever the force is the same comes back as
+    well, where it is more than SHARE. `rows` (mask, (n,)) are looked at.
     """
     if record.inputs.time is None:
         return 0.0
-    groups = repeats(record, rows)
-    alike = in_common(groups, residual - _trends(record, residual, rows)[0])
+    groups, flat = repeats(record, rows), residual - _trends(record, residual, rows)[0]
+    coarse = rounding(step_of(record))
+    by_force = _shared(flat, *_at_one_force(record, residual, rows), coarse)
+    alike = in_common(groups, flat)
     opposite = in_common(groups, residual)
-    found = [(alike, alike.shared - alike.n * rounding(step_of(record))), (opposite, -opposite.shared)]
-    return max(min(max(shared / max(one.size, 1e-300), 0.0), 1.0) if one.certain else 0.0 for one, shared in found)
+    found = [(alike, alike.shared - alike.n * coarse), (opposite, -opposite.shared)]
+    shares = [min(max(shared / max(one.size, 1e-300), 0.0), 1.0) for one, shared in found if one.certain]
+    return max(by_force if by_force > SHARE else 0.0, *shares, 0.0)
+
+
+def _at_one_force(record: Record, residual: Array, rows: Array) -> tuple[Array, Array]:
+    """Neighbours by the force without its noise, as a model says it that leaves a residual (n,) in N, of different
+    strokes: two arrays of samples, of `rows` (mask, (n,)).
+
+    Nothing that is driven holds them together, so only what follows the force itself do they share.
+    """
+    seen = np.flatnonzero(rows)
+    order = seen[np.argsort((record.force - residual)[seen], kind="stable")]
+    run = np.cumsum(np.diff(record.stroke, prepend=record.stroke[0]) != 0)
+    apart = run[order[:-1]] != run[order[1:]]
+    return order[:-1][apart], order[1:][apart]
+
+
+def _shared(values: Array, one: Array, other: Array, coarse: float) -> float:
+    """Share of the squares of values (n,) that pairs of samples have in common, less rounding of variance `coarse`; 0
+    where it may be chance."""
+    here, there = values[one], values[other]
+    size = 0.5 * float(here @ here + there @ there)
+    shared = float(here @ there) - coarse * len(one)
+    certain = shared > CERTAIN * size * math.sqrt(memory_of(values) / max(len(one), 1))
+    return shared / size if certain and size > 0.0 else 0.0
 
 
 def step_of(record: Record) -> float:

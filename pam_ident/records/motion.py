@@ -10,7 +10,17 @@ import numpy as np
 from ..core import Array
 from . import turning
 from .roughness import NORMAL_MEDIAN, noise_in_steps, roughness
-from .smoothing import FEWEST, LARGEST, NOISE_ONLY, along, chebyshev_waves, smooth_basis, smooth_holds, smooth_stroke
+from .smoothing import (
+    FEWEST,
+    LARGEST,
+    NOISE_ONLY,
+    along,
+    chebyshev_waves,
+    noise_only,
+    smooth_basis,
+    smooth_holds,
+    smooth_stroke,
+)
 from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
 
 Read = Callable[[int, int], tuple[Array, Array, Array, Array]]
@@ -122,9 +132,7 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     turns = without_spikes(x, pivots(x, least), span) if span else [0, len(x) - 1]
     held = thinned_holds(time, x, turns, noise, span)
     if held.any():
-        sharp = with_corners(time, x, held, noise)
-        middles = _slow_turns(time, x, turns, held, sharp, noise)
-        turns, held = (middles, np.zeros(len(x), bool)) if middles else (turns, sharp)
+        turns, held = _without_slow_turns(time, x, turns, held, with_corners(time, x, held, noise), noise)
     for begin, end in pairwise(turns):
         inside = np.arange(begin, end + 1)
         inside = inside[~held[begin : end + 1] & ~moving[begin : end + 1]]
@@ -158,46 +166,89 @@ def _jumps(x: Array, held: Array, begin: int, end: int, least: float) -> list[Ar
     return [k[[one]] for one in np.flatnonzero(arrived | between)]
 
 
-def _slow_turns(time: Array, x: Array, turns: list[int], held: Array, sharp: Array, noise: float) -> list[int]:
-    """The middles of the rests at all turning points, if a smooth stroke runs from each to the next, and describes the
-    track better than rests and strokes between them: then nothing rests, and the drive turns so slowly that the sensor
-    cannot see it. Empty where something rests."""
+def _without_slow_turns(
+    time: Array, x: Array, turns: list[int], held: Array, sharp: Array, noise: float
+) -> tuple[list[int], Array]:
+    """The turning points, and a mask of the rests (n,), without those where a drive turns so slowly that the sensor
+    cannot see it: smooth strokes run from the middle of each to the next, and describe the track to the noise, and
+    better than rests and strokes between them do. All strokes together, or else those that are smooth by themselves: in
+    a test at several rates some turn slowly, and others rest."""
     edges = np.flatnonzero(np.diff(held, prepend=False, append=False))
-    middles = []
+    ends = []
     for turn in turns:
         begin, end = turn, turn
         if held[turn]:
             after = int(np.searchsorted(edges, turn, side="right"))
             begin, end = int(edges[after - 1]), int(edges[after]) - 1
-        middles.append(begin if turn == turns[0] else end if turn == turns[-1] else (begin + end) // 2)
-    missed, rests, scatter, by_rests, freedom = [], [], [], 0.0, np.zeros(2)
-    for begin, end in pairwise(middles):
-        t, rows = time[begin : end + 1], slice(begin, end + 1)
-        if t[-1] <= t[0]:
-            return []
-        if len(t) < FEWEST:  # too few rows to tell a smooth stroke by
-            continue
+        ends.append((begin, end))
+    middles = [(begin + end) // 2 for begin, end in ends]
+    middles[0], middles[-1] = ends[0][0], ends[-1][1]
+    if any(time[end] <= time[begin] for begin, end in pairwise(middles)):
+        return turns, sharp
+    strokes = [
+        _SlowStroke.of(time[begin : end + 1], x[begin : end + 1], held[begin : end + 1], sharp[begin : end + 1])
+        for begin, end in pairwise(middles)
+    ]
+    known = [one for one in strokes if one]
+    smooth = np.ones(len(strokes), bool)
+    if not _nothing_rests(known, noise):
+        smooth[:] = [one is None or (one.still.mean() < 0.5 and one.is_smooth(noise)) for one in strokes]
+        if not _nothing_rests([one for one, alone in zip(strokes, smooth, strict=True) if one and alone], noise):
+            return turns, sharp
+    beside = np.r_[True, smooth] & np.r_[smooth, True]  # turns between two smooth strokes
+    rests = sharp.copy()
+    for k in np.flatnonzero(smooth):
+        begin = middles[k] if beside[k] else ends[k][1] + 1
+        rests[begin : middles[k + 1] + 1 if beside[k + 1] else ends[k + 1][0]] = False
+    return [m if alone else turn for m, turn, alone in zip(middles, turns, beside, strict=True)], rests
+
+
+@dataclass(frozen=True)
+class _SlowStroke:
+    """What a smooth stroke misses of a track (n,), its rows that seem to rest, the roughness of the others, and the
+    squares that rests and strokes between them miss; each with what it leaves free."""
+
+    off: Array
+    still: Array
+    calm: Array
+    free: int
+    by_rests: float
+    free_of_rests: int
+
+    @classmethod
+    def of(cls, t: Array, x: Array, held: Array, sharp: Array) -> "_SlowStroke | None":
+        """None of too few rows to tell a smooth stroke by."""
+        if len(t) < FEWEST:
+            return None
         even = np.linspace(t[0], t[-1], len(t))  # between few rows at rest a curve could do as it likes
-        way, still = np.interp(even, t, x[rows]), np.interp(even, t, held[rows].astype(float)) > 0.0
+        way, still = np.interp(even, t, x), np.interp(even, t, held.astype(float)) > 0.0
         waves = chebyshev_waves(even, min(SLOW_ORDERS, len(t) // 3))
-        missed.append(way - along(waves, way))
-        resting = np.interp(even, t, sharp[rows].astype(float)) > 0.5
+        resting, by_rests, free = np.interp(even, t, sharp.astype(float)) > 0.5, 0.0, 0
         for part in np.split(np.arange(len(t)), np.flatnonzero(np.diff(resting)) + 1):
             level = resting[part[0]] or len(part) < 4
             basis = np.ones((len(part), 1)) if level else smooth_basis(even[part], len(part))
             by_rests += float(np.sum((way[part] - along(basis, way[part])) ** 2))
-            freedom[1] += len(part) - basis.shape[1]
-        freedom[0] += len(t) - waves.shape[1]
-        rests.append(still)
-        scatter.append(roughness(way)[np.convolve(still, np.ones(5), "valid") == 0.0])
-    if not any(still.any() for still in rests):
-        return []
-    off, still = np.concatenate(missed), np.concatenate(rests)
+            free += len(part) - basis.shape[1]
+        calm = roughness(way)[np.convolve(still, np.ones(5), "valid") == 0.0]
+        return cls(way - along(waves, way), still, calm, len(t) - waves.shape[1], by_rests, free)
+
+    def is_smooth(self, noise: float) -> bool:
+        """Whether it misses noise alone, where it moves and where it seems to rest."""
+        whole = float(np.sqrt(np.mean(np.r_[noise, self.calm] ** 2)))
+        taken = len(self.off) - self.free
+        return noise_only(self.off, whole, taken) and noise_only(self.off[self.still], noise, 1)
+
+
+def _nothing_rests(strokes: list[_SlowStroke], noise: float) -> bool:
+    """Whether smooth strokes describe what seems to rest, all of them together."""
+    if not any(one.still.any() for one in strokes):
+        return False
+    off, still = (np.concatenate([getattr(one, name) for one in strokes]) for name in ("off", "still"))
     # Of the moving rows, too: there a jittering clock's noise grows with the speed.
-    whole = np.sqrt(np.mean(np.concatenate([[noise], *scatter]) ** 2))
+    whole = np.sqrt(np.mean(np.concatenate([[noise], *(one.calm for one in strokes)]) ** 2))
     smooth = np.std(off) < NOISE_ONLY * whole and np.std(off[still]) < NOISE_ONLY * noise
-    better = np.sum(off**2) * freedom[1] < by_rests * freedom[0]  # each over what it leaves free
-    return middles if smooth and better else []
+    by_rests, free, rested = (sum(getattr(one, k) for one in strokes) for k in ("by_rests", "free", "free_of_rests"))
+    return bool(smooth and float(off @ off) * rested < by_rests * free)  # each over what it leaves free
 
 
 def _soft_ends(into: Motion, time: Array, x: Array, noise: float) -> None:

@@ -39,13 +39,17 @@ def smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
         off, spread = x - basis @ (basis.T @ x), 1.0 - np.sum(basis**2, axis=1)
         # A curve that misses more than noise, of all samples or of one at an end, is off at the ends of every stroke
         # alike, which comes out as friction or creep: then the position stays as measured.
-        free = n - waves.shape[1]
-        whole = off @ off < max(NOISE_ONLY**2, 1.0 + 3.0 * np.sqrt(2.0 / free)) * noise**2 * free
-        smooth = whole and np.all(off**2 <= (LARGEST * noise) ** 2 * spread)
+        smooth = noise_only(off, noise, waves.shape[1]) and np.all(off**2 <= (LARGEST * noise) ** 2 * spread)
         position = x - off if smooth else x
         if missed < max(3.0 * noise, 2e-4 * np.ptp(x)):
             return position, few[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
     return position, _local_slopes(time, x, noise)
+
+
+def noise_only(off: Array, noise: float, taken: int) -> bool:
+    """Whether what a curve of `taken` parameters misses, (n,), is noise of a standard deviation alone; nothing is."""
+    free = max(len(off) - taken, 1)
+    return bool(off @ off < max(NOISE_ONLY**2, 1.0 + 3.0 * np.sqrt(2.0 / free)) * noise**2 * free) or not len(off)
 
 
 def smooth_basis(time: Array, n: int) -> Array:
