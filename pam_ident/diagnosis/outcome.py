@@ -17,6 +17,7 @@ from .answer import Selected
 from .confirmed import impossible_alone
 from .confounding import groups
 from .follows import Following
+from .late import logged_late
 from .noise import OTHER_SIZE, Noise
 from .nouns import Candidate, Diagnosis, Follows, Pattern
 from .probability import BESIDE, BY_FORM, DOUBTFUL, LAPSE, by_form_alone, probabilities
@@ -232,6 +233,8 @@ class Outcome:
             said += (
                 f" The noise hums: it has a beat with a period of {number(period, 3)} s, smaller than the rest of it."
             )
+        if self.pattern and not self.named and self.follows[0].what == "speed":
+            said += f" {logged_late(self.selection, self.floor**2)}".rstrip()
         if self.slow:
             said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."
         elif self.unfollowed:

@@ -4,9 +4,12 @@ import math
 from collections.abc import Collection, Sequence
 from itertools import chain
 
+import numpy as np
+
 from ..effects import Effect
 from ..model import Term
 from .drivers import DRIVERS
+from .late import logged_late
 from .search import TEMPER
 from .selection import FittedSet, Selection
 
@@ -68,13 +71,15 @@ def by_form_alone(
     and the error rather `follows` another; where it is static beside another that is, or is not told from one that
     is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
     temperature, of which nobody knows from where it counts; where another driver explains as much as the one that it
-    follows first, and it is grouped with no effect that follows that; where it follows a way that the braid slides and
-    nobody measured; and where it follows the clock in more than one way.
+    follows first, and it is grouped with no effect that follows that; where a force that is logged late looks the same;
+    where it follows a way that the braid slides and nobody measured; and where it follows the clock in more than one
+    way.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
     known = {effect.name for effect in selection.candidates if effect.static}
     static = known.union(*(group for group in classes if not known.isdisjoint(group)))
+    left = float(np.mean(selection.plain_residual(fitted.terms, fitted.values)[~selection.noise.outlier] ** 2))
     for term in named:
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
@@ -95,6 +100,8 @@ def by_form_alone(
             found[name] = 1.0 - DOUBTFUL, why
         elif timed and (other := _undecided(selection, term.effect, classes)):
             found[name] = 1.0 - DOUBTFUL, f"The error could as well follow {other}; its form alone tells."
+        elif timed and term.effect.follows[:1] == ("speed",) and (why := logged_late(selection, left)):
+            found[name] = BY_FORM, why
         elif selection.record.kind == "dynamic" and term.effect.follows[:1] == ("way",):
             why = "How far the braid slides while the pressure alone changes is not measured."
             found[name] = 1.0 - DOUBTFUL, why

@@ -481,3 +481,16 @@ def test_parts_of_a_drift_may_be_larger_than_nature_allows_the_whole():
     record = strokes(lambda p, x, side, v: -4.0 * side, cell=lambda t, f, T: f + 60.0 * (t / t[-1]) ** 2)
     found = diagnose(LAW, record)
     assert set(found.selected) == {"coulomb_friction", "force_drift"}, found.sentence
+
+
+@pytest.mark.long
+def test_a_force_that_is_logged_late_is_said_to_be_one():
+    found = diagnose(LAW, strokes(lambda p, x, side, v: 0.0 * v, cell=lambda t, f, T: np.interp(t - 0.1, t, f)))
+    assert "It could be a force that is logged 0.098 s after the length" in found.sentence
+    assert all(one.probability <= 0.5 for one in found.ranking)
+
+
+def test_damping_is_no_force_that_is_logged_late():
+    found = diagnose(LAW, strokes(lambda p, x, side, v: -2.0 * v))
+    assert found.selected == ("viscous_damping",) and "logged" not in found.sentence
+    assert next(one.probability for one in found.ranking if one.effect == "viscous_damping") > 0.9
