@@ -24,6 +24,8 @@ CLEAR = 3.0
 """Standard errors from which a parameter is no zero."""
 SHARE = 0.05
 """Difference of a share of the squared error that is told."""
+PROPORTIONAL = 0.9
+"""Share of the squares of a difference from which it is said to be in proportion to the force."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,8 @@ class EffectDifference:
 @dataclass(frozen=True)
 class ForceDifference:
     """Modelled force of B less that of A in N at the `n` states of A that lie in what both records span: mean with its
-    95 % interval, rms, and the largest with its state."""
+    95 % interval, rms, and the largest with its state; and the share of A's force that explains most of it, with the
+    share of its squares that this explains."""
 
     n: int
     mean: float
@@ -73,6 +76,8 @@ class ForceDifference:
     largest: float
     pressure_MPa: float
     contraction: float
+    share: float
+    explained: float
 
 
 @dataclass(frozen=True)
@@ -91,7 +96,7 @@ class Against:
 
     @property
     def names(self) -> tuple[str, str]:
-        """What the records are called: A and B where both have one name."""
+        """What the records are called, where both have one name their muscles, else A and B."""
         return _names(self.a, self.b)
 
 
@@ -154,10 +159,13 @@ def _fits(a: Diagnosis, b: Diagnosis, untold: Untold) -> tuple[Fit, Fit]:
 
 
 def _parameters(a: Fit, b: Fit) -> tuple[ParameterDifference, ...]:
-    """Of the parameters that both have."""
+    """Of the parameters that both have. Those of a free form draw a curve together, which others may draw as well: none
+    of them is compared by itself."""
     found, chances = [], []
+    drawn = tuple(f"{term.effect.name}." for term in a.model.terms if term.form.free)
     others = {one.name: one for one in b.estimates}
-    for one, other in ((one, others[one.name]) for one in a.estimates if one.name in others):
+    known = [one for one in a.estimates if one.name in others and not one.name.startswith(drawn)]
+    for one, other in ((one, others[one.name]) for one in known):
         both = one.identified and other.identified
         spread = math.hypot(one.stderr, other.stderr) if both else math.nan
         apart = other.value - one.value
@@ -207,12 +215,15 @@ def _force(a: Fit, b: Fit) -> ForceDifference | None:
     moved = replace(inputs, specimen=b.record.specimen)
     shared = {*a.model.labels} & {*b.model.labels}
     mine, theirs = (replace(m, terms=tuple(t for t in m.terms if t.label in shared)) for m in (a.model, b.model))
-    apart = (theirs.force(moved, b.values) - mine.force(inputs, a.values))[inside]
+    own = mine.force(inputs, a.values)[inside]
+    apart = theirs.force(moved, b.values)[inside] - own
     half = math.hypot(_half(a, inputs, inside), _half(b, moved, inside))
     mean, at = float(apart.mean()), int(np.abs(apart).argmax())
+    share, squares = float(own @ apart) / max(float(own @ own), 1e-300), max(float(apart @ apart), 1e-300)
     return ForceDifference(
         int(inside.sum()), mean, mean - half, mean + half, float(np.sqrt(np.mean(apart**2))), float(apart[at]),
-        float(inputs.pressure[inside][at]), float(inputs.contraction[inside][at]),
+        float(inputs.pressure[inside][at]), float(inputs.contraction[inside][at]), share,
+        share**2 * float(own @ own) / squares,
     )  # fmt: skip
 
 
@@ -241,11 +252,14 @@ def _sentence(
             f"Where both were measured, {names[1]} pulls {_more(force.mean, error)} than {names[0]} on average "
             f"({_between(force.low, force.high)}); the difference is {newtons(force.rms)} rms"
         )
+        if force.explained >= PROPORTIONAL and not force.low <= 0.0 <= force.high:
+            more = f"{percent(abs(force.share))} {'more' if force.share > 0.0 else 'less'}"
+            parts[-1] += f", {percent(force.explained)} of its squares as a force that is {more} all over"
     known = [one for one in parameters if math.isfinite(one.p)]
     apart = sorted((one for one in known if one.differs), key=lambda one: one.p)
-    which = f" ({', '.join(one.name for one in apart[:4])}{' …' if len(apart) > 4 else ''})" if apart else ""
+    which = f"({', '.join(one.name for one in apart[:4])}{' …' if len(apart) > 4 else ''})" if apart else "by itself"
     parts.append(
-        f"Of {len(known)} parameters {len(apart) or 'none'} differ{'s' * (len(apart) < 2)} beyond chance{which}"
+        f"Of {len(known)} parameters {len(apart) or 'none'} differ{'s' * (len(apart) < 2)} beyond chance {which}"
     )
     own = (*a.best.model.own, *b.best.model.own)
     told: dict[str, list[str]] = {}
@@ -267,8 +281,11 @@ def _sentence(
 
 
 def _names(a: Diagnosis, b: Diagnosis) -> tuple[str, str]:
-    first, second = a.base.record.name, b.base.record.name
-    return (first, second) if first != second else ("A", "B")
+    records = a.base.record, b.base.record
+    for first, second in (tuple(r.name for r in records), tuple(r.specimen.name for r in records)):
+        if first != second:
+            return first, second
+    return "A", "B"
 
 
 def _missing_in(one: EffectDifference, names: tuple[str, str], known: list[ParameterDifference]) -> str:

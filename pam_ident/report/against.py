@@ -29,7 +29,8 @@ def render_against(found: Against, provenance: Mapping[str, object]) -> str:
 def parts(found: Against, samples: int = 0) -> tuple[Part, ...]:
     """What differs in a sentence, then the effects, the errors and what they follow, and the parameters; what can be
     zoomed into has so many `samples` a record, if any."""
-    both = [_pictures(which, one, samples) for which, one in (("A", found.a), ("B", found.b))]
+    records = zip("AB", found.names, (found.a, found.b), strict=True)
+    both = [_pictures(which, name, one, samples) for which, name, one in records]
     traces, bars = zip(*both, strict=True)
     _one_scale(traces)
     return (
@@ -46,9 +47,9 @@ def parts(found: Against, samples: int = 0) -> tuple[Part, ...]:
     )
 
 
-def _pictures(which: str, one: Diagnosis, samples: int) -> tuple[Picture, Picture]:
+def _pictures(which: str, name: str, one: Diagnosis, samples: int) -> tuple[Picture, Picture]:
     """The error of the law over a record, with what is missing, and what it follows."""
-    after, name = one.best if one.selected else None, one.base.record.name
+    after = one.best if one.selected else None
     easel = Easel(f"ab{which.lower()}", MOST_POINTS, live(one.base, after, samples))
     left = " before (above), with what is missing drawn through it, and after (below)." if after else "."
     trace = easel.hang(
@@ -83,14 +84,14 @@ def records_table(found: Against) -> PageTable:
     rows = tuple(
         (
             which,
-            one.base.record.name,
+            name,
             str(len(one.base.record)),
             VERDICTS.get(one.verdict, (one.verdict, ""))[0],
             newtons(one.base.rmse),
             newtons(one.best.rmse),
             newtons(one.noise_floor),
         )
-        for which, one in (("A", found.a), ("B", found.b))
+        for which, name, one in zip("AB", found.names, (found.a, found.b), strict=True)
     )
     head = ("", "record", "samples", "verdict", "error of the law", "with what was missing", "noise")
     return PageTable("The two records", head, rows, (2, 4, 5, 6))

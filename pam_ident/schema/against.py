@@ -35,6 +35,8 @@ def against_json(a: str, b: str, found: "Against", doubts: "Sequence[Doubt]" = (
             "largest_N": force.largest,
             "pressure_MPa": force.pressure_MPa,
             "contraction": force.contraction,
+            "share": force.share,
+            "explained": force.explained,
         },
         "sentence": found.sentence,
         "warnings": warnings_json(doubts),

@@ -16,6 +16,7 @@ from pam_ident.diagnosis.against import (
     against,
 )
 from pam_ident.records import build_record, read_record, thinned
+from pam_ident.records.record import rebuilt
 from pam_ident.tasks.diagnose import diagnose_record
 from pam_ident.tasks.setup import Setup
 
@@ -38,6 +39,26 @@ def test_what_was_put_in_is_what_differs(found):
         assert one.difference == one.b - one.a
         assert math.isnan(one.low) or one.low < one.difference < one.high
     assert "pressure_friction" in found.sentence and "direction of motion" in found.sentence
+
+
+def test_a_muscle_that_pulls_less_all_over_is_said_to(found):
+    one = found.a.base.record
+    weak = replace(one, name="weak", force=0.94 * one.force)
+    told = against(found.a, diagnose_record(weak, SETUP))
+    assert told.force.share == pytest.approx(-0.06, abs=1e-3) and told.force.explained > 0.99
+    assert "of its squares as a force that is 6 % less all over" in told.sentence
+
+
+def test_parameters_of_a_free_form_draw_a_curve_and_are_not_compared(found):
+    free = replace(found.b, labels=("pressure_friction:free",))
+    names = {each.name for each in against(found.a, free).parameters}
+    assert names == {each.name for each in found.a.base.estimates}
+
+
+def test_records_of_one_name_are_told_by_their_muscles(found):
+    worn = rebuilt(found.b.base.record, replace(found.b.base.record.specimen, name="worn"))
+    b = replace(found.b, base=replace(found.b.base, record=worn))
+    assert against(found.b, b).names == (found.b.base.record.specimen.name, "worn")
 
 
 def test_what_one_record_cannot_tell_from_the_others_name_is_the_same(found):
