@@ -1,5 +1,6 @@
 """Many records fitted alike: resumed where it stopped, one table and one page at the end."""
 
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -34,6 +35,11 @@ class Batch:
     def table(self) -> Path:
         """The Parquet table."""
         return self.folder / TABLE
+
+    @property
+    def verdicts(self) -> Counter[str]:
+        """How many fits have which verdict: that of a diagnosis, or that of a test for a lack of fit."""
+        return Counter(read_results(self.table)["verdict"].dropna())
 
     @property
     def page(self) -> Path:

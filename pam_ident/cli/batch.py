@@ -56,9 +56,11 @@ def _print(found: "Batch") -> None:
     if len(bad) > MOST_ERRORS:
         text.warn(f"and {len(bad) - MOST_ERRORS} more; the table has them all")
     kept = f" ({found.kept} from an earlier run)" if found.kept else ""
+    verdicts = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in sorted(found.verdicts.items()))
     text.say(*text.chosen(found.law_choice))
     text.say(
         f"{found.records} record{'' if found.records == 1 else 's'}{kept}, {len(bad)} with an error",
+        *([f"verdicts of the fits: {verdicts}"] if verdicts else []),
         f"table: {found.table}",
         f"page: {found.page}",
     )

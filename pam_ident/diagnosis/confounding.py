@@ -14,6 +14,8 @@ from .select import best_forms
 from .selection import FORM_TOLERANCE, FittedSet, Selection
 
 Array = np.ndarray
+NEARLY = 0.8
+"""Share of what a name explains in a locked muscle that another must explain which the slide may have made of it."""
 
 
 def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ...]:
@@ -27,7 +29,7 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
         twins += [n for n in _close(selection, fitted, rest, term.effect) if n not in twins]
         twins += [n for n in _fitted(selection, fitted, term.effect) if n not in twins]
         if selection.record.inputs.locked:
-            twins += [n for n in _same_when_locked(selection, term.effect) if n not in twins]
+            twins += [n for n in _same_when_locked(selection, rest, term.effect) if n not in twins]
         if one_speed(selection.record):
             twins += [n for n in _same_at_one_speed(selection, rest, term.effect) if n not in twins]
         twins = [n for n in twins if n not in fitted.names]
@@ -110,11 +112,15 @@ def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str
     return [name for name in names if name in others and name != effect.name]
 
 
-def _same_when_locked(selection: Selection, effect: Effect) -> list[str]:
-    """Effects that follow the speed, as this one does: nobody measures how far the braid of a locked muscle slides, and
-    it slides as fast as the pressure changes."""
-    alike = [e.name for e in selection.candidates if e.follows[:1] == effect.follows[:1] == ("speed",)]
-    return [name for name in alike if name != effect.name]
+def _same_when_locked(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:
+    """Effects that follow the speed, as this one does, and explain nearly as much: nobody measures how far the braid of
+    a locked muscle slides, and it slides as fast as the pressure changes."""
+    alike = [e for e in selection.candidates if e.follows[:1] == effect.follows[:1] == ("speed",)]
+    if len(alike) < 2:
+        return []
+    gains = {name: -least for name, (least, _) in selection.beyond(rest, alike).best_of_each().items()}
+    mine = gains.get(effect.name, 0.0)
+    return [e.name for e in alike if e is not effect and gains.get(e.name, 0.0) > NEARLY * mine]
 
 
 def _same_at_one_speed(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:

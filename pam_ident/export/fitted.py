@@ -49,6 +49,16 @@ class Fitted:
     span: Span | None = None
     problems: tuple[str, ...] = ()
 
+    @property
+    def caution(self) -> str:
+        """What its error holds for where an effect follows the motion; empty where none does."""
+        if not any(term.form.remembers or "motion" in term.effect.needs for term in self.model.terms):
+            return ""
+        return (
+            "That error is for a position without noise within a stroke. Given readings as they come, what follows the "
+            "motion follows each small turn of the sensor's noise: smooth them first, or it errs by more"
+        )
+
     @classmethod
     def of(cls, fits: Mapping[str, Fit] | Fit) -> "Fitted":
         """From a fit, which stands for both branches, or from fits by branch."""

@@ -126,6 +126,7 @@ def heading(dialect: Dialect, fitted: Fitted, program: Program, about: Sequence[
     )
     lines.append(f"Fitted to {fitted.record or 'an unnamed record'}, written by pam-ident {__version__}.")
     lines += [f"Error left, {branch}: {value:.3g} N rms." for branch, value in fitted.rmse_N.items()]
+    lines += [f"{fitted.caution}."] if fitted.caution else []
     if fitted.span is None:
         lines.append("The range of the record is not known: do not trust it far from the data.")
     else:

@@ -77,4 +77,5 @@ def _write(fitted: Fitted, to: str, path: Path) -> Exported:
             raise UsageError(f"{one}: is there already, and not from --to {to}, which writes it, too; --out {other}")
     texts = {path: made.text} | beside
     paths = tuple(write_whole(where, text) for where, text in texts.items())
-    return Exported(paths, made.notes, fitted.problems)
+    notes = (*made.notes, f"{fitted.caution} (docs/exports.md)") if fitted.caution else made.notes
+    return Exported(paths, notes, fitted.problems)

@@ -29,6 +29,7 @@ def test_a_bad_record_is_told_and_the_rest_is_done(ask, tree, tmp_path, truth):
     assert result.stderr.strip().startswith(told) and len(result.stderr.strip().splitlines()) == 1
     assert result.stdout.splitlines() == [
         "2 records, 1 with an error",
+        "verdicts of the fits: 1 adequate",
         f"table: {out / 'results.parquet'}",
         f"page: {out / 'index.html'}",
     ]

@@ -13,6 +13,7 @@ from pam_ident.fitting import fit
 from pam_ident.leg.muscle import Muscle
 from pam_ident.model import Model
 from pam_ident.records import read_record
+from pam_ident.records.datasets import dataset_record
 from pam_ident.tasks.law_choice import choose_law
 from pam_ident.tasks.setup import AUTO, Setup
 
@@ -198,3 +199,13 @@ def test_a_fit_that_is_not_valid_is_written_with_a_warning(tmp_path):
     result = ask("export", RECORD, "--to", "c", "--out", path, *LAW, "--effect", "force_bias")
     assert result.exit_code == 3 and "force_bias.F_b" in result.stderr
     assert "// Warning: together: the record does not determine" in path.read_text(encoding="utf-8")
+
+
+def test_a_model_that_follows_the_motion_says_what_its_error_holds_for(tmp_path):
+    told = "That error is for a position without noise within a stroke"
+    rubbing = dataset_record("hidden_effect"), "--effect", "pressure_friction:bending"
+    for asked, number in ((rubbing, 1), ((RECORD,), 0)):
+        result = ask("export", *asked, "--to", "c", "--out", tmp_path / "arm.h", *LAW)
+        assert result.exit_code == 0 and result.stdout.count(told) == number
+        header = " ".join((tmp_path / "arm.h").read_text(encoding="utf-8").replace("//", " ").split())
+        assert header.count(told) == number
