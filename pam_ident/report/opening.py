@@ -143,12 +143,15 @@ def _sure(section: Section) -> str:
 
 
 def held_out(section: Section) -> str:
-    """The error on held-out data before and after."""
+    """The error on held-out data before and after, and whether all was chosen anew without them."""
     diagnosis, ladder = section.diagnosis, section.ladder
-    errors = [diagnosis.heldout_rmse, diagnosis.heldout_rmse_after]
+    errors, anew = [diagnosis.heldout_rmse, diagnosis.heldout_rmse_after], ""
     if ladder is not None:
         errors = [rung.heldout_rmse for rung in (ladder.rungs[0], ladder.rungs[-1])]
-    return "none could be held out" if math.isnan(errors[0]) else " → ".join(dict.fromkeys(map(newtons, errors)))
+        anew = "" if ladder.nested is None else ", everything chosen anew without those data"
+    if math.isnan(errors[0]):
+        return "none could be held out"
+    return " → ".join(dict.fromkeys(map(newtons, errors))) + anew
 
 
 def _next(section: Section) -> tuple[str, ...]:
