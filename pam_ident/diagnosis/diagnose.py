@@ -227,8 +227,10 @@ def _allowed(
 
 def _one_a_driver(effect: Effect) -> Effect:
     """The effect as one of which a set has one for each driver but the map: in a locked muscle nobody measures how far
-    the braid slides, and two names together can imitate much."""
+    the braid slides, and two names together can imitate much. What lags a driven pressure relaxes as that changes."""
     driver = {"way": "rest"}.get(effect.follows[0], effect.follows[0]) if effect.follows else effect.name
+    if "pressure_rate" in effect.follows:
+        effect = replace(effect, follows=(*effect.follows, "rest"))
     return effect if driver == "map" else replace(effect, alike=driver)
 
 

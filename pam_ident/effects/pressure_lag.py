@@ -104,7 +104,7 @@ def _filling(inputs: Inputs, values: Values, force: Array) -> Array:
     return -_parts(inputs, rate - relax(inputs, rate, values["tau"]))
 
 
-def _through_valve(inputs: Inputs, tau: Array | float, ways: Array | float = 1.0) -> Array:
+def _through_valve(inputs: Inputs, tau: float, ways: Array | float = 1.0) -> Array:
     """A valve of fixed conductance fills a larger volume more slowly: τ grows with V."""
     volume = _volume(inputs)
     return one(-_absolute(inputs) * relax(inputs, _log_gas(inputs), tau * volume * ways))
@@ -120,9 +120,15 @@ def _valve(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _choking(inputs: Inputs, values: Values, force: Array) -> Array:
-    """An orifice lets the less through per difference of pressure, the more that is: τ grows with the flow."""
-    flow = inputs.xp.maximum(inputs.xp.abs(_widening(inputs)) / 0.3, 1e-3)
-    return _through_valve(inputs, values["tau"], flow ** (values["n"] - 1.0))
+    """An orifice lets the less through per difference of pressure, the more that is: τ grows with it, and the next
+    course follows from the last, from a hose's on."""
+    tau, xp = values["tau"], inputs.xp
+    times, drive = tau * _volume(inputs), _log_gas(inputs)
+    lost = relax(inputs, drive, times)
+    for _ in range(2):
+        size = xp.maximum(xp.abs(lost) / (0.3 * tau), 1e-3)
+        lost = relax(inputs, drive, times * size ** (1.0 - 1.0 / values["n"]))
+    return one(-_absolute(inputs) * lost)
 
 
 def _to_the_power(inputs: Inputs, rate: Array, n: float, unit: float) -> Array:
@@ -192,7 +198,7 @@ EFFECT = Effect(
         ),
         TransformsPressure(
             "choking",
-            "p → p − κ p_abs q, τ V/V0 |V̇/V|^(n−1) for τ",
+            "p → p − κ p_abs q, τ V/V0 |q/(0.3 τ)|^(1−1/n) for τ",
             (KAPPA,),
             _choking,
             (TAU, N),
