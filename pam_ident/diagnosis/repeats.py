@@ -14,6 +14,9 @@ Array = np.ndarray
 Group = list[tuple[Array, Array]]
 SHARE = 0.2
 """Share of a residual's variance that must come back before it counts as no noise: less may be the position's."""
+APART, PLACES = 0.1, 5
+"""Share of a record that lies between samples which slow noise does not make alike, and places among which such are
+looked for."""
 CERTAIN = 5.0
 """Standard errors by which it must differ from none."""
 
@@ -33,13 +36,15 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
     groups = [*repeats(record, rows), *repeats(record, rows, at_rest=True)]
     coarse = rounding(step_of(record))
     common = in_common(groups, flat)
+    again = common.shared - common.n * coarse if common.certain else 0.0
+    one, other = _at_one_force(record, residual, rows)
+    by_force = _shared(flat, one, other, coarse)
     own = residual.copy()
-    if not (common.certain and common.shared > SHARE * common.size + common.n * coarse):
-        one, other = _at_one_force(record, residual, rows)
-        if _shared(flat, one, other, coarse) <= SHARE:
-            return residual
+    if by_force * common.size > again and by_force > SHARE:
         own[one] = changing[one] + (flat[one] - flat[other]) / np.sqrt(2.0)
         return own
+    if again <= SHARE * common.size:
+        return residual
     for group in groups:
         for (one, x), (other, y) in zip(group, [*group[1:], group[0]], strict=True):
             own[one] = changing[one] + (flat[one] - flat[other[nearest(x, y)]]) / np.sqrt(2.0)
@@ -100,16 +105,22 @@ def comes_back(record: Record, residual: Array, rows: Array) -> float:
 
 
 def _at_one_force(record: Record, residual: Array, rows: Array) -> tuple[Array, Array]:
-    """Neighbours by the force without its noise, as a model says it that leaves a residual (n,) in N, of different
-    strokes: two arrays of samples, of `rows` (mask, (n,)).
+    """Neighbours by the force without its noise, as a model says it that leaves a residual (n,) in N, but APART in
+    time: two arrays of samples, of `rows` (mask, (n,)).
 
     Nothing that is driven holds them together, so only what follows the force itself do they share.
     """
-    seen = np.flatnonzero(rows)
+    time = record.inputs.time
+    assert time is not None
+    seen = np.random.default_rng(0).permutation(np.flatnonzero(rows))  # of equal forces none is beside the next in time
     order = seen[np.argsort((record.force - residual)[seen], kind="stable")]
-    run = np.cumsum(np.diff(record.stroke, prepend=record.stroke[0]) != 0)
-    apart = run[order[:-1]] != run[order[1:]]
-    return order[:-1][apart], order[1:][apart]
+    beside = np.full(len(rows), -1)
+    for k in range(1, 1 + PLACES):
+        one, other = order[:-k], order[k:]
+        apart = (np.abs(time[one] - time[other]) > APART * (time[-1] - time[0])) & (beside[one] < 0)
+        beside[one[apart]] = other[apart]
+    found = np.flatnonzero(beside >= 0)
+    return found, beside[found]
 
 
 def _shared(values: Array, one: Array, other: Array, coarse: float) -> float:

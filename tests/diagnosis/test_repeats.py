@@ -1,16 +1,18 @@
 """What comes back with every cycle is taken out of the noise, and nothing else is."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis.noise import estimate_noise
-from pam_ident.diagnosis.repeats import without_repeats
+from pam_ident.diagnosis.repeats import comes_back, without_repeats
 from pam_ident.records import build_record
 
 SIGMA = 2.0
+MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 
 
 @pytest.fixture(scope="module")
@@ -28,8 +30,7 @@ def record():
         clock += 20.0
     x, time, pressure = np.concatenate(x), np.concatenate(time), np.concatenate(pressure)
     x = x + 0.01 * np.random.default_rng(1).standard_normal(len(x))
-    muscle = Specimen("m", 200.0, 10.0, 25.4, 1.5)
-    return build_record("r", muscle, pressure, x / 200.0, 800.0 - x, time=time)
+    return build_record("r", MUSCLE, pressure, x / 200.0, 800.0 - x, time=time)
 
 
 def slow(record, rng, seconds):
@@ -79,3 +80,21 @@ def test_rounding_to_a_gauge_s_steps_comes_back_and_is_noise_still(record):
     gauged = replace(record, force=rounded)
     residual = rounded - clean
     assert without_repeats(gauged, residual, np.ones(len(clean), bool)) is residual
+
+
+@pytest.mark.parametrize(("size", "comes"), [(0.0, False), (4.0, True)])
+def test_an_error_of_the_load_cells_own_comes_back_with_the_force(size, comes):
+    """A converter's ladder, in strokes of which none repeats another; and slow noise, which does not know the force."""
+    rng, n, strokes = np.random.default_rng(5), 60, 80
+    ends = rng.uniform(0.0, 40.0, strokes + 1)
+    x = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b in pairwise(ends)])
+    pressure, time = np.repeat([0.15, 0.3, 0.45, 0.6], len(x) // 4), 0.1 * np.arange(len(x))
+    force = MUSCLE.ideal_force(pressure, x / 200.0)
+    record = build_record("r", MUSCLE, pressure, x / 200.0, force, time=time)
+    noise = slow(record, rng, 3.0) + SIGMA * rng.standard_normal(len(x))
+    residual = noise + size * (force / 45.0 - np.round(force / 45.0)) * np.sqrt(12.0)
+    record = replace(record, force=force + residual)
+    rows = np.ones(len(x), bool)
+    assert (comes_back(record, residual, rows) > 0.5) == comes
+    own = without_repeats(record, residual, rows)
+    assert 0.9 < np.std(own) / np.std(noise) < 1.2 and (own is residual) == (not comes)
