@@ -85,7 +85,7 @@ def by_form_alone(
         others = [t.effect for t in named if t is not term]
         free = term.form.free and term.effect.follows[:1] != ("temperature",)  # which is measured, and like no other
         if others and selection.part(fitted, term) < (LITTLE_FREE if free else LITTLE):
-            why = f"An unforeseen form of {others[0].title} could explain nearly all of it."
+            why = f"An unforeseen form of {others[0].title} could explain nearly all that it does."
             found[name] = BY_FORM if free else 1.0 - DOUBTFUL, why
         elif timed and term.effect.follows and selection.following.likely.isdisjoint(term.effect.follows):
             rather = f"The error rather follows {follows}" if follows != "noise" else "Slow noise could look the same"

@@ -82,7 +82,7 @@ def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_expla
     assert (chance, why) == (0.5, "The error rather follows the direction of motion; only its form speaks for it.")
     assert selection.part(both, pressed) > 0.9 and selection.part(both, soft) < 0.01
     little = by_form_alone(selection, both, [pressed, soft], (), "")
-    said = "An unforeseen form of friction that grows with pressure could explain nearly all of it."
+    said = "An unforeseen form of friction that grows with pressure could explain nearly all that it does."
     assert little == {"series_compliance": (0.85, said)}
 
 
@@ -112,7 +112,7 @@ def test_a_small_name_in_its_free_form_is_no_sure_one(hidden_effect):
     both = selection.refit([large, free])
     assert LITTLE < 0.1 < LITTLE_FREE
     selection.part = lambda fitted, term: 0.1 if term is free else 0.9
-    said = "An unforeseen form of friction that grows with pressure could explain nearly all of it."
+    said = "An unforeseen form of friction that grows with pressure could explain nearly all that it does."
     assert by_form_alone(selection, both, [large, free], (), "") == {"force_drift": (0.5, said)}
 
 
