@@ -154,16 +154,17 @@ def _gaps(record: Record, speeds: tuple[float, ...]) -> Iterator[str]:
             )
         if inputs.moving is not None and inputs.moving.all():
             yield "no holds: what friction keeps at rest cannot be seen, creep hardly. Hold some seconds at both ends."
-        cycles = 0 if inputs.cycle is None else len(np.unique(inputs.cycle))
+        cycles = 0 if inputs.cycle is None else _cycles(record, inputs.cycle)
+        where = {"isobaric": " on each isobar", "isometric": " at each length"}.get(record.kind, "")
         if cycles == 1:
             yield (
                 "no repeated cycle: drift and softening over cycles cannot be told from noise, and nothing can be held "
-                "out whole. Run three cycles or more on each isobar."
+                f"out whole. Run three cycles or more{where}."
             )
         elif cycles == 2:
             yield (
                 "two cycles: the noise is known from one repeat alone, and a trend over cycles cannot be told from it. "
-                "Run three cycles or more on each isobar."
+                f"Run three cycles or more{where}."
             )
     if record.kind == "isobaric":
         yield from _lone_branches(record)
