@@ -6,7 +6,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ..core.digits import newtons, number, percent
+from ..fitting.length import weights_of
 from ..model import Term
+from ..records import Record
 from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns.beat import PATTERN as BEAT_IN_TIME
@@ -283,7 +285,7 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     corner = np.convolve(np.diff(moves, prepend=moves[0]) != 0.0, np.ones(CORNER), "same") > 0.0
     if unsure:  # nor is known what a rest begins with, which nobody saw the muscle come to
         corner |= unsure.unread
-    size, time, level = (v[~corner] for v in (_evened(selection, fitted), inputs.time, record.level))
+    size, time, level = (v[~corner] for v in (_evened(selection, fitted), inputs.time, weight_or_level(record)))
     window = max(WINDOW, round(MEMORIES * selection.noise.memory_samples(time)))
     count = (len(size) - 2) // window
     if count < WINDOW:
@@ -304,8 +306,16 @@ def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:
     return Pattern("other", "time", worst, "s", share, f"{text}{number(worst)} s")
 
 
+def weight_or_level(record: Record) -> Array:
+    """Pressure in MPa or weight in N that was held, (n,)."""
+    time, before = record.inputs.time, record.as_measured.inputs.time
+    if not record.carried or time is None or before is None:
+        return record.level
+    return weights_of(record.as_measured)[np.searchsorted(before, time)]  # some rows were left out since
+
+
 def _by_level(size: Array, level: Array) -> Array:
-    """Values (n,) beside the median size at their pressure's `level` (n,): noise may be larger at one pressure."""
+    """Values (n,) beside the median size at their `level` (n,): noise may be larger at one pressure, or weight."""
     found = size.copy()
     for rows in (level == one for one in np.unique(level)):
         found[rows] /= max(float(np.median(np.abs(size[rows]))), 1e-9)
@@ -315,7 +325,7 @@ def _by_level(size: Array, level: Array) -> Array:
 def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What is larger in slow strokes than in faster ones, where the position is less sure, is no noise: that does not
     know the speed."""
-    inputs, level = selection.record.inputs, selection.record.level
+    inputs, level = selection.record.inputs, weight_or_level(selection.record)
     if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
         return None
     clean = inputs.moving & ~selection.noise.outlier

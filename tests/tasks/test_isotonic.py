@@ -11,6 +11,7 @@ from pam_ident.batch.record import answer
 from pam_ident.batch.request import BatchRequest, plan
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.core.digits import millimetres
+from pam_ident.diagnosis.remainder import weight_or_level
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
 from pam_ident.fitting.carried import driven, length_rmse
@@ -297,3 +298,21 @@ def test_a_report_of_a_driven_pressure_tells_of_no_isobar(cases, tmp_path, kind)
     page = out.read_text(encoding="utf-8")
     assert f"samples, {kind}: pressure driven" in page and "What answered the pressure" in page
     assert "Isobar by isobar" not in page and "Energy of the loops" not in page
+
+
+def test_noise_is_looked_at_by_the_weight_that_was_held():
+    """It may grow with the weight, and a heavy one move more slowly: nothing sticks there."""
+    rng, parts, begun = np.random.default_rng(6), [], 0.0
+    muscle, law = Specimen("m", 200.0, 10.0, 25.4, 1.5), Model.build("chou_hannaford")
+    for weight in (100.0, 400.0):
+        ramp = np.arange(0.25, 0.55, 0.004)
+        pressure = np.tile(np.r_[ramp, ramp[::-1]], 4)
+        force = weight + 0.002 * weight * rng.standard_normal(len(pressure))
+        contraction = muscle.ideal_contraction(pressure, np.full(len(pressure), weight))
+        parts.append((begun + 0.1 * np.arange(len(pressure)), pressure, contraction, force))
+        begun = parts[-1][0][-1] + 20.0
+    time, pressure, contraction, force = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    record = build_record("two weights", muscle, pressure, contraction, force, time=time)
+    along = driven(law, record)
+    assert record.kind == "isotonic" and len(np.unique(along.level)) == 1
+    assert np.unique(np.round(weight_or_level(along), -1)).tolist() == [100, 400]
