@@ -180,15 +180,15 @@ class Adequacy:
         """
         likely = self.selection.following.likely
         kept = self._following(likely)
-        if kept._nearly_all:
+        if kept.nearly_all:
             return kept
         named = [t for t in self.fitted.terms if t.effect.candidate and likely.issuperset(t.effect.follows[:1])]
         single = [replace(self, fitted=self.selection.refit([term], self.fitted.values)) for term in named]
-        enough = [one for one in single if one._nearly_all]
+        enough = [one for one in single if one.nearly_all]
         return min(enough, key=lambda one: one.fitted.criterion, default=self._following(frozenset()))
 
     @property
-    def _nearly_all(self) -> bool:
+    def nearly_all(self) -> bool:
         """Whether the names explain as much as so many must that stand beside something unknown."""
         names = sum(t.effect.candidate for t in self.fitted.terms)
         return self.unexplained[1] < MAY_LEAVE[min(max(names, 1), len(MAY_LEAVE)) - 1]

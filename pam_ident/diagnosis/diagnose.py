@@ -135,8 +135,8 @@ def diagnosing(
     outcome = Outcome(
         base, best, heldout, after, following, known, answer, selection, fitted, lacking, named, ruled_out, noise_N
     )
-    if outcome.pattern and outcome.by_form:
-        outcome = _without_doubtful(outcome)
+    while outcome.pattern and outcome.by_form:
+        outcome = _without_most_doubtful(outcome)
     found = outcome.diagnosis(candidates, (*extra, *model.own))
     yield found
     said = found.sentence + outcome.held_load
@@ -159,14 +159,21 @@ def diagnosing(
     )
 
 
-def _without_doubtful(outcome: Outcome) -> Outcome:
-    """The outcome without the names for which only a form speaks: beside something unknown no form is sure. Of 13 such
-    names 3 were right."""
-    gone = {*outcome.by_form, *outcome.ruled_out}
+def _without_most_doubtful(outcome: Outcome) -> Outcome:
+    """The outcome without the name for which a form speaks least, of those for which only a form does: beside something
+    unknown no form is sure. Of 13 such names 3 were right. What speaks against another may be that name alone: then the
+    best set of as many others stays, if it explains as much as names must that stand."""
+    selection = outcome.selection
+    gone = {*outcome.ruled_out, min(outcome.by_form, key=lambda name: outcome.by_form[name][0])}
     kept = [t for t in outcome.fitted.terms if t.effect.name not in gone]
-    fitted = outcome.selection.refit(kept, outcome.fitted.values)
+    fitted = selection.refit(kept, outcome.fitted.values)
+    if any(t.effect.name in outcome.by_form for t in kept) and all(t.effect.candidate for t in kept):
+        named = [v for v in selection.cache.values() if v.names == v.candidates and gone.isdisjoint(v.names)]
+        fitted = min((v for v in named if len(v.terms) == len(kept)), key=lambda v: v.criterion, default=fitted)
+    if outcome.lacking and not replace(outcome.lacking, fitted=fitted).nearly_all:
+        fitted = selection.refit([t for t in kept if not t.effect.candidate], fitted.values)
     fitted, (best, after, named, wrong) = allowed_by_nature(
-        outcome.base, outcome.heldout, outcome.selection, fitted, lambda _: False
+        outcome.base, outcome.heldout, selection, fitted, lambda _: False
     )
     lacking = outcome.lacking and replace(outcome.lacking, fitted=fitted)
     found = replace(outcome, best=best, heldout_after=after, fitted=fitted, lacking=lacking, named=named)

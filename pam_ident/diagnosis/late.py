@@ -39,8 +39,8 @@ def logged_late(selection: Selection, left: float) -> str:
         return ""
     model = selection.base.model.adding(Term(LOGGED_LATE, LOGGED_LATE.forms[0]))
     found = solve(model, inputs, selection.record.force, lambda m: m[clean], selection.base.values, quick=True)
-    both = selection.residual(model, found.values), selection.plain_residual((), selection.base.values)
-    late, alone = (float(np.mean(one[clean] ** 2)) for one in both)
+    late = float(np.mean(selection.residual(model, found.values)[clean] ** 2))
+    alone = selection.plain_square((), selection.base.values)
     if late - left > FALLS_SHORT * (alone - left):
         return ""
     by = found.values[f"{LOGGED_LATE.name}.{LATE.name}"]

@@ -4,8 +4,6 @@ import math
 from collections.abc import Collection, Sequence
 from itertools import chain
 
-import numpy as np
-
 from ..effects import Effect
 from ..model import Term
 from .drivers import DRIVERS
@@ -79,7 +77,6 @@ def by_form_alone(
     timed = selection.record.inputs.time is not None
     known = {effect.name for effect in selection.candidates if effect.static}
     static = known.union(*(group for group in classes if not known.isdisjoint(group)))
-    left = float(np.mean(selection.plain_residual(fitted.terms, fitted.values)[~selection.noise.outlier] ** 2))
     for term in named:
         name = term.effect.name
         others = [t.effect for t in named if t is not term]
@@ -100,7 +97,11 @@ def by_form_alone(
             found[name] = 1.0 - DOUBTFUL, why
         elif timed and (other := _undecided(selection, term.effect, classes)):
             found[name] = 1.0 - DOUBTFUL, f"The error could as well follow {other}; its form alone tells."
-        elif timed and term.effect.follows[:1] == ("speed",) and (why := logged_late(selection, left)):
+        elif (
+            timed
+            and term.effect.follows[:1] == ("speed",)
+            and (why := logged_late(selection, selection.plain_square(fitted.terms, fitted.values)))
+        ):
             found[name] = BY_FORM, why
         elif selection.record.kind == "dynamic" and term.effect.follows[:1] == ("way",):
             why = "How far the braid slides while the pressure alone changes is not measured."

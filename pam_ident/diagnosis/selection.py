@@ -246,19 +246,15 @@ class Selection:
 
     def weight(self, fitted: FittedSet, term: Term) -> float:
         """How much the mean square error of a plain fit grows when a term is left out, as a share of what is left."""
-        clean = ~self.noise.outlier
-        sets = (fitted.terms, fitted.without(term))
-        whole, fewer = (np.mean(self.plain_residual(terms, fitted.values)[clean] ** 2) for terms in sets)
-        return float((fewer - whole) / max(whole, 1e-18))
+        whole, fewer = (self.plain_square(terms, fitted.values) for terms in (fitted.terms, fitted.without(term)))
+        return (fewer - whole) / max(whole, 1e-18)
 
     def part(self, fitted: FittedSet, term: Term) -> float:
         """Share of the squares that a set explains which only a term does, all others in their best forms."""
         others = [t for t in fitted.terms if t.effect is not term.effect]
         rest = self.in_best_forms(self.refit(others, fitted.values))
-        clean = ~self.noise.outlier
-        sets = (rest, fitted, self.empty)
-        fewer, whole, alone = (np.mean(self.plain_residual(v.terms, v.values)[clean] ** 2) for v in sets)
-        return float((fewer - whole) / max(alone - whole, 1e-18))
+        fewer, whole, alone = (self.plain_square(v.terms, v.values) for v in (rest, fitted, self.empty))
+        return (fewer - whole) / max(alone - whole, 1e-18)
 
     def plain_residual(self, terms: Sequence[Term], start: Mapping[str, float]) -> Array:
         """What a set leaves, in N (n,), fitted without whitening."""
@@ -269,6 +265,10 @@ class Selection:
             found = solve(model, self.record.inputs, self.record.force, lambda m: m[clean], start, quick=True)
             self.plain[key] = self.residual(model, found.values)
         return self.plain[key]
+
+    def plain_square(self, terms: Sequence[Term], start: Mapping[str, float]) -> float:
+        """The mean square of that in N², outliers aside."""
+        return float(np.mean(self.plain_residual(terms, start)[~self.noise.outlier] ** 2))
 
     def refit_choice(self, data: Compressed, choice: Choice, onto: FittedSet, best: float = math.inf) -> FittedSet:
         """Fit the set `onto` with what a search found on compressed data, from where the search left it, as `refit`."""
