@@ -260,25 +260,16 @@ def _special_cases(selection: Selection, fitted: FittedSet) -> list[FittedSet]:
     the same nonlinear ones, from where they stand: a search that begins elsewhere may not find that it does as well."""
     found = []
     for term in fitted.terms:
-        rest, name = fitted.without(term), term.effect.name
+        rest, name, own = fitted.without(term), term.effect.name, {p.name for p in term.form.nonlinear}
         taken = {t.effect.exclusion_group for t in rest}
-        for effect in selection.candidates:
-            if (
-                effect is term.effect
-                or effect.follows[:1] != term.effect.follows[:1]
-                or effect.exclusion_group in taken
-            ):
-                continue
-            for form in effect.forms:
-                names = {p.name for p in form.nonlinear}
-                if (
-                    names
-                    and names <= {p.name for p in term.form.nonlinear}
-                    and len(form.params) < len(term.form.params)
-                ):
-                    start = {f"{effect.name}.{p}": fitted.values[f"{name}.{p}"] for p in names}
-                    terms = [*rest, Term(effect, form)]
-                    found.append(selection.refit(terms, fitted.values | start, best=fitted.criterion))
+        alike = [e for e in selection.candidates if e.follows[:1] == term.effect.follows[:1] and e.name != name]
+        others = [e for e in alike if e.exclusion_group not in taken]
+        for effect, form in ((e, f) for e in others for f in e.forms if len(f.params) < len(term.form.params)):
+            names = {p.name for p in form.nonlinear}
+            if names and names <= own:
+                start = {f"{effect.name}.{p}": fitted.values[f"{name}.{p}"] for p in names}
+                terms = [*rest, Term(effect, form)]
+                found.append(selection.refit(terms, fitted.values | start, best=fitted.criterion))
     return found
 
 
