@@ -7,9 +7,11 @@ import pytest
 
 from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.answer import Selected, likelier_instead
+from pam_ident.diagnosis.diagnose import _one_a_driver
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.diagnosis.follows import Following
 from pam_ident.diagnosis.probability import LITTLE, LITTLE_FREE, by_form_alone
+from pam_ident.diagnosis.select import _special_cases
 from pam_ident.diagnosis.selection import Selection, stands
 from pam_ident.effects import catalogue
 from pam_ident.fitting import fit
@@ -342,3 +344,20 @@ def test_what_rounds_is_no_unknown_effect(step, noise):
     assert answer.verdict == "adequate" and f"read in steps of {step:.2f} N" in answer.sentence
     twice = diagnose(Model.build("exponential_law"), replace(read, force=read.force + 0.1 * calm), detail=False)
     assert "rounding" not in twice.sentence
+
+
+def test_a_special_case_starts_where_the_richer_form_stands(hidden_effect):
+    """Friction without growth is Coulomb's, with the travel in which the contact bends that was found for the other."""
+    bending = as_term("pressure_friction:bending")
+    selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), list(catalogue().values()))
+    fitted = selection.refit([bending])
+    found = {one.labels: one for one in _special_cases(selection, fitted)}
+    assert frozenset({"coulomb_friction:stuck"}) in found
+    assert frozenset({"presliding_hysteresis:dahl"}) not in found, "it follows the way first"
+    assert all(len(term.form.params) < len(bending.form.params) for one in found.values() for term in one.terms)
+
+
+def test_what_lags_a_driven_pressure_may_relax_in_a_locked_muscle():
+    lag, creep, damping = (_one_a_driver(catalogue()[n]) for n in ("pressure_lag", "creep", "viscous_damping"))
+    assert "rest" in lag.follows and lag.follows[0] == "speed" == lag.alike == damping.alike
+    assert "rest" not in damping.follows and creep.alike == "rest"

@@ -310,3 +310,16 @@ def test_a_way_back_in_a_single_step_is_a_stroke(rows, between):
     again = slice(90 + len(dip) + 1, 120 + len(dip))
     assert np.all(found.direction[91 : 90 + rows] == -1.0)
     assert np.all(found.direction[again] == 1.0) and not found.moving[again].any()
+
+
+def test_slow_turns_beside_strokes_with_holds_are_no_rests():
+    """Sines of 10 s, and then a trapezoid, which no smooth strokes describe: it rests, and the sines do not."""
+    rng, slow = np.random.default_rng(4), np.arange(0.0, 40.0, 0.005)
+    sines = 15.0 - 15.0 * np.cos(0.2 * np.pi * slow)
+    clock, x, _, moving, *_ = trapezoid(40.0, 1.0, 200, in_hold=200)
+    time, x = np.r_[slow, 40.0 + clock], np.r_[sines, 0.75 * x]
+    found = find_motion(time, x + 0.01 * rng.standard_normal(len(x)), np.full(len(x), 0.3))
+    turned = time[1:][np.diff(found.direction) != 0.0]
+    np.testing.assert_allclose(turned[turned < 38.0], np.arange(5.0, 38.0, 5.0), atol=0.1)
+    assert np.mean(found.moving[: len(slow) - 200]) == 1.0
+    assert np.mean(found.moving[len(slow) :] == moving) > 0.99
