@@ -22,7 +22,8 @@ TABLE, TEXT, PAGE, KEPT = "results.parquet", "results.csv", "index.html", "recor
 @dataclass(frozen=True)
 class Batch:
     """What a batch came to: its records, how many answers were kept from an earlier run, the first error by record of
-    those that have one, what looks gravely wrong in others, and how the law was chosen where none was named."""
+    those that have one, what looks gravely wrong in others, how the law was chosen where none was named, and how many
+    fits have which verdict: that of a diagnosis, or that of a test for a lack of fit."""
 
     folder: Path
     records: int
@@ -30,16 +31,12 @@ class Batch:
     errors: dict[str, str]
     grave: dict[str, str] = field(default_factory=dict)
     law_choice: LawChoice | None = None
+    verdicts: Counter[str] = field(default_factory=Counter)
 
     @property
     def table(self) -> Path:
         """The Parquet table."""
         return self.folder / TABLE
-
-    @property
-    def verdicts(self) -> Counter[str]:
-        """How many fits have which verdict: that of a diagnosis, or that of a test for a lack of fit."""
-        return Counter(read_results(self.table)["verdict"].dropna())
 
     @property
     def page(self) -> Path:
@@ -114,7 +111,8 @@ def run_batch(
         for text in texts
         if text.startswith(GRAVE)
     }
-    return Batch(out, len(asked), kept, dict(zip(bad["record"], bad["error"], strict=True)), grave, choice)
+    errors, verdicts = dict(zip(bad["record"], bad["error"], strict=True)), Counter(rows["verdict"].dropna())
+    return Batch(out, len(asked), kept, errors, grave, choice, verdicts)
 
 
 def _settled(folder: Path, out: Path, setup: Setup) -> tuple[Setup, LawChoice | None]:

@@ -1,5 +1,6 @@
 """What a record cannot tell apart."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from ..core import Inputs
 from ..effects import Effect
 from ..effects.base import Values
 from ..model import Term
+from ..records import Record
 from .schedule import one_speed
 from .search import CLOSE
 from .select import best_forms
@@ -118,7 +120,7 @@ def _same_when_locked(selection: Selection, rest: FittedSet, effect: Effect) -> 
     alike = [e for e in selection.candidates if e.follows[:1] == effect.follows[:1] == ("speed",)]
     if len(alike) < 2:
         return []
-    gains = {name: -least for name, (least, _) in selection.beyond(rest, alike).best_of_each().items()}
+    gains = _gains(selection, rest, alike)
     mine = gains.get(effect.name, 0.0)
     return [e.name for e in alike if e is not effect and gains.get(e.name, 0.0) > NEARLY * mine]
 
@@ -130,12 +132,19 @@ def _same_at_one_speed(selection: Selection, rest: FittedSet, effect: Effect) ->
         return []
     nominal = inputs.direction * inputs.stroke_speed * inputs.moving
     record = replace(selection.record, inputs=replace(inputs, velocity=nominal))
-    data = selection.beyond(rest, [e for e in selection.candidates if e.name not in rest.names], record)
-    gains = {name: -criterion for name, (criterion, _) in data.best_of_each().items()}
+    gains = _gains(selection, rest, [e for e in selection.candidates if e.name not in rest.names], record)
     mine = gains.get(effect.name, 0.0)
     levered = [e.name for e in selection.candidates if "speed" in e.levers or "speed" in effect.levers]
     close = [n for n, g in gains.items() if n != effect.name and n in levered and _as_much(g, mine)]
     return sorted(close, key=lambda n: -gains[n])
+
+
+def _gains(
+    selection: Selection, rest: FittedSet, effects: Sequence[Effect], record: Record | None = None
+) -> dict[str, float]:
+    """What the best form of each effect explains beyond a set, in whitened squares, by name; `record` may stand in."""
+    data = selection.beyond(rest, effects, record)
+    return {name: -criterion for name, (criterion, _) in data.best_of_each().items()}
 
 
 def _as_much(gain: float, mine: float) -> bool:

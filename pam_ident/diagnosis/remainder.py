@@ -213,7 +213,7 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     beat = int(np.argmin(flat))
     text = f"{percent(share)} of what is left is foretold by the samples before it, beyond any slow noise"
     if 0 < beat < len(flat) - 1:
-        period = 64 * LAGS / beat * float(np.median(np.diff(selection.record.inputs.time)))
+        period = 64 * LAGS / beat * selection.record.inputs.interval
         text += f"; it swings with a period of about {number(period, 2)} s"
     return Pattern("other", "time", None, "", share, text)
 

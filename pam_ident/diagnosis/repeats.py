@@ -37,10 +37,9 @@ def without_repeats(record: Record, residual: Array, rows: Array) -> Array:
     coarse = rounding(step_of(record))
     common = in_common(groups, flat)
     again = common.shared - common.n * coarse if common.certain else 0.0
-    one, other = _at_one_force(record, residual, rows)
-    by_force = _shared(flat, one, other, coarse)
+    by_force, one, other = _by_force(record, residual, flat, rows, coarse)
     own = residual.copy()
-    if by_force * common.size > again and by_force > SHARE:
+    if by_force * common.size > max(again, 0.0):
         own[one] = changing[one] + (flat[one] - flat[other]) / np.sqrt(2.0)
         return own
     if again <= SHARE * common.size:
@@ -96,17 +95,19 @@ def comes_back(record: Record, residual: Array, rows: Array) -> float:
         return 0.0
     groups, flat = repeats(record, rows), residual - _trends(record, residual, rows)[0]
     coarse = rounding(step_of(record))
-    by_force = _shared(flat, *_at_one_force(record, residual, rows), coarse)
+    by_force, *_ = _by_force(record, residual, flat, rows, coarse)
     alike = in_common(groups, flat)
     opposite = in_common(groups, residual)
     found = [(alike, alike.shared - alike.n * coarse), (opposite, -opposite.shared)]
     shares = [min(max(shared / max(one.size, 1e-300), 0.0), 1.0) for one, shared in found if one.certain]
-    return max(by_force if by_force > SHARE else 0.0, *shares, 0.0)
+    return max(by_force, *shares, 0.0)
 
 
-def _at_one_force(record: Record, residual: Array, rows: Array) -> tuple[Array, Array]:
-    """Neighbours by the force without its noise, as a model says it that leaves a residual (n,) in N, but APART in
-    time: two arrays of samples, of `rows` (mask, (n,)).
+def _by_force(record: Record, residual: Array, flat: Array, rows: Array, coarse: float) -> tuple[float, Array, Array]:
+    """Share of the squares of a residual (n,) in N without its trend, `flat` (n,), that follows the force, less
+    rounding of variance `coarse`; 0 up to SHARE, and where it may be chance. And two arrays of samples, of `rows`
+    (mask, (n,)), by which it is known: neighbours by the force without its noise, as a model says it that leaves the
+    residual, but APART in time.
 
     Nothing that is driven holds them together, so only what follows the force itself do they share.
     """
@@ -119,18 +120,13 @@ def _at_one_force(record: Record, residual: Array, rows: Array) -> tuple[Array, 
         one, other = order[:-k], order[k:]
         apart = (np.abs(time[one] - time[other]) > APART * (time[-1] - time[0])) & (beside[one] < 0)
         beside[one[apart]] = other[apart]
-    found = np.flatnonzero(beside >= 0)
-    return found, beside[found]
-
-
-def _shared(values: Array, one: Array, other: Array, coarse: float) -> float:
-    """Share of the squares of values (n,) that pairs of samples have in common, less rounding of variance `coarse`; 0
-    where it may be chance."""
-    here, there = values[one], values[other]
-    size = 0.5 * float(here @ here + there @ there)
-    shared = float(here @ there) - coarse * len(one)
-    certain = shared > CERTAIN * size * math.sqrt(memory_of(values) / max(len(one), 1))
-    return shared / size if certain and size > 0.0 else 0.0
+    here = np.flatnonzero(beside >= 0)
+    there = beside[here]
+    size = 0.5 * float(flat[here] @ flat[here] + flat[there] @ flat[there])
+    shared = float(flat[here] @ flat[there]) - coarse * len(here)
+    likely = shared > SHARE * size > 0.0  # else its memory need not be known
+    certain = likely and shared > CERTAIN * size * math.sqrt(memory_of(flat) / len(here))
+    return shared / size if certain else 0.0, here, there
 
 
 def step_of(record: Record) -> float:

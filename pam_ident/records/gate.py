@@ -106,7 +106,7 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
     time, segment = record.inputs.time, record.inputs.segment
     if time is None or segment is None:
         return
-    yield from _doubt_pace(record, time)
+    yield from _doubt_pace(record)
     one = (np.diff(record.level) == 0.0) & (np.diff(record.run) == 0)  # between files a pause is put
     steps = np.diff(time)[(np.diff(segment) != 0) & one]
     if len(steps) and record.inputs.pressure_rate is None:  # else another length or weight may come after a pause
@@ -124,13 +124,13 @@ def doubt_clock(record: Record) -> Iterator[Doubt]:
         yield Doubt("tare_drift", text, "force")
 
 
-def _doubt_pace(record: Record, time: Array) -> Iterator[Doubt]:
+def _doubt_pace(record: Record) -> Iterator[Doubt]:
     pace, moving = record.inputs.stroke_speed, record.inputs.moving
     if pace is None or moving is None or not moving.any() or record.kind == "isometric":
         return
     fastest = float(np.abs(pace[moving]).max())
     rate = fastest / record.specimen.initial_length_mm
-    step = float(np.median(np.diff(time)))
+    step = record.inputs.interval
     if rate > FAST:
         slip = "seconds taken for milliseconds?"
     elif 0.0 < rate < SLOW or (0.0 < rate < SLOW_LOGGED and step > LONG_STEP_S):
