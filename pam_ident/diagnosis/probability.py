@@ -67,11 +67,11 @@ def by_form_alone(
 
     With the largest of the others, where the form of that may leave what it explains; where no driver of it is likely,
     and the error rather `follows` another; where it is static beside another that is, or is not told from one that
-    is (`classes`), or in its free form, since only forms tell static effects apart, or beside what follows the
-    temperature, of which nobody knows from where it counts; where another driver explains as much as the one that it
-    follows first, and it is grouped with no effect that follows that; where a force that is logged late looks the same;
-    where it follows a way that the braid slides and nobody measured; and where it follows the clock in more than one
-    way.
+    is (`classes`), since only forms tell static effects apart, or beside what follows the temperature, of which nobody
+    knows from where it counts; where another driver explains as much as the one that it follows first, and it is
+    grouped with no effect that follows that; where a force that is logged late looks the same; where it follows a way
+    that the braid slides and nobody measured; where it follows the clock in more than one way; and in its free form: of
+    statements of 0.9 or more 4 of 40 in one were false, 3 of 258 in written ones.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -92,9 +92,6 @@ def by_form_alone(
         elif timed and name in known and (warm := [e for e in others if e.follows[:1] == ("temperature",)]):
             why = f"If the law holds at another temperature than the record's first, {warm[0].title} is static in part."
             found[name] = BY_FORM, why
-        elif timed and name in known and term.form.free:
-            why = "No written form of it fits, and its free form could follow nearly any static error."
-            found[name] = 1.0 - DOUBTFUL, why
         elif timed and (other := _undecided(selection, term.effect, classes)):
             found[name] = 1.0 - DOUBTFUL, f"The error could as well follow {other}; its form alone tells."
         elif (
@@ -108,6 +105,8 @@ def by_form_alone(
             found[name] = 1.0 - DOUBTFUL, why
         elif term.effect.follows == ("clock",) and len(term.form.linear) > 1:
             found[name] = 1.0 - DOUBTFUL, "Noise that wanders as slowly as the test lasts could look the same."
+        elif timed and free:
+            found[name] = 1.0 - DOUBTFUL, "No written form of it fits, and its free form could follow much else."
     return found
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ..core.digits import newtons, number, percent
+from ..effects import AddsForce
 from ..fitting.length import weights_of
 from ..model import Term
 from ..records import Record
@@ -86,9 +87,9 @@ def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 
 def hum(selection: Selection, fitted: FittedSet) -> float:
-    """Period in s of a line of the spectrum that is smaller than the noise, as a load cell hums; else 0."""
+    """Period in s of a beat of the force that is smaller than the noise, as a load cell hums; else 0."""
     term = _shape_in(fitted)
-    if term is None or term.label != f"{BEAT_IN_TIME.name}:seen":
+    if term is None or term.effect.name != BEAT_IN_TIME.name or not isinstance(term.form, AddsForce):
         return 0.0
     without, left = (
         float(np.mean(selection.plain_residual(terms, fitted.values) ** 2))

@@ -16,6 +16,8 @@ from ..core.recursion import Live, Slot, decaying_sum
 from .base import slip
 
 Array = np.ndarray
+STROKE_MM = 40.0
+"""A usual stroke."""
 
 
 def relax(inputs: Inputs, drive: Array, tau: float | Array) -> Array:
@@ -63,10 +65,10 @@ def _relax_live(live: Live, inputs: Inputs, drive: Array, tau: Array) -> Array:
     return live.step((xp.zeros_like(drive), drive, tau, now), advance)[0]
 
 
-def _moved_live(live: Live, inputs: Inputs, move: Callable[[Array, Array], Array]) -> Array:
-    """State that begins at 0, and that `move` takes from one instant to the next over the travel in mm."""
+def _moved_live(live: Live, inputs: Inputs, move: Callable[[Array, Array], Array], begun: Array | float = 0.0) -> Array:
+    """State that is `begun` at first, and that `move` takes from one instant to the next over the travel in mm."""
     x = inputs.way_mm
-    return live.step((inputs.xp.zeros_like(x), x), lambda state, before: (move(state, x - before), x))[0]
+    return live.step((begun + inputs.xp.zeros_like(x), x), lambda state, before: (move(state, x - before), x))[0]
 
 
 def since_first(inputs: Inputs, values: Array) -> Array:
@@ -198,34 +200,45 @@ def way_since_reversal(inputs: Inputs) -> Array:
     return np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
 
 
-def stop_operator(inputs: Inputs, width_mm: float, rested: bool = False, least: Array | float = -1.0) -> Array:
+def on_the_way(inputs: Inputs, width_mm: float) -> float:
+    """A travel in mm as the record's way counts it: nobody measures how far the braid of a locked muscle slides, so
+    there it is one of STROKE_MM from end to end."""
+    return width_mm * inputs.reach_mm / STROKE_MM if inputs.locked and inputs.live is None else width_mm
+
+
+def stop_operator(
+    inputs: Inputs, width_mm: float, rested: bool = False, least: Array | float = -1.0, begun: float = 0.0
+) -> Array:
     """Deflection of an elastic element that slips at ±width, divided by the width, shape (n,), within ±1.
 
-    Prandtl's stop operator driven by the displacement; the element starts at rest, `rested` each segment anew. Below 0
-    it slips at `least`, a number or (n,), times the width.
+    Prandtl's stop operator driven by the displacement; it is `begun` at the first sample, `rested` in each segment
+    anew. Below 0 it slips at `least`, a number or (n,), times the width.
     """
     if inputs.live is not None:
-        return _moved_live(inputs.live, inputs, lambda z, dx: inputs.xp.clip(z + dx / width_mm, least, 1.0))
+        return _moved_live(inputs.live, inputs, lambda z, dx: inputs.xp.clip(z + dx / width_mm, least, 1.0), begun)
+    width_mm = on_the_way(inputs, width_mm)
     way = _one_way(inputs)
     states = []
-    state = 0.0
+    state = begun
     limits = np.broadcast_to(least, len(way.run))
     begin = np.flatnonzero(np.diff(way.run, prepend=-1))
     first, last = limits[begin].tolist(), limits[np.r_[begin[1:] - 1, len(way.run) - 1]].tolist()
     for (jump, length, begins), low, lower in zip(way.steps, first, last, strict=True):
-        state = 0.0 if rested and begins else min(max(state + jump / width_mm, low), 1.0)
+        state = begun if rested and begins else min(max(state + jump / width_mm, low), 1.0)
         states.append(state)
         state = min(max(state + length / width_mm, lower), 1.0)
     return np.clip(np.array(states)[way.run] + way.travel / width_mm, least, 1.0)
 
 
-def dahl_operator(inputs: Inputs, width_mm: float) -> Array:
-    """Dahl's friction state, dz/dx = (1 − z sgn ẋ)/width: exponential return after each reversal, within ±1."""
+def dahl_operator(inputs: Inputs, width_mm: float, begun: float = 0.0) -> Array:
+    """Dahl's friction state, dz/dx = (1 − z sgn ẋ)/width: exponential return after each reversal, within ±1; it is
+    `begun` at the first sample."""
     if inputs.live is not None:
-        return lugre_operator(inputs, width_mm, 1.0)
+        return lugre_operator(inputs, width_mm, 1.0, begun)
+    width_mm = on_the_way(inputs, width_mm)
     way = _one_way(inputs)
     states = []
-    state = 0.0
+    state = begun
 
     def after(moved: float) -> float:
         goal = math.copysign(1.0, moved)
@@ -239,7 +252,7 @@ def dahl_operator(inputs: Inputs, width_mm: float) -> Array:
     return goal + (np.array(states)[way.run] - goal) * np.exp(-np.abs(way.travel) / width_mm)
 
 
-def lugre_operator(inputs: Inputs, width_mm: float, level: Array | float) -> Array:
+def lugre_operator(inputs: Inputs, width_mm: float, level: Array | float, begun: Array | float = 0.0) -> Array:
     """The same for a contact of the strength `level`, a number or (n,), at which it bends by width · level: in ± level.
 
     LuGre's friction (Canudas de Wit et al. 1995) without its rates, the level that of the sample to which it moves.
@@ -255,12 +268,14 @@ def lugre_operator(inputs: Inputs, width_mm: float, level: Array | float) -> Arr
             goal = xp.sign(dx) * level
             return goal + (z - goal) * kept(dx)
 
-        return _moved_live(inputs.live, inputs, move)
+        return _moved_live(inputs.live, inputs, move, begun)
+    width_mm = on_the_way(inputs, width_mm)
     way = _one_way(inputs)
     moved = np.diff(way.travel, prepend=0.0)
     moved[np.flatnonzero(np.diff(way.run, prepend=-1))] = [jump for jump, *_ in way.steps]
     decay = kept(moved)
-    return decaying_sum(decay, (1.0 - decay) * np.sign(moved) * level)[1:]
+    left = begun * np.exp(-np.cumsum(np.abs(moved) / (width_mm * level)))
+    return decaying_sum(decay, (1.0 - decay) * np.sign(moved) * level)[1:] + left
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from ..core import Inputs, Param
 from ._history import stop_operator
 from .base import AddsForce, Array, Effect, Values
-from .presliding_hysteresis import slipping
+from .presliding_hysteresis import BEGUN, slipping
 
 SHARES = (0.25, 0.5, 1.0)
 """Widths of the operators over the widest."""
@@ -32,7 +32,9 @@ def _operators(inputs: Inputs, values: Values, growth: float = 0.0) -> Array:
     """States of the operators, shape (n, 3), from −(1 + growth · ε) on the extension branch to 1 on the other."""
     least = -inputs.xp.maximum(1.0 + growth * inputs.contraction, 0.05)
     widest = slipping(inputs, values["r"])
-    return inputs.xp.stack([stop_operator(inputs, share * widest, least=least) for share in SHARES]).T
+    return inputs.xp.stack(
+        [stop_operator(inputs, share * widest, least=least, begun=values.get("z_0", 0.0)) for share in SHARES]
+    ).T
 
 
 def _generalised(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -62,18 +64,23 @@ EFFECT = Effect(
             "−Σ W_i z_i, z_i = clip(z_i + Δx/r_i, −(1 + q ε), 1), r_i = r/4, r/2, r",
             SIZES,
             _generalised,
-            (WIDTH, GROWTH),
+            (WIDTH, GROWTH, BEGUN),
             remembers=True,
         ),
         AddsForce(
-            "growing", "as textbook at q = 0, W_i + G_i ε for W_i", SIZES + GROWTHS, _growing, (WIDTH,), remembers=True
+            "growing",
+            "as textbook at q = 0, W_i + G_i ε for W_i",
+            SIZES + GROWTHS,
+            _growing,
+            (WIDTH, BEGUN),
+            remembers=True,
         ),
         AddsForce(
             "curved",
             "−[V z + V_c max(z−½, 0) + V_e min(z+½, 0)], z the mean of the z_i at q = 0",
             CURVES,
             _curved,
-            (WIDTH,),
+            (WIDTH, BEGUN),
             remembers=True,
         ),
     ),

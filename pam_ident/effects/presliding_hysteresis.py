@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ..core import Inputs, Param
-from ._history import dahl_operator, stop_operator
+from ._history import STROKE_MM, dahl_operator, stop_operator
 from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
 from .coulomb_friction import V_S
 from .stribeck_friction import PEAK, bending
@@ -24,6 +24,8 @@ WIDE = replace(WIDTH, lower=1.0, grid=(1.0, 2.5, 4.0, 6.0, 10.0, 15.0))
 """Shorter than this a friction that grows with pressure is dry."""
 LONG = replace(WIDTH, lower=3.0, start=3.0, grid=WIDE.grid[2:])
 """With a shorter one of three, of any dependence on the pressure, few samples would tell it from dry friction."""
+BEGUN = Param("z_0", "1", "bend of the contact at the first sample, as a share", -1.0, 1.0, start=0.0, grid=(0.0,))
+"""Nobody knows what the muscle did before the record."""
 LOW = replace(PEAK, grid=(1.2,))
 SEEN = replace(WIDTH, grid=(0.7, 1.5, 3.0, 7.0))
 THREE = tuple(
@@ -36,15 +38,16 @@ def slipping(inputs: Inputs, width: float) -> float:
     """`width`, or what still slips in both directions: an element that never does is a spring, and the bladder's."""
     if inputs.live is not None:
         return width
-    return min(width, 0.4 * inputs.reach_mm or width)
+    reach = STROKE_MM if inputs.locked else inputs.reach_mm
+    return min(width, 0.4 * reach or width)
 
 
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-stop_operator(inputs, slipping(inputs, values["x_s"])))
+    return one(-stop_operator(inputs, slipping(inputs, values["x_s"]), begun=values.get("z_0", 0.0)))
 
 
 def _dahl(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-dahl_operator(inputs, slipping(inputs, values["x_s"])))
+    return one(-dahl_operator(inputs, slipping(inputs, values["x_s"]), begun=values.get("z_0", 0.0)))
 
 
 def _growing(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -57,7 +60,7 @@ def _lugre(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _three(inputs: Inputs, values: Values, force: Array, rested: bool = False) -> Array:
     widths = [slipping(inputs, values["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
-    return -inputs.xp.stack([stop_operator(inputs, width, rested) for width in widths]).T
+    return -inputs.xp.stack([stop_operator(inputs, width, rested, begun=values.get("z_0", 0.0)) for width in widths]).T
 
 
 def _rested(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -71,14 +74,14 @@ EFFECT = Effect(
     source="Vo-Minh, Tjahjowidodo, Ramon & Van Brussel 2011, IEEE/ASME Trans. Mechatronics 16(1), 177–186 "
     "(Maxwell slip); Dahl 1968; Canudas de Wit et al. 1995, IEEE Trans. Automatic Control 40(3), 419–425 (LuGre)",
     forms=(
-        AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH,), remembers=True),
-        AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH,), remembers=True),
+        AddsForce("textbook", "−W clip(Δx/x_s, ±1)", (W,), _single, (WIDTH, BEGUN), remembers=True),
+        AddsForce("dahl", "dz/dx = (1 − z sgn ẋ)/x_s, −W z", (W,), _dahl, (WIDTH, BEGUN), remembers=True),
         AddsForce(
             "pressed",
             "dz/dx = (1 − z sgn ẋ)/x_s, −(W + W_p p) z",
             (W, W_PRESSURE),
             _growing,
-            (WIDE,),
+            (WIDE, BEGUN),
             remembers=True,
             same_as="pressure_friction",
         ),
@@ -87,14 +90,18 @@ EFFECT = Effect(
             "−W z, dz/dx = (1 − z sgn ẋ/g)/x_s, g = 1 + (peak−1) exp(−(v/v_s)²)",
             (W,),
             _lugre,
-            (LOW, V_S, SEEN),
+            (LOW, V_S, SEEN, BEGUN),
             remembers=True,
             same_as="stribeck_friction",
         ),
-        AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH,), remembers=True),
-        AddsForce("rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH,), remembers=True),
+        AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH, BEGUN), remembers=True),
+        AddsForce(
+            "rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH, BEGUN), remembers=True
+        ),
         replace(
-            free_form("−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(LONG,), remembers=True, resisting=3),
+            free_form(
+                "−clip(Δx/x_i, ±1)", _three, 3, contraction=1, nonlinear=(LONG, BEGUN), remembers=True, resisting=3
+            ),
             same_as="pressure_friction",
         ),
     ),

@@ -23,7 +23,7 @@ def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
 def bending(inputs: Inputs, values: Values, force: Array) -> Array:
     """Friction per N at speed of a contact that bends before it slides, shape (n, 1)."""
     level = 1.0 + (values["peak"] - 1.0) * inputs.xp.exp(-((speed(inputs) / values["v_s"]) ** 2))
-    return one(-lugre_operator(inputs, values["x_s"], level))
+    return one(-lugre_operator(inputs, values["x_s"], level, values.get("z_0", 0.0)))
 
 
 EFFECT = Effect(

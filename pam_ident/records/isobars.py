@@ -17,6 +17,8 @@ DROOP = 0.02
 """MPa between neighbouring pressures of which a regulator may droop from one to the other while the muscle moves."""
 FEW = 0.1
 """Share of the rows below which they were only passed on the way."""
+REST = 0.25
+"""Share of a driven pressure's range within which it rests: it still falls as the muscle begins to be moved."""
 AT_LEAST, STAYS = 2, 0.005
 """Samples to both sides, and share of all, for which a pressure stays within GAP where it is held."""
 
@@ -57,42 +59,57 @@ def _median(values: Array, counts: Array) -> float:
 
 
 def between(pressure: Array, contraction: Array) -> Array:
-    """Mask (n,) of the samples in which the pressure in MPa goes from one isobar to another while the muscle rests.
+    """Mask (n,) of the samples in which the pressure in MPa goes from one isobar to another while the muscle rests."""
+    return _between(pressure, GAP, contraction, HELD_LENGTH)
 
-    None where these are more than FEW: then the pressure is driven. An excursion that ends where it began is none.
+
+def between_lengths(pressure: Array, contraction: Array) -> Array:
+    """Mask (n,) of the samples in which a muscle is moved from one length to another while the pressure rests."""
+    return _between(contraction, HELD_LENGTH, pressure, REST * float(np.ptp(pressure)))
+
+
+def _between(held: Array, gap: float, driven: Array, still: float) -> Array:
+    """Mask (n,) of the samples in which what is `held` within a `gap` goes from one level to another while what is
+    `driven` stays within `still`.
+
+    None where these are more than FEW: then it is driven, too. An excursion that ends where it began is none.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import
 
-    n = len(pressure)
+    n = len(held)
     size = 2 * max(AT_LEAST, int(STAYS * n)) + 1
-    reach = np.asarray(maximum_filter1d(pressure, size)) - np.asarray(minimum_filter1d(pressure, size))
-    held: Array = np.asarray(maximum_filter1d(reach <= GAP, size), bool)
+    reach = np.asarray(maximum_filter1d(held, size)) - np.asarray(minimum_filter1d(held, size))
+    stays: Array = np.asarray(maximum_filter1d(reach <= gap, size), bool)
     none = np.zeros(n, bool)
-    if held.all() or not held.any():
+    if stays.all() or not stays.any():
         return none
-    isobars = np.unique(levels_of(pressure[held], listed=False))
-    nearest = np.abs(pressure[:, None] - isobars).argmin(axis=1)
-    away = np.flatnonzero(~held)
+    levels = np.unique(levels_of(held[stays], listed=False))
+    nearest = np.abs(held[:, None] - levels).argmin(axis=1)
+    away = np.flatnonzero(~stays)
     ways = []
     for rows in np.split(away, np.flatnonzero(np.diff(away) > 1) + 1):
-        far = np.flatnonzero(np.abs(pressure[rows] - isobars[nearest[rows]]) > GAP)
+        far = np.flatnonzero(np.abs(held[rows] - levels[nearest[rows]]) > gap)
         way = rows[far[0] : far[-1] + 1] if len(far) else far
         if len(way) and (way[0] == 0 or nearest[way[0] - 1] != nearest[min(way[-1] + 1, n - 1)]):
             ways.append(way)
     found = none.copy()
     found[np.concatenate([np.empty(0, int), *ways])] = True
-    moved = [float(np.ptp(contraction[w])) for w in ways]
-    return found if 0 < found.sum() <= FEW * n and np.median(moved) < HELD_LENGTH else none
+    moved = [float(np.ptp(driven[w])) for w in ways]
+    return found if 0 < found.sum() <= FEW * n and np.median(moved) < still else none
 
 
 def as_driven(level: Array, pressure: Array, contraction: Array, way: Array) -> Array:
     """Nominal pressures (n,) in MPa, those on their `way` (n,) between isobars given to the next, and those joined
     between which a regulator droops; `level` itself where there is neither."""
-    if way.any():
-        held = np.flatnonzero(~way)
-        after = np.searchsorted(held, np.arange(len(way)))
-        level = levels_of(pressure[held])[np.minimum(after, len(held) - 1)]
-    return _without_droop(level, contraction)
+    return _without_droop(given_to_next(pressure, way) if way.any() else level, contraction)
+
+
+def given_to_next(values: Array, way: Array, listed: bool = True) -> Array:
+    """Levels of values (n,), as `levels_of` finds them in those that are on no `way` (n,), the others given to the
+    next."""
+    held = np.flatnonzero(~way)
+    after = np.searchsorted(held, np.arange(len(way)))
+    return levels_of(values[held], listed)[np.minimum(after, len(held) - 1)]
 
 
 def _without_droop(level: Array, contraction: Array) -> Array:

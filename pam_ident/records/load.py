@@ -14,11 +14,11 @@ from .clipped import clipped_rows, slack_rows
 from .columns import join_runs, read_columns
 from .files import Files, find_files, read_tables
 from .guess import is_log, likely_clock
-from .isobars import between
+from .isobars import between, between_lengths
 from .mapping import Mapping, read_mapping
 from .notes import Notes
 from .package import read_metadata
-from .quantities import Source
+from .quantities import SHAPES, Source
 from .ranges import Values, contraction_of
 from .record import Record, build_record
 from .run_constants import on_length
@@ -40,8 +40,18 @@ def between_isobars(record: Record) -> np.ndarray:
     return out if out.any() and record.take(np.flatnonzero(~out)).kind == "isobaric" else none
 
 
+def between_held_lengths(record: Record) -> np.ndarray:
+    """Mask (n,) of the samples in which a locked muscle is moved to its next length, none in another kind of test."""
+    none = np.zeros(len(record), bool)
+    if record.kind != "isometric":
+        return none
+    out = between_lengths(record.inputs.pressure, record.inputs.contraction)
+    return out if out.any() and record.take(np.flatnonzero(~out)).kind == "isometric" else none
+
+
 UNFIT = (
     ("between", "pressure", between_isobars),
+    ("between_lengths", "length", between_held_lengths),
     ("clipped", "force", lambda r: clipped_rows(r.inputs, r.force)),
     ("slack", "force", slack_rows),
 )
@@ -264,7 +274,8 @@ def build_loaded(
         for code, key, rows_of in UNFIT:
             out = rows_of(found)
             if out.any():
-                notes.add(code, where[key], f"sample {int(out.argmax()) + 1}", int(out.sum()))
+                column = where.get(key) or next(where[one] for one in SHAPES if one in where)
+                notes.add(code, column, f"sample {int(out.argmax()) + 1}", int(out.sum()))
                 found = found.take(np.flatnonzero(~out))
     return replace(found, notes=notes.told())
 

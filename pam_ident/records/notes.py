@@ -11,6 +11,8 @@ LEFT_OUT = {
     "spike": "{rows} left out: column {column!r} jumps away there for a reading and comes back (first {where})",
     "between": "{rows} left out: column {column!r} goes from one isobar to the next there while the muscle rests "
     "(first {where})",
+    "between_lengths": "{rows} left out: by column {column!r} the muscle is moved to its next length there while the "
+    "pressure rests (first {where})",
     "clipped": "{rows} left out: column {column!r} is at the end of its range there or next to it (first {where})",
     "slack": "{rows} left out: column {column!r} stands at zero there while the pressure changes, as of a muscle that "
     "hangs slack (first {where})",

@@ -120,6 +120,14 @@ def test_a_load_cell_may_hum_where_nothing_else_is_left(size, verdict):
     assert ("The noise hums" in found.sentence) == (verdict == "adequate"), found.sentence
 
 
+def test_a_hum_that_no_spectrum_shows_is_one_all_the_same():
+    """In a short record it is found as a slow beat."""
+    hum = lambda time, force, temperature: force + 0.85 * np.sqrt(2.0) * np.sin(2.0 * np.pi * time / 2.3)  # noqa: E731
+    found = diagnose(LAW, strokes(NOTHING, cell=hum, speeds=(12.0,), times=1))
+    assert found.verdict == "adequate", found.sentence
+    assert "The noise hums: it has a beat with a period of 2.3" in found.sentence
+
+
 @pytest.mark.parametrize("samples", [8, 30])
 @pytest.mark.parametrize("step", [0.0, 2.0])
 def test_what_is_switched_on_and_off_is_no_slow_noise(samples, step):

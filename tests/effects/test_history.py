@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from pam_ident.core import Inputs, Specimen
 from pam_ident.core.recursion import decaying_sum
 from pam_ident.effects import get_effect
-from pam_ident.effects._history import dahl_operator, relax, runs, stop_operator
+from pam_ident.effects._history import dahl_operator, lugre_operator, relax, runs, stop_operator
 from pam_ident.laws import get_law
 from pam_ident.model import Model
 
@@ -154,6 +155,24 @@ def test_slipping_elements_are_those_of_small_steps(operator, loop, width):
     got = operator(inputs, width)
     np.testing.assert_allclose(got, loop(inputs.displacement_mm, width), atol=1e-6)
     assert np.abs(got).max() <= 1.0 + 1e-12
+
+
+def test_a_slipping_element_begins_where_it_was():
+    """Bent back by 0.5 of its 4 mm before the record, it slips after 6 mm; Dahl's comes nearer to 1 exponentially."""
+    x = np.array([0.0, 2.0, 4.0, 6.0, 8.0, 7.0])
+    inputs = Inputs(np.ones(6), x / 200.0, MUSCLE, np.sign(np.r_[1.0, np.diff(x)]), segment=np.zeros(6, int))
+    np.testing.assert_allclose(stop_operator(inputs, 4.0, begun=-0.5), [-0.5, 0.0, 0.5, 1.0, 1.0, 0.75], atol=1e-12)
+    for made in (dahl_operator(inputs, 4.0, -0.5), lugre_operator(inputs, 4.0, 1.0, -0.5)):
+        np.testing.assert_allclose(made[:5], 1.0 - 1.5 * np.exp(-x[:5] / 4.0), atol=1e-12)
+
+
+@pytest.mark.parametrize("operator", [stop_operator, dahl_operator, partial(lugre_operator, level=1.0)])
+def test_in_a_locked_muscle_travel_counts_by_how_far_it_slides_at_all(operator):
+    """Nobody measures that: a braid that slides by a tenth, or ten times as far, bends its contacts alike."""
+    inputs = replace(path(seed=5), locked=True)
+    states = [operator(replace(inputs, slide=share * inputs.contraction), 4.0) for share in (0.1, 1.0, 10.0)]
+    np.testing.assert_allclose(states[0], states[1], atol=1e-12)
+    np.testing.assert_allclose(states[2], states[1], atol=1e-12)
 
 
 def test_a_slipping_element_forgets_no_reversal_in_a_minor_loop():

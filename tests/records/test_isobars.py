@@ -58,3 +58,35 @@ def test_a_pressure_that_dips_and_comes_back_stays():
     columns = {"time_s": record.inputs.time, "pressure_MPa": dipped, "displacement_mm": record.inputs.displacement_mm}
     found = record_from_frame(pd.DataFrame(columns | {"force_N": record.force}), MUSCLE)
     assert len(found) == len(record) and not found.notes
+
+
+def locked(ramp, seed=3, moved_at=0.1):
+    """Three lengths in turn, at each the pressure up and down twice, and `ramp` samples at `moved_at` MPa on the way to
+    the next."""
+    rng = np.random.default_rng(seed)
+    p = np.tile(np.r_[np.linspace(0.1, 0.5, 40), np.linspace(0.5, 0.1, 40)], 2)
+    x = np.concatenate([np.r_[np.full(160, at), np.linspace(at, at + 12.0, ramp)] for at in (2.0, 14.0, 26.0)])
+    pressure = np.tile(np.r_[p, np.full(ramp, moved_at)], 3)
+    table = {
+        "time_s": 0.1 * np.arange(len(x)),
+        "pressure_MPa": pressure + 0.0003 * rng.standard_normal(len(x)),
+        "displacement_mm": x + 0.05 * rng.standard_normal(len(x)),
+        "force_N": 1000.0 * pressure - 4.0 * x,
+    }
+    return record_from_frame(pd.DataFrame(table), MUSCLE)
+
+
+@pytest.mark.parametrize("ramp", [5, 15])
+def test_rows_in_which_a_locked_muscle_is_moved_are_left_out(ramp):
+    record = locked(ramp)
+    assert record.kind == "isometric"
+    (note,) = [one for one in record.notes if one.code == "between_lengths"]
+    assert note.column == "displacement_mm"
+    assert 2 * (ramp - 3) <= note.rows <= 2 * ramp + 2
+    held = np.unique(record.steady.displacement_mm.round(1))
+    assert held[:3] == pytest.approx([2.0, 14.0, 26.0], abs=0.2)
+
+
+def test_a_length_that_is_driven_with_the_pressure_is_not_left_out():
+    record = locked(40, moved_at=np.linspace(0.1, 0.4, 40))
+    assert not [one for one in record.notes if one.code == "between_lengths"]
