@@ -144,7 +144,8 @@ class Outcome:
     @cached_property
     def by_form(self) -> dict[str, tuple[float, str]]:
         """Names for which only a form speaks, as `by_form_alone` has them."""
-        return by_form_alone(self.selection, self.fitted, self.named, self.classes, self.follows[0].text)
+        complete = self.pattern is None
+        return by_form_alone(self.selection, self.fitted, self.named, self.classes, self.follows[0].text, complete)
 
     @property
     def worse(self) -> bool:

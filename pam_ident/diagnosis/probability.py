@@ -60,7 +60,12 @@ def probabilities(
 
 
 def by_form_alone(
-    selection: Selection, fitted: FittedSet, named: list[Term], classes: Sequence[Sequence[str]], follows: str
+    selection: Selection,
+    fitted: FittedSet,
+    named: list[Term],
+    classes: Sequence[Sequence[str]],
+    follows: str,
+    complete: bool,
 ) -> dict[str, tuple[float, str]]:
     """Of names, largest first, those for which only a form speaks: the chance that it does so rightly, and why it is
     asked, in a sentence.
@@ -70,8 +75,8 @@ def by_form_alone(
     is (`classes`), since only forms tell static effects apart, or beside what follows the temperature, of which nobody
     knows from where it counts; where another driver explains as much as the one that it follows first, and it is
     grouped with no effect that follows that; where a force that is logged late looks the same; where it follows a way
-    that the braid slides and nobody measured; where it follows the clock in more than one way; and in its free form: of
-    statements of 0.9 or more 4 of 40 in one were false, 3 of 258 in written ones.
+    that the braid slides and nobody measured; where it follows the clock in more than one way; and in its free form,
+    where the answer is `complete`: of statements of 0.9 or more 4 of 40 in one were false, 3 of 258 in written ones.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -105,7 +110,7 @@ def by_form_alone(
             found[name] = 1.0 - DOUBTFUL, why
         elif term.effect.follows == ("clock",) and len(term.form.linear) > 1:
             found[name] = 1.0 - DOUBTFUL, "Noise that wanders as slowly as the test lasts could look the same."
-        elif timed and free:
+        elif timed and free and complete:
             found[name] = 1.0 - DOUBTFUL, "No written form of it fits, and its free form could follow much else."
     return found
 
