@@ -115,7 +115,7 @@ def _parameters(found: Answer, holder: Mapping[str, Any], model: Model, branch: 
         raise DataError(f"{found.path}: {branch} lacks {', '.join(missing)}; fit again with --json")
     parameters = []
     for p in model.params:
-        stderr = about[p.name].get("stderr")
+        stderr = about.get(p.name, {}).get("stderr")
         error = float(stderr) if isinstance(stderr, int | float) else math.nan
         parameters.append(Parameter(p.name, values[p.name], error, p.unit, p.doc))
     return tuple(parameters)

@@ -20,6 +20,8 @@ Array = np.ndarray
 FITTED = ("fit", "ladder", "add")
 """The answers that hold a fitted model."""
 GEOMETRY = tuple(f.name for f in fields(Specimen) if f.name != "sensors")
+ADDED = {"presliding_hysteresis.z_0": 0.0, "nonlocal_hysteresis.z_0": 0.0}
+"""Parameters that files of earlier versions lack, with the values that these took for granted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +99,8 @@ class Answer:
             if not isinstance(value, (int, float)):
                 raise DataError(f"{self.path}: parameter {name} has the value {value}; expected a number")
             found[name] = float(value)
-        return found
+        effects = {name.partition(".")[0] for name in found}
+        return {name: value for name, value in ADDED.items() if name.partition(".")[0] in effects} | found
 
     def spread(self, holder: Mapping[str, Any]) -> ParameterSpread | None:
         """Covariance of a branch or a rung; None where the file holds none. Raises DataError for one of wrong shape."""

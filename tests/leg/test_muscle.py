@@ -9,6 +9,7 @@ import pytest
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.core.inputs import Sensors
 from pam_ident.effects import load_effect_file
+from pam_ident.export.fitted import Fitted
 from pam_ident.fitting import fit, fit_branches
 from pam_ident.leg.arrays import jax, jnp
 from pam_ident.leg.muscle import Muscle
@@ -147,10 +148,12 @@ def _record_state(p, e):
 
 
 def test_it_starts_at_rest(rich):
-    """No creep, no deflection; what remains is the law with what does not depend on motion."""
+    """No creep, and no deflection but that of the record's first sample; what remains is the law with what does not
+    depend on motion."""
     p, e = state()
-    memory = rich.start(p, e)
-    force, _ = rich.force(rich.values(), memory, 0.0, p, e, jnp.zeros(2))
+    values = dict(rich.contraction) | {"presliding_hysteresis.z_0": 0.0}
+    rested = replace(rich, contraction=values, extension=values)
+    force, _ = rested.force(rested.values(), rested.start(p, e), 0.0, p, e, jnp.zeros(2))
     gone = {"coulomb_friction", "presliding_hysteresis", "creep", "viscous_damping", "pressure_lag"}
     still = {k: v for k, v in rich.contraction.items() if k.split(".")[0] not in gone}
     model = Model.build("exponential_law", ("series_compliance", "bladder_elasticity"))
@@ -392,3 +395,22 @@ def test_an_effect_of_ones_own_is_stepped(tmp_path):
     law = replace(muscle, model=Model.build("chou_hannaford"))
     heavy, light = (m.force(m.values(), m.start(p, e), 0.0, p, e, jnp.zeros(2))[0] for m in (muscle, law))
     np.testing.assert_allclose(heavy - light, 7.0 * np.sin(10.0 * np.asarray(e)), rtol=1e-9)
+
+
+def test_a_parameter_that_an_earlier_version_took_for_granted_may_be_missing(tmp_path):
+    """How far a contact was bent at the first sample: not at all."""
+    model = Model.build("exponential_law", ("presliding_hysteresis",))
+    values = LAW_VALUES | plausible(model.terms[0].effect, model.terms[0].form)
+    path = tmp_path / "fit.json"
+    held = {name: {"value": value, "unit": "N"} for name, value in values.items() if not name.endswith("z_0")}
+    content = {
+        "schema": "pam-ident/fit/1",
+        "law": "exponential_law",
+        "effects": list(model.labels),
+        "branches": {"together": {"parameters": held, "rmse_N": 1.0}},
+    }
+    path.write_text(json.dumps(content))
+    (muscle,) = Muscle.read(path, MUSCLE)
+    assert muscle.contraction == {name: held.get(name, {"value": 0.0})["value"] for name in model.names}
+    exported = Fitted.read(path, MUSCLE)
+    assert exported.values("together") == muscle.contraction
