@@ -51,7 +51,7 @@ def test_a_name_is_doubtful_that_noise_may_look_like_or_whose_way_nobody_measure
     term = as_term(f"{name}:{form}")
     selection = Selection(fit(Model.build(EXPONENTIAL), record), [term.effect])
     selection.following.likely = frozenset({driver})
-    found = by_form_alone(selection, selection.refit([term]), [term], (), "")
+    found = by_form_alone(selection, selection.refit([term]), [term], (), "", True)
     assert bool(found) == bool(doubted)
     for chance, why in found.values():
         assert chance == 0.85 and why.startswith(doubted)
@@ -79,11 +79,13 @@ def test_a_name_is_by_its_form_alone_where_nothing_likely_follows_it_or_it_expla
     pressed, soft, worn = (Term(catalogue()[name], catalogue()[name].forms[0]) for name in names)
     selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [t.effect for t in (pressed, soft, worn)])
     alone, both = selection.refit([pressed]), selection.refit([pressed, soft])
-    assert by_form_alone(selection, alone, [pressed], (), "") == {}, "the error follows the direction"
-    ((chance, why),) = by_form_alone(selection, selection.refit([worn]), [worn], (), "the direction of motion").values()
+    assert by_form_alone(selection, alone, [pressed], (), "", True) == {}, "the error follows the direction"
+    ((chance, why),) = by_form_alone(
+        selection, selection.refit([worn]), [worn], (), "the direction of motion", True
+    ).values()
     assert (chance, why) == (0.5, "The error rather follows the direction of motion; only its form speaks for it.")
     assert selection.part(both, pressed) > 0.9 and selection.part(both, soft) < 0.01
-    little = by_form_alone(selection, both, [pressed, soft], (), "")
+    little = by_form_alone(selection, both, [pressed, soft], (), "", True)
     said = "An unforeseen form of friction that grows with pressure could explain nearly all that it does."
     assert little == {"series_compliance": (0.85, said)}
 
@@ -95,7 +97,7 @@ def test_a_name_whose_driver_another_replaces_at_odds_as_good_rests_on_its_form(
 
     def instead(loss, *others):
         monkeypatch.setitem(selection.following.__dict__, "_instead", {first: (loss, frozenset(others))})
-        return by_form_alone(selection, fitted, [pressed], classes, "")
+        return by_form_alone(selection, fitted, [pressed], classes, "", True)
 
     classes = ()
     why = "The error could as well follow rest and relaxation; its form alone tells."
@@ -115,7 +117,21 @@ def test_a_small_name_in_its_free_form_is_no_sure_one(hidden_effect):
     assert LITTLE < 0.1 < LITTLE_FREE
     selection.part = lambda fitted, term: 0.1 if term is free else 0.9
     said = "An unforeseen form of friction that grows with pressure could explain nearly all that it does."
-    assert by_form_alone(selection, both, [large, free], (), "") == {"force_drift": (0.5, said)}
+    assert by_form_alone(selection, both, [large, free], (), "", True) == {"force_drift": (0.5, said)}
+
+
+def test_a_name_in_its_free_form_is_less_sure_where_nothing_is_left(hidden_effect):
+    pressed = catalogue()["pressure_friction"]
+    written, free = pressed.forms[0], next(form for form in pressed.forms if form.free)
+    selection = Selection(fit(Model.build(EXPONENTIAL), hidden_effect), [pressed])
+
+    def doubts(form, complete):
+        term = Term(pressed, form)
+        return by_form_alone(selection, selection.refit([term]), [term], (), "", complete)
+
+    why = "No written form of it fits, and its free form could follow much else."
+    assert doubts(free, True) == {"pressure_friction": (0.85, why)}
+    assert doubts(free, False) == doubts(written, True) == {}
 
 
 @pytest.mark.parametrize(("way_mm", "still"), [(60.0, False), (1e4, True)])
