@@ -34,6 +34,11 @@ THREE = tuple(
 )
 
 
+def begun(values: Values) -> float:
+    """How far a contact was bent at the first sample; not at all where nobody says."""
+    return values.get("z_0", 0.0)
+
+
 def slipping(inputs: Inputs, width: float) -> float:
     """`width`, or what still slips in both directions: an element that never does is a spring, and the bladder's."""
     if inputs.live is not None:
@@ -43,11 +48,11 @@ def slipping(inputs: Inputs, width: float) -> float:
 
 
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-stop_operator(inputs, slipping(inputs, values["x_s"]), begun=values.get("z_0", 0.0)))
+    return one(-stop_operator(inputs, slipping(inputs, values["x_s"]), begun=begun(values)))
 
 
 def _dahl(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-dahl_operator(inputs, slipping(inputs, values["x_s"]), begun=values.get("z_0", 0.0)))
+    return one(-dahl_operator(inputs, slipping(inputs, values["x_s"]), begun=begun(values)))
 
 
 def _growing(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -60,7 +65,7 @@ def _lugre(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _three(inputs: Inputs, values: Values, force: Array, rested: bool = False) -> Array:
     widths = [slipping(inputs, values["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
-    return -inputs.xp.stack([stop_operator(inputs, width, rested, begun=values.get("z_0", 0.0)) for width in widths]).T
+    return -inputs.xp.stack([stop_operator(inputs, width, rested, begun=begun(values)) for width in widths]).T
 
 
 def _rested(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -96,7 +101,12 @@ EFFECT = Effect(
         ),
         AddsForce("maxwell_slip_3", "−Σ W_i clip(Δx/x_i, ±1)", THREE, _three, (WIDTH, BEGUN), remembers=True),
         AddsForce(
-            "rested", "as maxwell_slip_3, at rest as a segment begins", THREE, _rested, (WIDTH, BEGUN), remembers=True
+            "rested",
+            "as maxwell_slip_3, bent by z_0 anew as a segment begins",
+            THREE,
+            _rested,
+            (WIDTH, BEGUN),
+            remembers=True,
         ),
         replace(
             free_form(

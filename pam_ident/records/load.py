@@ -274,7 +274,7 @@ def build_loaded(
         for code, key, rows_of in UNFIT:
             out = rows_of(found)
             if out.any():
-                column = where.get(key) or next(where[one] for one in SHAPES if one in where)
+                column = next((where[one] for one in (key, *SHAPES, "angle") if one in where), key)
                 notes.add(code, column, f"sample {int(out.argmax()) + 1}", int(out.sum()))
                 found = found.take(np.flatnonzero(~out))
     return replace(found, notes=notes.told())
