@@ -17,7 +17,6 @@ from .confirmed import allowed_by_nature
 from .experiment import after_pattern, next_experiment
 from .follows import Following
 from .heldout import heldout_rmse
-from .noise import OTHER_SIZE
 from .nouns import Diagnosis
 from .outcome import Outcome
 from .selection import FittedSet
@@ -128,7 +127,7 @@ def diagnosing(
         shifted = nearer(model.adding(*static.terms), record, static.values)
         again = diagnosing(model, shifted, extra, without, only, odds, also, noise_N, along=True)
         found = next(again)
-        if found.best.rmse**2 < (1.0 + OTHER_SIZE) * best.rmse**2:
+        if found.best.rmse <= best.rmse:
             yield found
             yield from again
             return
