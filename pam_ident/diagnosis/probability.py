@@ -76,7 +76,8 @@ def by_form_alone(
     knows from where it counts; where another driver explains as much as the one that it follows first, and it is
     grouped with no effect that follows that; where a force that is logged late looks the same; where it follows a way
     that the braid slides and nobody measured; where it follows the clock in more than one way; and in its free form,
-    where the answer is `complete`: of statements of 0.9 or more 4 of 40 in one were false, 3 of 258 in written ones.
+    where the answer is `complete`, or it is static: of statements of 0.9 or more 4 of 40 in one were false, 3 of 258 in
+    written ones.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -110,7 +111,7 @@ def by_form_alone(
             found[name] = 1.0 - DOUBTFUL, why
         elif term.effect.follows == ("clock",) and len(term.form.linear) > 1:
             found[name] = 1.0 - DOUBTFUL, "Noise that wanders as slowly as the test lasts could look the same."
-        elif timed and free and complete:
+        elif timed and free and (complete or name in known):
             found[name] = 1.0 - DOUBTFUL, "No written form of it fits, and its free form could follow much else."
     return found
 
