@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core import Inputs
 from ..core.recursion import Live, Slot, decaying_sum
-from .base import slip
+from .base import Values, slip
 
 Array = np.ndarray
 STROKE_MM = 40.0
@@ -200,6 +200,11 @@ def way_since_reversal(inputs: Inputs) -> Array:
     return np.concatenate([np.abs(x[part] - x[part.start]) for part in runs(inputs)])
 
 
+def first_bend(values: Values) -> float:
+    """How far a contact was bent at the first sample; not at all where nobody says."""
+    return values.get("z_0", 0.0)
+
+
 def on_the_way(inputs: Inputs, width_mm: float) -> float:
     """A travel in mm as the record's way counts it: nobody measures how far the braid of a locked muscle slides, so
     there it is one of STROKE_MM from end to end."""
@@ -274,8 +279,9 @@ def lugre_operator(inputs: Inputs, width_mm: float, level: Array | float, begun:
     moved = np.diff(way.travel, prepend=0.0)
     moved[np.flatnonzero(np.diff(way.run, prepend=-1))] = [jump for jump, *_ in way.steps]
     decay = kept(moved)
-    left = begun * np.exp(-np.cumsum(np.abs(moved) / (width_mm * level)))
-    return decaying_sum(decay, (1.0 - decay) * np.sign(moved) * level)[1:] + left
+    gained = (1.0 - decay) * np.sign(moved) * level
+    gained[0] += decay[0] * begun
+    return decaying_sum(decay, gained)[1:]
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from ..core import Inputs, Param
-from ._history import stop_operator
+from ._history import first_bend, stop_operator
 from .base import AddsForce, Array, Effect, Values
-from .presliding_hysteresis import BEGUN, begun, slipping
+from .presliding_hysteresis import BEGUN, slipping
 
 SHARES = (0.25, 0.5, 1.0)
 """Widths of the operators over the widest."""
@@ -33,7 +33,7 @@ def _operators(inputs: Inputs, values: Values, growth: float = 0.0) -> Array:
     least = -inputs.xp.maximum(1.0 + growth * inputs.contraction, 0.05)
     widest = slipping(inputs, values["r"])
     return inputs.xp.stack(
-        [stop_operator(inputs, share * widest, least=least, begun=begun(values)) for share in SHARES]
+        [stop_operator(inputs, share * widest, least=least, begun=first_bend(values)) for share in SHARES]
     ).T
 
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ..core import Inputs, Param
-from ._history import STROKE_MM, dahl_operator, stop_operator
+from ._history import STROKE_MM, dahl_operator, first_bend, stop_operator
 from .base import AddsForce, Array, Effect, Values, free_form, one, with_pressure
 from .coulomb_friction import V_S
 from .stribeck_friction import PEAK, bending
@@ -34,11 +34,6 @@ THREE = tuple(
 )
 
 
-def begun(values: Values) -> float:
-    """How far a contact was bent at the first sample; not at all where nobody says."""
-    return values.get("z_0", 0.0)
-
-
 def slipping(inputs: Inputs, width: float) -> float:
     """`width`, or what still slips in both directions: an element that never does is a spring, and the bladder's."""
     if inputs.live is not None:
@@ -48,11 +43,11 @@ def slipping(inputs: Inputs, width: float) -> float:
 
 
 def _single(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-stop_operator(inputs, slipping(inputs, values["x_s"]), begun=begun(values)))
+    return one(-stop_operator(inputs, slipping(inputs, values["x_s"]), begun=first_bend(values)))
 
 
 def _dahl(inputs: Inputs, values: Values, force: Array) -> Array:
-    return one(-dahl_operator(inputs, slipping(inputs, values["x_s"]), begun=begun(values)))
+    return one(-dahl_operator(inputs, slipping(inputs, values["x_s"]), begun=first_bend(values)))
 
 
 def _growing(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -65,7 +60,7 @@ def _lugre(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _three(inputs: Inputs, values: Values, force: Array, rested: bool = False) -> Array:
     widths = [slipping(inputs, values["x_s"] * ratio) for ratio in (0.3, 1.0, 3.0)]
-    return -inputs.xp.stack([stop_operator(inputs, width, rested, begun=begun(values)) for width in widths]).T
+    return -inputs.xp.stack([stop_operator(inputs, width, rested, begun=first_bend(values)) for width in widths]).T
 
 
 def _rested(inputs: Inputs, values: Values, force: Array) -> Array:

@@ -1,7 +1,7 @@
 """Friction that falls from its breakaway value as sliding begins."""
 
 from ..core import Inputs, Param
-from ._history import lugre_operator, time_held
+from ._history import first_bend, lugre_operator, time_held
 from .base import AddsForce, Array, Effect, Values, free_form, keeping_no_more, one, slip, speed
 from .coulomb_friction import F_BREAK, F_C, F_HOLD, HOLD_GAIN, TAU_H, V_S, exponential_dip, gaussian_dip
 
@@ -23,7 +23,7 @@ def _relaxing(inputs: Inputs, values: Values, force: Array) -> Array:
 def bending(inputs: Inputs, values: Values, force: Array) -> Array:
     """Friction per N at speed of a contact that bends before it slides, shape (n, 1)."""
     level = 1.0 + (values["peak"] - 1.0) * inputs.xp.exp(-((speed(inputs) / values["v_s"]) ** 2))
-    return one(-lugre_operator(inputs, values["x_s"], level, values.get("z_0", 0.0)))
+    return one(-lugre_operator(inputs, values["x_s"], level, first_bend(values)))
 
 
 EFFECT = Effect(

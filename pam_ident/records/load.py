@@ -2,7 +2,7 @@
 
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,20 +33,22 @@ if TYPE_CHECKING:
 def between_isobars(record: Record) -> np.ndarray:
     """Mask (n,) of the samples between the isobars of a record, none where it is another kind of test or its isobars
     were told."""
-    none = np.zeros(len(record), bool)
-    if "pressure_set" in record.columns:
-        return none
-    out = between(record.inputs.pressure, record.inputs.contraction)
-    return out if out.any() and record.take(np.flatnonzero(~out)).kind == "isobaric" else none
+    told = "pressure_set" in record.columns
+    return np.zeros(len(record), bool) if told else _if_kind_without(record, "isobaric", between)
 
 
 def between_held_lengths(record: Record) -> np.ndarray:
     """Mask (n,) of the samples in which a locked muscle is moved to its next length, none in another kind of test."""
-    none = np.zeros(len(record), bool)
-    if record.kind != "isometric":
-        return none
-    out = between_lengths(record.inputs.pressure, record.inputs.contraction)
-    return out if out.any() and record.take(np.flatnonzero(~out)).kind == "isometric" else none
+    other = record.kind != "isometric"
+    return np.zeros(len(record), bool) if other else _if_kind_without(record, "isometric", between_lengths)
+
+
+def _if_kind_without(record: Record, kind: str, find: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """The mask (n,) that is found by pressure and contraction, if the record without its samples is a test of that
+    kind; else none."""
+    out = find(record.inputs.pressure, record.inputs.contraction)
+    fits = out.any() and record.take(np.flatnonzero(~out)).kind == kind
+    return out if fits else np.zeros(len(record), bool)
 
 
 UNFIT = (
