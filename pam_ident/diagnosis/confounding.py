@@ -91,13 +91,15 @@ def _near(selection: Selection, effect: Effect) -> dict[str, float]:
     """Criterion within which each other effect could be meant, by name. What a form may leave that is not exactly right
     is in it where the form alone tells the two apart: the other follows the same first, or what the likeliest drivers
     hold, and this one does not. Nor is it known by what measure softening fades, way, stroke or energy: where the error
-    may follow the cycle and rest, the time since an isobar began is one more."""
+    may follow the cycle and rest, the time since an isobar began is one more. Nor how a contact under a weight bends
+    before it slides: while the weight sticks, nothing shows it."""
     following, first, tolerance = selection.following, effect.follows[:1], selection.penalty.tolerance
-    chosen, fading = following.chosen, {"cycle", "rest"} if following.drivers >= {"cycle", "rest"} else set()
+    chosen, alike = following.chosen, [{"cycle", "rest"}] if following.drivers >= {"cycle", "rest"} else []
+    alike += [{"way", "direction"}] if selection.record.carried else []
 
     def by_form(other: Effect) -> bool:
         likelier = chosen.isdisjoint(first) and not chosen.isdisjoint(other.follows[:1])
-        one = other.follows[:1] == first or fading.issuperset({*first, *other.follows[:1]})
+        one = other.follows[:1] == first or any(same.issuperset({*first, *other.follows[:1]}) for same in alike)
         return bool(first) and (one or likelier)
 
     return {e.name: CLOSE + (tolerance if by_form(e) else 0.0) for e in selection.weighed}

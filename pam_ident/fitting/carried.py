@@ -14,6 +14,7 @@ rows tell nothing, and nor do those at the mechanical limit, and those at which 
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,9 +22,13 @@ from ..core import Array, PamError
 from ..model import Model
 from ..records import Record
 from ..records.notes import Notes
+from ..records.roughness import position_noise
 from .fit import Fit, fit
 from .length import at_limit, by_length, equilibrium, weights_of
 from .readings import Errors
+
+LEFT = 3.0
+"""Standard deviations of the noise of the length by which a weight has left its place."""
 
 
 def driven(model: Model, record: Record, values: Mapping[str, float] | None = None) -> Record:
@@ -42,12 +47,29 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
     kept = ~at_limit(record) & (slope < 0.0)
     if inputs.moving is not None and inputs.pressure_rate is not None:
         kept &= inputs.moving | (inputs.pressure_rate == 0.0)
+        kept &= ~_sticks(record)
     left = int(np.count_nonzero(~kept))
     if left:
         notes = Notes()
         notes.add("weight_stands", "displacement", str(len(record)), left)
         along = replace(along, notes=(*along.notes, *notes.told()))
     return along.take(np.flatnonzero(kept))
+
+
+def _sticks(record: Record) -> Array:
+    """Mask (n,) of the rows from where the pressure turns until the length has left its place there, by more than its
+    sensor's noise: so long a weight may stick."""
+    inputs = record.as_measured.inputs
+    assert inputs.pressure_rate is not None and inputs.time is not None
+    x, found = inputs.displacement_mm, np.zeros(len(inputs), bool)
+    noise, sign = position_noise(x, inputs.time), np.sign(inputs.pressure_rate)
+    calm = np.median([x, np.r_[x[1:], x[-1]], np.r_[x[0], x[:-1]]], axis=0)  # of three readings one may be far off
+    driven = np.flatnonzero(sign != 0.0)
+    turns = driven[1:][np.diff(sign[driven]) != 0.0]
+    for begin, end in pairwise([*turns, len(x)]):
+        away = np.abs(calm[begin:end] - np.median(x[max(begin - 1, 0) : begin + 3])) > LEFT * noise
+        found[begin : begin + int(np.argmax(away)) if away.any() else end] = True
+    return found
 
 
 def nearer(model: Model, record: Record, values: Mapping[str, float]) -> Record:

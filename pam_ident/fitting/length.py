@@ -123,26 +123,27 @@ def spells_of(record: Record) -> Array | None:
 
 def _steps(force: Array, pressure: Array, begin: int, end: int) -> list[int]:
     """Where the load of a run of samples steps from one held level to the next."""
-    steps, _ = _parted(force, pressure, begin, end, float(np.ptp(pressure[begin:end])) / 3.0)
+    steps, _ = _parted(force, pressure, begin, end)
     spells = np.split(force[begin:end], [k - begin for k in steps])
     levels = np.array([np.median(spell) for spell in spells])
     off = np.median(np.abs(np.concatenate([spell - level for spell, level in zip(spells, levels, strict=True)])))
     return steps if np.all(np.abs(np.diff(levels)) > CLEAR * off / 0.6745) else []
 
 
-def _parted(force: Array, pressure: Array, begin: int, end: int, turn: float) -> tuple[list[int], float]:
+def _parted(force: Array, pressure: Array, begin: int, end: int) -> tuple[list[int], float]:
     """The steps that least squares finds in a run, halved again and again, and the squared deviations they leave. On
-    either side of each the pressure goes both ways, by `turn` at least: what friction adds on one way it takes on the
-    other, and is no weight."""
+    either side of each the pressure goes both ways, by a third of its range there at least: what friction adds on one
+    way it takes on the other, and is no weight."""
     off = force[begin:end] - force[begin:end].mean()
     whole = float(off @ off)
     n, sums = np.arange(1, len(off)), np.cumsum(off)[:-1]
     if not len(sums):
         return [], whole
     k = begin + 1 + int((sums**2 * (1.0 / n + 1.0 / n[::-1])).argmax())
-    if min(len(pivots(pressure[begin:k], turn)), len(pivots(pressure[k:end], turn))) < 3:
+    parts = (begin, k), (k, end)
+    if any(len(pivots(p, float(np.ptp(p)) / 3.0)) < 3 for p in (pressure[slice(*part)] for part in parts)):
         return [], whole
-    (before, left), (after, right) = (_parted(force, pressure, *part, turn) for part in ((begin, k), (k, end)))
+    (before, left), (after, right) = (_parted(force, pressure, *part) for part in parts)
     # Of several weights in any order the first step alone may tell little.
     return ([*before, k, *after], left + right) if left + right < LEFT * whole else ([], whole)
 

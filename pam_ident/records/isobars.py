@@ -4,6 +4,7 @@ import numpy as np
 
 from ..core import Array
 from .kind import HELD_LENGTH, large_turns
+from .roughness import position_noise
 
 GAP = 0.005
 """MPa between the clusters of pressures that are isobars."""
@@ -19,20 +20,23 @@ FEW = 0.1
 """Share of the rows below which they were only passed on the way."""
 REST = 0.25
 """Share of a driven pressure's range within which it rests: it still falls as the muscle begins to be moved."""
+NEAR, NOISE, APART = 9, 8.0, 5.0
+"""Samples that a muscle is locked at one length at least, standard deviations of a reading within which they are, and
+by which the medians of such samples differ between lengths."""
 AT_LEAST, STAYS = 2, 0.005
 """Samples to both sides, and share of all, for which a pressure stays within GAP where it is held."""
 
 
-def levels_of(pressure: Array, listed: bool = True) -> Array:
+def levels_of(pressure: Array, listed: bool = True, gap: float = GAP) -> Array:
     """Nominal pressure of each sample, (n,): its own value in a short list, unless none is `listed`, else the median of
-    its cluster (5 kPa gaps)."""
+    its cluster, clusters parted by a `gap`."""
     values, inverse, counts = np.unique(np.round(pressure, 6), return_inverse=True, return_counts=True)
-    return nominal(values, counts, listed)[inverse]
+    return nominal(values, counts, listed, gap)[inverse]
 
 
-def nominal(values: Array, counts: Array, listed: bool = True) -> Array:
+def nominal(values: Array, counts: Array, listed: bool = True, gap: float = GAP) -> Array:
     """Nominal pressure in MPa of each of the pressures `values` (m,), ascending, that are read `counts` (m,) times."""
-    edges = (np.flatnonzero(np.diff(values) > GAP) + 1).tolist()
+    edges = (np.flatnonzero(np.diff(values) > gap) + 1).tolist()
     ends = zip([0, *edges], edges, [*edges[1:], len(values)], strict=False)
     edges = [k for a, k, b in ends if not _stray(values, counts, a, k, b)]
     if listed and len(values) <= min(max(2, counts.sum() // 8), SHORT_LIST, CROWD * (len(edges) + 1)):
@@ -65,7 +69,31 @@ def between(pressure: Array, contraction: Array) -> Array:
 
 def between_lengths(pressure: Array, contraction: Array) -> Array:
     """Mask (n,) of the samples in which a muscle is moved from one length to another while the pressure rests."""
-    return _between(contraction, HELD_LENGTH, pressure, REST * float(np.ptp(pressure)))
+    gaps = HELD_LENGTH, NOISE * position_noise(contraction)
+    wide, near = (_between(contraction, gap, pressure, REST * float(np.ptp(pressure))) for gap in gaps)
+    return wide | near
+
+
+def lengths_of(contraction: Array, pressure: Array, way: Array) -> Array:
+    """The contraction ratio at which a muscle is locked at each sample, (n,), those on the `way` (n,) to a length given
+    to that. A single reading between two lengths, or a step of a coarse gauge, is none; nor is where the fixture gives
+    way to the pressure: at each of two lengths that lie close it stays a while, and the pressure is driven as far as at
+    both."""
+    from scipy.ndimage import median_filter  # slow to import
+
+    near, apart = np.asarray(median_filter(contraction, NEAR, mode="nearest")), APART * position_noise(contraction)
+    coarse, fine = given_to_next(contraction, way, False, max(GAP, apart)), given_to_next(near, way, False, apart)
+
+    def driven(rows: Array) -> float:
+        return float(np.ptp(pressure[rows]))
+
+    for length in np.unique(coarse):
+        joined = coarse == length
+        parts = [joined & (fine == one) for one in np.unique(fine[joined])]
+        stays = HELD * np.count_nonzero(np.diff(fine[joined])) <= np.count_nonzero(joined)
+        if len(parts) > 1 and stays and min(driven(part) for part in parts) > 0.5 * driven(joined):
+            coarse[joined] = fine[joined]
+    return coarse
 
 
 def _between(held: Array, gap: float, driven: Array, still: float) -> Array:
@@ -83,7 +111,7 @@ def _between(held: Array, gap: float, driven: Array, still: float) -> Array:
     none = np.zeros(n, bool)
     if stays.all() or not stays.any():
         return none
-    levels = np.unique(levels_of(held[stays], listed=False))
+    levels = np.unique(levels_of(held[stays], listed=False, gap=gap))
     nearest = np.abs(held[:, None] - levels).argmin(axis=1)
     away = np.flatnonzero(~stays)
     ways = []
@@ -104,12 +132,12 @@ def as_driven(level: Array, pressure: Array, contraction: Array, way: Array) -> 
     return _without_droop(given_to_next(pressure, way) if way.any() else level, contraction)
 
 
-def given_to_next(values: Array, way: Array, listed: bool = True) -> Array:
+def given_to_next(values: Array, way: Array, listed: bool = True, gap: float = GAP) -> Array:
     """Levels of values (n,), as `levels_of` finds them in those that are on no `way` (n,), the others given to the
     next."""
     held = np.flatnonzero(~way)
     after = np.searchsorted(held, np.arange(len(way)))
-    return levels_of(values[held], listed)[np.minimum(after, len(held) - 1)]
+    return levels_of(values[held], listed, gap)[np.minimum(after, len(held) - 1)]
 
 
 def _without_droop(level: Array, contraction: Array) -> Array:

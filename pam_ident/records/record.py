@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..core import Array, DataError, Inputs, Specimen
-from .isobars import as_driven, between, between_lengths, given_to_next, levels_of
+from .isobars import as_driven, between, between_lengths, lengths_of, levels_of
 from .kind import find_kind
 from .motion import Motion, find_motion
 from .notes import Note
@@ -205,7 +205,7 @@ def build_record(
     slide, driven, locked = None, None, kind == "isometric"
     if locked:
         way = between_lengths(pressure, contraction)
-        held = given_to_next(contraction, way, listed=False)  # steps of a coarse gauge are no lengths
+        held = lengths_of(contraction, pressure, way)
         driven = find_motion(time, KPA * pressure, held, force)
         per_kpa = _per_kpa(specimen, held)
         parts = {name: per_kpa * getattr(driven, name) for name in ("velocity", "stroke_speed", "position")}

@@ -10,6 +10,7 @@ import pytest
 
 from pam_ident.core import DataError, Specimen, UsageError
 from pam_ident.fitting import Weighing, fit, fit_together
+from pam_ident.fitting.carried import _sticks
 from pam_ident.fitting.length import Lengths, _stopped, at_limit, equilibrium, implicit, load_of, weights_of
 from pam_ident.model import Model
 from pam_ident.records import Record, record_from_frame
@@ -216,6 +217,40 @@ def test_weights_in_any_order_are_told_apart(order):
     np.testing.assert_allclose(
         np.unique(weights_of(replace(whole, force=force))), [100.0, 160.0, 220.0, 280.0], atol=0.2
     )
+
+
+def test_weights_are_told_apart_though_each_is_lifted_by_pressures_of_its_own():
+    """A light one needs less, and its pressures change by less."""
+    whole = without_pauses(rig(3))
+    held = weights_of(whole)
+    _, which = np.unique(held, return_inverse=True)
+    pressure = whole.inputs.pressure * np.array([0.25, 0.6, 1.0])[which]
+    lifted = replace(whole, inputs=replace(whole.inputs, pressure=pressure))
+    np.testing.assert_allclose(weights_of(lifted), held, rtol=0.01)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_rows_in_which_a_weight_sticks_tell_nothing_however_badly_the_length_is_read(seed):
+    rng, n = np.random.default_rng(seed), 2400
+    time = 0.1 * np.arange(n)
+    pressure = 0.3 + 0.2 * np.abs(2.0 * (time / 24.0 % 1.0) - 1.0)
+    pulled = np.empty(n)  # what gets past dry friction of half of 0.03 MPa
+    at = pressure[0]
+    for k, p in enumerate(pressure):
+        at = pulled[k] = min(max(at, p - 0.015), p + 0.015)
+    stands = np.abs(np.diff(pulled, prepend=pulled[0])) < 1e-9
+    table = {
+        "time_s": time,
+        "pressure_MPa": pressure,
+        "displacement_mm": 150.0 * (pulled - 0.3) + 5.0 + 0.2 * rng.standard_normal(n),
+        "force_N": 100.0 + 0.3 * rng.standard_normal(n),
+    }
+    record = record_from_frame(pd.DataFrame(table), Specimen("m", 200.0, 10.0, 25.0))
+    assert record.kind == "isotonic"
+    found = _sticks(record)
+    first = np.flatnonzero(np.diff(np.sign(np.diff(pressure))))[0] + 2  # before the first turn nobody knows
+    assert np.mean(found[first:][stands[first:]]) > 0.9
+    assert np.mean(found[~stands]) < 0.1
 
 
 @pytest.mark.parametrize("load", ["friction", "one way", "swelling", "swinging", "noise", "two like ones"])

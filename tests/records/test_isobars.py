@@ -60,17 +60,20 @@ def test_a_pressure_that_dips_and_comes_back_stays():
     assert len(found) == len(record) and not found.notes
 
 
-def locked(ramp, seed=3, moved_at=0.1):
-    """Three lengths in turn, at each the pressure up and down twice, and `ramp` samples at `moved_at` MPa on the way to
-    the next."""
+def locked(ramp, seed=3, moved_at=0.1, apart=12.0, noise=0.05, gives=0.0):
+    """Three lengths in turn, so many mm apart, at each the pressure up and down twice in steps, and `ramp` samples at
+    `moved_at` MPa on the way to the next. The fixture `gives` so many mm at the largest pressure."""
     rng = np.random.default_rng(seed)
     p = np.tile(np.r_[np.linspace(0.1, 0.5, 40), np.linspace(0.5, 0.1, 40)], 2)
-    x = np.concatenate([np.r_[np.full(160, at), np.linspace(at, at + 12.0, ramp)] for at in (2.0, 14.0, 26.0)])
+    p = p if gives == 0.0 else np.round(8.0 * p) / 8.0
+    lengths = 2.0 + apart * np.arange(3)
+    x = np.concatenate([np.r_[np.full(160, at), np.linspace(at, at + apart, ramp)] for at in lengths])
     pressure = np.tile(np.r_[p, np.full(ramp, moved_at)], 3)
+    x = x + gives * (pressure - 0.1) / 0.4
     table = {
         "time_s": 0.1 * np.arange(len(x)),
         "pressure_MPa": pressure + 0.0003 * rng.standard_normal(len(x)),
-        "displacement_mm": x + 0.05 * rng.standard_normal(len(x)),
+        "displacement_mm": x + noise * rng.standard_normal(len(x)),
         "force_N": 1000.0 * pressure - 4.0 * x,
     }
     return record_from_frame(pd.DataFrame(table), MUSCLE)
@@ -85,6 +88,29 @@ def test_rows_in_which_a_locked_muscle_is_moved_are_left_out(ramp):
     assert 2 * (ramp - 3) <= note.rows <= 2 * ramp + 2
     held = np.unique(record.steady.displacement_mm.round(1))
     assert held[:3] == pytest.approx([2.0, 14.0, 26.0], abs=0.2)
+
+
+@pytest.mark.parametrize(("apart", "noise", "ramp"), [(1.6, 0.05, 8), (2.0, 0.05, 5), (6.0, 0.25, 8)])
+def test_lengths_that_lie_close_or_are_read_badly_are_as_many(apart, noise, ramp):
+    """They ran together to one by readings on the way from one to the next."""
+    record = locked(ramp, apart=apart, noise=noise)
+    held = np.unique(record.steady.displacement_mm.round(2))
+    assert held[:3] == pytest.approx(2.0 + apart * np.arange(3), abs=2.0 * noise)
+
+
+def test_a_coarse_gauge_between_two_of_its_steps_reads_one_length():
+    record = locked(15, noise=0.0)
+    read = np.repeat(np.random.default_rng(5).random(len(record) // 12 + 1) < 0.3, 12)[: len(record)] * 0.5
+    columns = {"time_s": record.inputs.time, "pressure_MPa": record.inputs.pressure, "force_N": record.force}
+    table = pd.DataFrame(columns | {"displacement_mm": record.inputs.displacement_mm + read})
+    held = np.unique(record_from_frame(table, MUSCLE).steady.displacement_mm.round(2))
+    assert held[held < 30.0] == pytest.approx([2.0, 14.0, 26.0])
+
+
+def test_where_a_fixture_gives_way_to_the_pressure_there_is_no_other_length():
+    record = locked(15, noise=0.01, gives=0.7)
+    assert record.kind == "isometric"
+    assert len(np.unique(record.steady.displacement_mm.round(2))) == 3
 
 
 def test_a_length_that_is_driven_with_the_pressure_is_not_left_out():
