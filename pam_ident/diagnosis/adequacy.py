@@ -119,7 +119,7 @@ class Adequacy:
     @property
     def _formed(self) -> bool:
         """Whether effects are in it, named or in the model already, whose forms may not be exactly right."""
-        return bool(self.fitted.terms or self.selection.base.model.terms)
+        return bool(self.fitted.candidates or self.selection.base.model.terms)
 
     @cached_property
     def residual(self) -> np.ndarray:

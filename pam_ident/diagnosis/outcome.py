@@ -73,7 +73,7 @@ class Outcome:
     @cached_property
     def seen(self) -> Pattern | None:
         """What is left that no effect explains, rounding or not; of values against nature, what they are."""
-        if self.lacking and not self.patterns:
+        if self.lacking and (not self.patterns or hum(self.selection, self.fitted)):
             first = self.first
             odd = unlike_noise(first.selection, first.fitted) if first.lacking and first.lacking.complete else None
             found = odd or self.lacking.pattern()

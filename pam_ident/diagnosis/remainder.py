@@ -61,6 +61,10 @@ LEAP = 10.0
 FORETOLD = 0.3
 """Share of the noise's innovations that the LAGS samples before may foretell: 0.04 at most in records with nothing
 hidden, 0.24 where a load cell hummed, and 0.47 where a frame rings."""
+SWINGS = 0.2
+"""The same of means of several samples, where they are largest at some period: 0.18 at most in 163 such records."""
+LEAST = (WINDOW + 1) * LAGS
+"""Samples that a prediction is made from at least."""
 ONE_IN_100 = 2.58
 """Standard deviations that normal numbers exceed once in a hundred times."""
 APART, NEARBY, NORMAL, GAP = (20, 10, 5), 20, 0.455, 5.0
@@ -128,7 +132,7 @@ def remainder_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
 
 def unlike_noise(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What a set leaves, where noise does not look like it; beside names not at the turns, where forms err most."""
-    looks = (_foretold, _jumps, _bursts, _slow, *(() if fitted.terms else (_at_turns, _in_motion, _followed)))
+    looks = (_foretold, _jumps, _bursts, _slow, *(() if fitted.candidates else (_at_turns, _in_motion, _followed)))
     return next((found for look in looks if (found := look(selection, fitted))), None)
 
 
@@ -190,33 +194,46 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What the samples before foretell is no noise: a beat, a swing, what comes and goes.
 
     Noise is foretold by its colour and no further, unless it hums: a longer linear prediction (Makhoul 1975,
-    Proceedings of the IEEE 63, 561–580) adds nothing.
+    Proceedings of the IEEE 63, 561–580) adds nothing. Means of several samples tell of slower swings; noise that is
+    slower than its colour is foretold by them, too, but is largest at no period.
     """
-    enough = (WINDOW + 1) * LAGS
-    if selection.record.inputs.time is None or len(selection.record) < enough:
+    inputs = selection.record.inputs
+    if inputs.time is None:
         return None
     own = selection.noise_left_by(fitted)
-    white, seen = own.whiten(selection.view(fitted).residual), ~own.outlier
-    whole = sliding_window_view(seen, LAGS + 1).all(axis=1)
-    if np.count_nonzero(whole) < enough:  # where the motion turns every few samples, gaps foretell nothing
-        white, whole = np.where(seen, white, 0.0), seen[LAGS:]
-    white = sliding_window_view(white, LAGS + 1)[whole]
-    if len(white) < enough:
+    white, seen = own.whiten(selection.view(fitted).residual), np.asarray(~own.outlier)
+    share, period = _foretold_by_before(white, seen)
+    found, together = share > FORETOLD, 1
+    while not (found or fitted.candidates) and len(white) >= 2 * LEAST:  # beside names forms leave what is slow, too
+        even = len(white) // 2 * 2
+        white, seen = white[:even].reshape(-1, 2).mean(axis=1), seen[0:even:2] & seen[1:even:2]
+        share, period = _foretold_by_before(white, seen)
+        found, together = share > SWINGS and period > 0.0, 2 * together
+    if not found:
         return None
-    n = len(white) - LAGS
-    before, now = white[:, :-1], white[:, -1]
+    text = f"{percent(share)} of what is left is foretold by the samples before it, beyond any slow noise"
+    if period > 0.0:
+        text += f"; it swings with a period of about {number(period * together * inputs.interval, 2)} s"
+    return Pattern("other", "time", None, "", share, text)
+
+
+def _foretold_by_before(white: Array, seen: Array) -> tuple[float, float]:
+    """Share of the squares of a series (n,) that the LAGS samples before foretell, of those that were `seen` (n,); and
+    the period in samples at which its spectrum is highest, 0 at an end of it."""
+    whole = sliding_window_view(seen, LAGS + 1).all(axis=1)
+    if np.count_nonzero(whole) < LEAST:  # where the motion turns every few samples, gaps foretell nothing
+        white, whole = np.where(seen, white, 0.0), seen[LAGS:]
+    rows = sliding_window_view(white, LAGS + 1)[whole]
+    if len(rows) < LEAST:
+        return 0.0, 0.0
+    n = len(rows) - LAGS
+    before, now = rows[:, :-1], rows[:, -1]
     weights = np.linalg.lstsq(before, now)[0]
     left = now - before @ weights
     share = 1.0 - float(left @ left) / n / float(np.mean(now**2))
-    if share < FORETOLD:
-        return None
     flat = np.abs(np.fft.rfft(np.r_[1.0, -weights[::-1]], 64 * LAGS))  # least where its spectrum is highest
     beat = int(np.argmin(flat))
-    text = f"{percent(share)} of what is left is foretold by the samples before it, beyond any slow noise"
-    if 0 < beat < len(flat) - 1:
-        period = 64 * LAGS / beat * selection.record.inputs.interval
-        text += f"; it swings with a period of about {number(period, 2)} s"
-    return Pattern("other", "time", None, "", share, text)
+    return share, 64 * LAGS / beat if 0 < beat < len(flat) - 1 else 0.0
 
 
 def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:

@@ -16,6 +16,7 @@ from .follows import Following
 from .noise import Noise
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns import patterns
+from .remainder import unlike_noise
 from .scan import Remainder, Scanned, scan
 from .search import CLOSE, Choice, Compressed, Penalty, beam_search, evaluate
 from .selection import FORM_TOLERANCE, HOPELESS, FittedSet, Selection, labels
@@ -87,7 +88,15 @@ def investigate(
     _, noise, found = _compared(selections)[0]
     final = Selection(base, candidates, noise=noise, before=selection)
     seen = [t for t in found.terms if t.effect.name not in final.excluded]  # by this noise the law may follow one
-    return final, final.refit(seen, found.values)
+    fitted = final.refit(seen, found.values)
+    if free and free.noise.whole < noise.whole and unlike_noise(final, fitted):
+        select_again(free.noise)
+        calm = [(one, answer) for one, answer in selections if answer.terms and unlike_noise(one, answer) is None]
+        asked = [(Adequacy(*both, free), both) for both in calm]
+        complete = [both for one, both in asked if one.complete and not one.wanders]
+        if complete:
+            return min(complete, key=lambda both: full_criterion(*both)[0])
+    return final, fitted
 
 
 def in_spite_of(

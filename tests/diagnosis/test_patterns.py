@@ -138,3 +138,18 @@ def test_a_wave_sees_the_mean_of_what_is_read_at_one_place():
     form = next(e for e in patterns(inputs, error_mm=0.03) if e.name == "periodic").forms[0]
     assert form.columns(inputs, {"period": 1.2}, force).std(axis=0).max() < 0.06, "0.16 with what the sensor is off"
     assert form.columns(inputs, {"period": 9.0}, force).std(axis=0).min() > 0.6
+
+
+@pytest.mark.parametrize(("levels", "curves"), [(3, 0), (4, 0), (6, 1)])
+def test_a_curve_over_pressure_needs_as_many_levels_as_knots_however_they_are_read(levels, curves):
+    """Readings that straddle a rounded value counted as two levels; between few, a curve follows their noise."""
+    rng = np.random.default_rng(4)
+    held = np.repeat(np.linspace(0.095, 0.495, levels), 200)
+    time = 0.1 * np.arange(len(held)) + np.repeat(60.0 * np.arange(levels), 200)
+    contraction = 0.1 - 0.08 * np.cos(2.0 * np.pi * time / 5.37)
+    muscle = Specimen("m", 200.0, 10.0, 25.0)
+    pressure = held + 0.001 * rng.standard_normal(len(held))
+    force = muscle.ideal_force(pressure, contraction)
+    record = build_record("r", muscle, pressure, contraction, force, time=time, level=held)
+    forms = [form.name for effect in patterns(record.inputs) for form in effect.forms]
+    assert forms.count("over_pressure") == curves

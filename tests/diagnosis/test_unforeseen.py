@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from pam_ident.core import Specimen
+from pam_ident.core.recursion import decaying_sum
 from pam_ident.diagnosis import diagnose
 from pam_ident.diagnosis.drivers import DRIVERS
 from pam_ident.model import Model
@@ -126,6 +128,35 @@ def test_a_hum_that_no_spectrum_shows_is_one_all_the_same():
     found = diagnose(LAW, strokes(NOTHING, cell=hum, speeds=(12.0,), times=1))
     assert found.verdict == "adequate", found.sentence
     assert "The noise hums: it has a beat with a period of 2.3" in found.sentence
+
+
+@pytest.mark.parametrize(("seed", "size", "period"), [(3, 1.5, 0.6), (4, 2.5, 0.6), (4, 2.5, 1.0)])
+def test_what_follows_the_clock_though_noise_is_slow_is_looked_for_beside_less_noise(seed, size, period):
+    """Slow noise of that size would explain it without any name, but most of it follows the clock: noise does not."""
+
+    def swung(time, force, temperature):
+        white, n = np.random.default_rng(seed + 10).standard_normal(len(time)), len(time)
+        slow = 0.6 * decaying_sum(np.full(n - 1, 0.8), white[:-1])
+        return force + slow + size * np.sqrt(2.0) * np.sin(2.0 * np.pi * time / (period * time[-1]))
+
+    found = diagnose(LAW, strokes(NOTHING, cell=swung, speeds=(12.0,), times=3, seed=seed))
+    assert found.selected == ("force_drift",), found.sentence
+    assert found.ranking[0].probability < 0.9
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_frame_that_sways_slowly_is_no_slow_noise(seed):
+    """Its swings last longer than the samples before foretell; means of several samples do."""
+    rng = np.random.default_rng(seed)
+
+    def swayed(time, force, temperature):
+        even = np.arange(0.0, time[-1] + 1.0, 0.05)
+        turn, kept = 2.0 * np.pi * 0.05 / 9.0, np.exp(-0.05 / 25.0)
+        sway = lfilter([1.0], [1.0, -2.0 * kept * np.cos(turn), kept**2], rng.standard_normal(len(even)))
+        return force + 4.0 * np.interp(time, even, sway / np.std(sway))
+
+    found = diagnose(LAW, strokes(NOTHING, cell=swayed, speeds=(4.0, 12.0), times=8))
+    assert (found.verdict, found.selected) == ("unknown_effect", ()), found.sentence
 
 
 @pytest.mark.parametrize("samples", [8, 30])

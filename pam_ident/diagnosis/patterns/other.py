@@ -10,6 +10,8 @@ from ...effects.base import Array, Values, slip
 from .base import Extent, PatternShape, hats, knots
 
 KNOTS, PRESSURE_KNOTS = 9, 5
+APART = 0.02
+"""Share of their range by which pressures that are held differ."""
 
 
 def _even(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -28,14 +30,23 @@ def _over_pressure(inputs: Inputs, values: Values, force: Array) -> Array:
     return hats(inputs.pressure, PRESSURE_KNOTS)[:, 1:]
 
 
+def _levels(inputs: Inputs) -> int:
+    """How many pressures there are. Of held ones readings differ by their noise, which a curve with more knots than
+    levels would follow, and are none."""
+    if inputs.time is None or inputs.segment is None or inputs.pressure_rate is not None:
+        return len(np.unique(np.round(inputs.pressure, 2)))
+    means = np.sort([inputs.pressure[inputs.segment == run].mean() for run in np.unique(inputs.segment)])
+    return 1 + int(np.count_nonzero(np.diff(means) > APART * float(np.ptp(means))))
+
+
 def _forms(span: Extent) -> Sequence[Form]:
     over_pressure = AddsForce("over_pressure", "free curve over pressure", knots(PRESSURE_KNOTS - 1), _over_pressure)
-    levels = np.unique(np.round(span.inputs.pressure, 2))
+    levels = _levels(span.inputs)
     return (
         AddsForce("even", "free curve", knots(KNOTS), _even),
         AddsForce("odd", "free curve against motion", knots(KNOTS), _odd),
         AddsForce("pressed", "free curve in proportion to pressure", knots(KNOTS), _pressed),
-        *([over_pressure] if len(levels) >= PRESSURE_KNOTS else []),
+        *([over_pressure] if levels >= PRESSURE_KNOTS else []),
     )
 
 
