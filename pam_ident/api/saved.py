@@ -47,6 +47,11 @@ class Predicting(Hinting, ABC):
     def predictors(self) -> Mapping[str, Predictor]:
         """The fits by branch, to be asked elsewhere."""
 
+    @property
+    @abstractmethod
+    def problems(self) -> list[str]:
+        """Why the fit is not to be trusted elsewhere; empty when it is."""
+
     def predict(self, pressure: Any, contraction: Any = None, **more: Any) -> "pd.DataFrame":
         """Force with 95 % intervals of its mean (`mean_low_N`, `mean_high_N`) and of a new reading (`reading_…`).
 
@@ -58,8 +63,9 @@ class Predicting(Hinting, ABC):
             more: where effects need them `time_s`, `temperature_C`, `cycle`, `branch` ('contraction' or 'extension').
 
         A reading's interval holds the noise and what the model leaves unexplained; NaN where nothing is known of that.
-        `outside` marks states that the record did not reach, of which a warning tells, `unexplained` intervals that are
-        wide because the model leaves more than noise: something is missing in it. Raises UsageError, DataError.
+        `outside` marks states that the record did not reach, of which a warning tells, as of a fit with `problems`;
+        `unexplained` intervals that are wide because the model leaves more than noise: something is missing in it.
+        Raises UsageError, DataError.
         """
         if contraction is not None:
             states = States(inputs_of(self.specimen, pressure, contraction, **more))
@@ -79,6 +85,8 @@ class Predicting(Hinting, ABC):
         outside = int(found["outside"].to_numpy().sum())
         if outside and not isinstance(pressure, Record):
             warnings.warn(f"{outside} of {len(found)} states lie outside what was fitted", stacklevel=2)
+        for problem in self.problems:
+            warnings.warn(problem, stacklevel=2)
         return found
 
 
@@ -95,6 +103,11 @@ class SavedResult(Predicting):
     def predictors(self) -> Mapping[str, Predictor]:
         """The fits by branch, to be asked elsewhere."""
         return self.details.branches
+
+    @property
+    def problems(self) -> list[str]:
+        """What is doubtful of it on any record but its own."""
+        return [one.text for one in self.details.doubts]
 
     @property
     def params(self) -> "pd.DataFrame":

@@ -34,8 +34,9 @@ def effect_names(incomplete: str) -> list[str]:
 
 
 def option(flag: str, metavar: str, help: str, **more: Any) -> Any:
-    """An option without a default worth telling."""
-    return typer.Option(flag, metavar=metavar, help=help, show_default=False, **more)
+    """An option without a default worth telling; one that names what to write has a letter, too."""
+    flags = (flag, "-o") if flag == "--out" else (flag,)
+    return typer.Option(*flags, metavar=metavar, help=help, show_default=False, **more)
 
 
 Record = Annotated[

@@ -37,8 +37,9 @@ def _asymmetric(inputs: Inputs, values: Values, force: Array) -> Array:
     return -xp.stack([xp.maximum(moving, 0.0), xp.minimum(moving, 0.0), held]).T
 
 
-def _stuck(inputs: Inputs, values: Values, force: Array) -> Array:
-    """Friction holds all of its force at rest, and lets go over a short way after a reversal."""
+def stuck(inputs: Inputs, values: Values, force: Array) -> Array:
+    """Per newton, (n, 1): friction holds all of its force at rest, and lets go over a short way after a reversal; in a
+    state without a way it slides."""
     if inputs.time is None:
         return _sliding(inputs, values, force)
     return one(-dahl_operator(inputs, values["x_s"]))
@@ -100,7 +101,7 @@ EFFECT = Effect(
             (F_IN, F_OUT, F_HOLD),
             _asymmetric,
         ),
-        AddsForce("stuck", "dz/dx = (1 − z sgn ẋ)/x_s, −F_c z", (F_C,), _stuck, (CONTACT,), remembers=True),
+        AddsForce("stuck", "dz/dx = (1 − z sgn ẋ)/x_s, −F_c z", (F_C,), stuck, (CONTACT,), remembers=True),
         AddsForce(
             "relaxing", "−F_c sgn(ε̇), F_hold exp(−t/τ_h) in holds", (F_C, F_HOLD), _relaxing, (TAU_H,), remembers=True
         ),

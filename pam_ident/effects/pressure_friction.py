@@ -1,9 +1,8 @@
 """Dry friction that grows with the contact pressure of the braid."""
 
 from ..core import Inputs, Param
-from ._history import dahl_operator
-from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, one, slip, with_pressure
-from .coulomb_friction import CONTACT
+from .base import AddsForce, Array, Effect, Values, bladder_area, free_form, keeping_no_more, slip, with_pressure
+from .coulomb_friction import CONTACT, stuck
 
 MU = Param("mu_f", "N/MPa", "friction force per pressure", 0.0, 5000.0, scale=20.0)
 F_0 = Param("F_0", "N", "friction force without pressure", 0.0, 2000.0, scale=10.0)
@@ -40,7 +39,7 @@ def _area(inputs: Inputs, values: Values, force: Array) -> Array:
 
 
 def _bending(inputs: Inputs, values: Values, force: Array) -> Array:
-    return with_pressure(one(-dahl_operator(inputs, values["x_s"])), inputs)
+    return with_pressure(stuck(inputs, values, force), inputs)
 
 
 def _power(inputs: Inputs, values: Values, force: Array) -> Array:

@@ -208,7 +208,7 @@ def tables_of(
         if mapping is not None:
             length_mm = mapping.runs.initial_length_mm(file.name, files.folder, specimen)
         lengths += [length_mm] if length_mm != specimen.initial_length_mm else []
-        for table, sources in _chosen(read_tables(file, mapping), mapping, file.name, find):
+        for table, sources in _chosen(read_tables(file, mapping), mapping, file.name, find, notes):
             yield table, sources, length_mm
     if lengths:
         span = f"{min(lengths):g} to {max(lengths):g} mm, the specimen's {specimen.initial_length_mm:g}"
@@ -283,19 +283,24 @@ def build_loaded(
 
 
 def _chosen(
-    tables: list[Table], mapping: Mapping | None, run: str, find: Finder
+    tables: list[Table], mapping: Mapping | None, run: str, find: Finder, notes: Notes
 ) -> list[tuple[Table, dict[str, Source]]]:
-    """The tables of a file that hold a record, with their columns; where some do by name, those alone. Raises what is
-    wrong with the first if none does."""
-    found, wrong = [], []
+    """The tables of a file that hold a record, with their columns; where some do by name, those alone. The others are
+    noted. Raises what is wrong with the first if none does."""
+    found, wrong = [], {}
     for table in tables:
         try:
             found.append((table, _sources(table, mapping, run, find)))
         except DataError as error:
-            wrong.append(error)
+            wrong[table.place] = error
     if not found:
-        raise wrong[0]
+        raise next(iter(wrong.values()))
     by_name = [one for one in found if not any(s.guessed for key, s in one[1].items() if key != "time")]
+    for place, error in wrong.items():
+        notes.add("other_table", place, str(error).partition(": ")[2].partition(";")[0])
+    for table, _ in found if by_name else ():
+        if all(table is not one for one, _ in by_name):
+            notes.add("other_table", table.place, "another table names its columns")
     return by_name or found
 
 

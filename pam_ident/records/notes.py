@@ -33,6 +33,8 @@ TEXTS = LEFT_OUT | {
     "are told of the specimen's",
     "guessed_columns": "columns are taken by word and unit, not by name: {where}. Where that is wrong, say in a "
     "columns.toml beside the file which column it is",
+    "other_table": "{column} is passed over, which may be the record: {where}. If it is, say so in a columns.toml: "
+    "part under [file], and which column is what under [columns]",
     "no_clock": "the rows look like a log, one after another, but no column was read as its time: damping, lag, creep "
     "and friction would be taken for something else. {clock}",
     "lever": "{column} and shape are from torque and angle by the lever: {where}",

@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ..core import Array
-from ..core.digits import percent
+from ..core.digits import newtons, percent
 from ..core.units import ATMOSPHERE_MPA
 from .doubt import Doubt
 from .plausible import BURST_MPA
@@ -30,8 +30,10 @@ LENGTHS = np.exp(np.linspace(-0.7, 0.7, 29))
 """Initial lengths beside the specimen's that a run is tried with; what is between is found afterwards."""
 ZEROS = np.linspace(-0.3, 0.3, 31)
 """Contractions that may have been added to those of a run, likewise."""
-SAME_LENGTH, SAME_ZERO = 0.09, 0.03
-"""Logarithm of such a length, and such a contraction, from which two runs differ."""
+FORCES = np.linspace(-1.0, 1.0, 41)
+"""Forces that may have been added to those of a run, in standard deviations of its force, likewise."""
+SAME_LENGTH, SAME_ZERO, SAME_FORCE = 0.09, 0.03, 0.04
+"""Logarithm of such a length, such a contraction, and such a force, from which two runs differ."""
 CLEARED, STEP = 1.0 / 3.0, 0.75
 """What a smooth surface leaves of all runs (rms) beside what it left before: at most, once the slips are put right, and
 after each of them. The first holds of what the other runs foretell of one that was put right, too."""
@@ -47,6 +49,8 @@ USUAL = (("length", 1.0), ("zero", 0.0))
 LEFT = "What a smooth surface leaves of all runs would fall to"
 ROWS, ROWS_A_RUN = 3000, 60
 """Rows that are looked at, in all and of a run."""
+VARIED = 0.3
+"""Range of a run's pressure beside its largest from which a zero of the force is no zero of the length."""
 LEAST_MPA, FARTHEST = -0.02, 1.0
 """Pressure and contraction beyond which a correction is none."""
 
@@ -89,6 +93,10 @@ class Run(NamedTuple):
         """Without a contraction that was added to its own."""
         return self._replace(contraction=self.contraction - zero)
 
+    def with_force(self, newtons: float) -> Self:
+        """Without a force in N that was added to its own."""
+        return self._replace(force=self.force - newtons)
+
     @property
     def possible(self) -> bool:
         """Whether a muscle can be in these states."""
@@ -98,7 +106,7 @@ class Run(NamedTuple):
 
 class Slip(NamedTuple):
     """A correction of a run: `code` and `column` of its doubt, what it changes in `words` and `why` that may be so; or
-    the `length` of its muscle beside the specimen's, or the `zero` of its contraction."""
+    the `length` of its muscle beside the specimen's, or the `zero` of its contraction, or of its force in N."""
 
     code: str
     column: str
@@ -106,17 +114,21 @@ class Slip(NamedTuple):
     why: str = ""
     length: float = 1.0
     zero: float = 0.0
+    newtons: float = 0.0
 
     @property
     def free(self) -> bool:
         """Whether it is one of many that differ by a number alone."""
-        return self.length != 1.0 or self.zero != 0.0
+        return self.length != 1.0 or self.zero != 0.0 or self.newtons != 0.0
 
     def nearer(self, run: Run, rest: "Surface") -> tuple[Self, Run]:
         """Of a free one the number by which others foretell a run best, and that run put right."""
         if self.length != 1.0:
             length = _least(lambda log: rest.error(run.with_length(np.exp(log))), np.log(LENGTHS))
             return self._replace(length=float(np.exp(length))), run.with_length(np.exp(length))
+        if self.newtons != 0.0:
+            by = _least(lambda by: rest.error(run.with_force(by)), FORCES * float(np.std(run.force)))
+            return self._replace(newtons=by), run.with_force(by)
         zero = _least(lambda zero: rest.error(run.with_zero(zero)), ZEROS)
         return self._replace(zero=zero), run.with_zero(zero)
 
@@ -251,6 +263,9 @@ def _corrections(run: Run) -> Iterator[tuple[Slip, Run]]:
         yield Slip("displacement_scale", "displacement", length=float(length)), run.with_length(length)
     for zero in ZEROS[np.abs(ZEROS) > SAME_ZERO]:
         yield Slip("displacement_scale", "displacement", zero=float(zero)), run.with_zero(zero)
+    driven = np.ptp(run.pressure) > VARIED * run.pressure.max()  # at one pressure it may be the length's
+    for by in FORCES[np.abs(FORCES) > SAME_FORCE] * float(np.std(run.force)) if driven else ():
+        yield Slip("force_zero", "force", newtons=float(by)), run.with_force(by)
 
 
 def _told(record: Record, made: dict[int, Made], share: float) -> Iterator[Doubt]:
@@ -266,6 +281,9 @@ def _told(record: Record, made: dict[int, Made], share: float) -> Iterator[Doubt
         if not slip.free:
             words = ", or with ".join(f"{one.words} ({one.why})" for one in found)
             text = f"{text}, and {itself}would agree with {words}"
+        elif slip.newtons != 0.0:
+            by = f"{newtons(abs(slip.newtons))} {'less' if slip.newtons > 0.0 else 'more'}"
+            text = f"{text} over the zero of its force, and {itself}would agree with {by}: was the cell zeroed anew?"
         elif slip.length != 1.0 and abs(np.log(slip.length / length)) > SAME_LENGTH:
             mm = f"about {own * slip.length / length:.0f} mm, not {own:g}"
             text = f"{text} over the length of its muscle, and {itself}would agree with {mm} ([runs] in columns.toml)"
@@ -274,4 +292,5 @@ def _told(record: Record, made: dict[int, Made], share: float) -> Iterator[Doubt
             text = f"{text} over the zero of its displacement, and {itself}would agree with {mm}"
         else:
             continue
-        yield Doubt(slip.code, f"{text}. {LEFT} {percent(share)}.", slip.column, True)
+        end = "" if text.endswith("?") else "."
+        yield Doubt(slip.code, f"{text}{end} {LEFT} {percent(share)}.", slip.column, True)

@@ -181,6 +181,8 @@ def _check_needs(model: Model, inputs: Inputs) -> None:
             }
             give = ", ".join(dict.fromkeys(words.get(need, need) for need in lacking))
             raise DataError(f"{term.effect.name} needs {', '.join(lacking)} at each state: add {give}")
+        if term.form.remembers and inputs.time is not None and len(inputs) == 1:
+            raise DataError(f"{term.label} depends on the way that the muscle went before: give the states of the way")
 
 
 def prediction_frame(inputs: Inputs, found: Prediction) -> "pd.DataFrame":

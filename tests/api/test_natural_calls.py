@@ -217,6 +217,22 @@ def test_29_predict_without_what_an_effect_needs_says_so(rubbing):
         rubbing.predict(0.3, 0.05)
 
 
+def test_29a_a_contact_that_bends_slides_in_a_state_without_a_way(record):
+    bending = pam.fit(record, "exponential_law", "pressure_friction:bending")
+    found = bending.predict([0.4, 0.4], [0.05, 0.05], branch=["contraction", "extension"])["force_N"].to_numpy()
+    assert found[1] - found[0] == pytest.approx(18.0, abs=2.0)
+    with pytest.raises(DataError, match=r"pressure_friction:bending depends on the way .*: give the states of the way"):
+        bending.predict(0.4, 0.05, branch="contraction", time_s=0.0)
+
+
+def test_29b_predict_by_a_fit_that_is_not_valid_says_so(record):
+    loose = pam.fit(record, "exponential_law", "threshold_pressure")
+    (problem,) = loose.problems
+    with pytest.warns(UserWarning) as told:
+        loose.predict(0.2, 0.05)
+    assert [str(one.message) for one in told] == [problem]
+
+
 def test_30_predict_beyond_the_record_says_so(fitted):
     with pytest.warns(UserWarning, match="1 of 2 states lie outside what was fitted"):
         assert fitted.predict([0.3, 0.9], 0.05)["outside"].tolist() == [False, True]

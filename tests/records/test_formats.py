@@ -64,6 +64,14 @@ def test_sheets_without_a_record_are_passed_over(folder):
     assert_right(read_record(path))
 
 
+def test_a_sheet_that_is_passed_over_beside_a_record_is_told(folder):
+    """A mean in the row of units hid its headers, and a summary was taken for the record without a word."""
+    log = [("t", "P", "x", "F", "mean"), ("s", "bar", "mm", "N", 414.7), *[(*row, "") for row in values().tolist()]]
+    record = read_record(workbook(folder / "r.xlsx", ("log", log), ("summary", [HEADERS, *values()[:12].tolist()])))
+    (note,) = [note for note in record.notes if note.code == "other_table"]
+    assert "sheet 'log' is passed over" in note.text and "columns.toml" in note.text
+
+
 def test_a_sheet_for_each_isobar_is_one_record(folder):
     sheets = [(str(k), [HEADERS, *values()[12 * k : 12 * k + 12].tolist()]) for k in range(2)]
     record = read_record(workbook(folder / "r.xlsx", *sheets))

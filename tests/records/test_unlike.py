@@ -66,6 +66,17 @@ def test_good_files_are_not_doubted_whatever_the_muscle_does(tmp_path, effect):
     assert found(save(tmp_path, [isobar(kpa, effect=effect) for kpa in KPA])) == []
 
 
+@pytest.mark.parametrize("zero", (-40.0, 25.0))
+def test_a_load_cell_that_was_zeroed_anew_between_two_runs(tmp_path, zero):
+    runs = [np.vstack([isobar(kpa, effect=15.0, seed=seed) for kpa in KPA]) for seed in (1, 2)]
+    runs[1][:, 2] += zero
+    (doubt,) = found(save(tmp_path, runs))
+    assert doubt.grave and doubt.code == "force_zero"
+    words = f"p1.csv would agree with {abs(zero):.1f} N {'less' if zero > 0.0 else 'more'}: was the cell zeroed anew?"
+    np.testing.assert_allclose(float(doubt.text.split("agree with ")[1].split(" N")[0]), abs(zero), atol=1.0)
+    assert words.split(" N ")[1] in doubt.text
+
+
 def test_muscles_of_three_lengths_in_one_folder(tmp_path):
     runs = [np.vstack([isobar(kpa, length) for kpa in KPA]) for length in (150.0, 200.0, 260.0)]
     first, last = found(save(tmp_path, runs))
