@@ -28,7 +28,7 @@ def fit_records(
         wishes: branches and parameters to hold; anything else cannot be asked of several records.
 
     Raises:
-        UsageError: for one record, a law that nobody named, an unknown parameter, and other wishes.
+        UsageError: for one record, one given twice, a law that nobody named, an unknown parameter, and other wishes.
         FitError, DataError: as `fit_record`.
 
     Example:
@@ -47,6 +47,9 @@ def fit_records(
         raise UsageError("several records are fitted together by one law; name it by --law")
     for name, asked in wishes.special.items():
         raise UsageError(f"--{name} {asked} is for one record; leave it out to fit several together")
+    for k, record in enumerate(records):
+        if any(record is one or (record.sha256 and record.sha256 == one.sha256) for one in records[:k]):
+            raise UsageError(f"{record.source or record.name}: given twice; it would count as twice the evidence")
     names = shared_names(setup.model, shared)
     with one_blas_thread():
         for record in records:

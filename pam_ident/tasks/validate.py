@@ -94,7 +94,8 @@ class Validation(Shown):
     def _beside(self) -> Iterator[Doubt]:
         written = list(self.saved.written.values())
         key = "rmse_mm" if self.in_mm else "rmse_N"
-        n, square = (sum(one.get("n", 0) * (one.get(key) or 0.0) ** k for one in written) for k in (0, 2))
+        # A ladder's step, of one branch, does not say how many rows it is of.
+        n, square = (sum(one.get("n", 1) * (one.get(key) or 0.0) ** k for one in written) for k in (0, 2))
         if n and math.isclose(math.sqrt(square / n), self.rmse, rel_tol=1e-6):
             text = "the fit was made to this very record, or to its like to the last digit: this is no test of it"
             yield Doubt("own_record", text)

@@ -35,6 +35,17 @@ def test_validate_on_another_record(answer, saved, clean, rubbing):
     assert not {"own_record", "other_specimen"} & {one["code"] for one in found["warnings"]}
 
 
+def test_validate_on_the_record_that_a_ladder_climbed_is_no_test(ask, answer, rubbing, tmp_path):
+    assert ask("ladder", rubbing, *LAW, "--heldout", "refit", "--json", tmp_path / "ladder.json").exit_code == 0
+    _, found = answer("validate", tmp_path / "ladder.json", rubbing)
+    assert "own_record" in [one["code"] for one in found["warnings"]]
+
+
+def test_one_record_given_twice_is_no_more_evidence(ask, clean):
+    refused = ask("fit", clean, clean, *LAW, "--shared", "all")
+    assert refused.exit_code == 2 and "given twice; it would count as twice the evidence" in refused.stderr
+
+
 def test_validate_on_another_muscle_says_so(answer, saved, rubbing, tmp_path):
     muscle = '[specimen]\nname = "thick"\ninitial_length_mm = 200\ninitial_radius_mm = 12\nbraid_angle_deg = 25\n'
     (tmp_path / "specimen.toml").write_text(muscle, encoding="utf-8")
