@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ..core import UsageError
 from ..core.threads import one_blas_thread
 from ..fitting import fit_together
@@ -48,7 +50,7 @@ def fit_records(
     for name, asked in wishes.special.items():
         raise UsageError(f"--{name} {asked} is for one record; leave it out to fit several together")
     for k, record in enumerate(records):
-        if any(record is one or (record.sha256 and record.sha256 == one.sha256) for one in records[:k]):
+        if any(np.array_equal(record.force, one.force) for one in records[:k]):
             raise UsageError(f"{record.source or record.name}: given twice; it would count as twice the evidence")
     names = shared_names(setup.model, shared)
     with one_blas_thread():
