@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def demo(
-    out: Annotated[str, typer.Option("--out", metavar="DIR", help="Folder for the report; it is made.")] = (
+    out: Annotated[str, typer.Option("--out", "-o", metavar="DIR", help="Folder for the report; it is made.")] = (
         "pam-ident-demo"
     ),
     json: options.JsonFile = None,

@@ -198,7 +198,7 @@ def _foretold(selection: Selection, fitted: FittedSet) -> Pattern | None:
     slower than its colour is foretold by them, too, but is largest at no period.
     """
     inputs = selection.record.inputs
-    if inputs.time is None:
+    if inputs.time is None or len(inputs) < LEAST:
         return None
     own = selection.noise_left_by(fitted)
     white, seen = own.whiten(selection.view(fitted).residual), np.asarray(~own.outlier)

@@ -58,7 +58,7 @@ def investigate(
     likeliest of these noises, are then compared by their full likelihood, each with its own noise. Nothing of this
     where no noise could take the place of any name: a little colour is what a form leaves that is not exactly right.
     Nor where the answer is no noise, and the free model is likelier than each of its parts with the noise that it
-    leaves: noise is then what that leaves.
+    leaves: noise is then what that leaves. So it may be where what the likeliest leaves does not look like its noise.
     """
     selection = Selection(base, candidates, following, tried, odds=odds)
     fitted = _answer(selection)
@@ -91,11 +91,10 @@ def investigate(
     fitted = final.refit(seen, found.values)
     if free and free.noise.whole < noise.whole and unlike_noise(final, fitted):
         select_again(free.noise)
-        calm = [(one, answer) for one, answer in selections if answer.terms and unlike_noise(one, answer) is None]
-        asked = [(Adequacy(*both, free), both) for both in calm]
-        complete = [both for one, both in asked if one.complete and not one.wanders]
-        if complete:
-            return min(complete, key=lambda both: full_criterion(*both)[0])
+        calm = [both for both in selections if both[1].terms and unlike_noise(*both) is None]
+        stand = [one for one in (Adequacy(*both, free) for both in calm) if one.complete and not one.wanders]
+        best = min(stand, key=lambda one: full_criterion(one.selection, one.fitted)[0], default=None)
+        return (best.selection, best.fitted) if best else (final, fitted)
     return final, fitted
 
 

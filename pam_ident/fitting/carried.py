@@ -27,7 +27,7 @@ from .fit import Fit, fit
 from .length import at_limit, by_length, equilibrium, weights_of
 from .readings import Errors
 
-LEFT = 3.0
+GONE = 3.0
 """Standard deviations of the noise of the length by which a weight has left its place."""
 
 
@@ -46,8 +46,7 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
     along = replace(record, inputs=inputs, steady=steady, force=force, measured=record)
     kept = ~at_limit(record) & (slope < 0.0)
     if inputs.moving is not None and inputs.pressure_rate is not None:
-        kept &= inputs.moving | (inputs.pressure_rate == 0.0)
-        kept &= ~_sticks(record)
+        kept &= (inputs.moving | (inputs.pressure_rate == 0.0)) & ~_sticks(record)
     left = int(np.count_nonzero(~kept))
     if left:
         notes = Notes()
@@ -59,7 +58,7 @@ def driven(model: Model, record: Record, values: Mapping[str, float] | None = No
 def _sticks(record: Record) -> Array:
     """Mask (n,) of the rows from where the pressure turns until the length has left its place there, by more than its
     sensor's noise: so long a weight may stick."""
-    inputs = record.as_measured.inputs
+    inputs = record.inputs
     assert inputs.pressure_rate is not None and inputs.time is not None
     x, found = inputs.displacement_mm, np.zeros(len(inputs), bool)
     noise, sign = position_noise(x, inputs.time), np.sign(inputs.pressure_rate)
@@ -67,7 +66,7 @@ def _sticks(record: Record) -> Array:
     driven = np.flatnonzero(sign != 0.0)
     turns = driven[1:][np.diff(sign[driven]) != 0.0]
     for begin, end in pairwise([*turns, len(x)]):
-        away = np.abs(calm[begin:end] - np.median(x[max(begin - 1, 0) : begin + 3])) > LEFT * noise
+        away = np.abs(calm[begin:end] - np.median(x[max(begin - 1, 0) : begin + 3])) > GONE * noise
         found[begin : begin + int(np.argmax(away)) if away.any() else end] = True
     return found
 

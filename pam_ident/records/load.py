@@ -287,21 +287,22 @@ def _chosen(
 ) -> list[tuple[Table, dict[str, Source]]]:
     """The tables of a file that hold a record, with their columns; where some do by name, those alone. The others are
     noted. Raises what is wrong with the first if none does."""
-    found, wrong = [], {}
+    by_name, guessed, wrong = [], [], []
     for table in tables:
         try:
-            found.append((table, _sources(table, mapping, run, find)))
+            sources = _sources(table, mapping, run, find)
         except DataError as error:
-            wrong[table.place] = error
-    if not found:
-        raise next(iter(wrong.values()))
-    by_name = [one for one in found if not any(s.guessed for key, s in one[1].items() if key != "time")]
-    for place, error in wrong.items():
-        notes.add("other_table", place, str(error).partition(": ")[2].partition(";")[0])
-    for table, _ in found if by_name else ():
-        if all(table is not one for one, _ in by_name):
-            notes.add("other_table", table.place, "another table names its columns")
-    return by_name or found
+            wrong.append((table, error))
+        else:
+            told = not any(source.guessed for key, source in sources.items() if key != "time")
+            (by_name if told else guessed).append((table, sources))
+    if not (by_name or guessed):
+        raise wrong[0][1]
+    for table, error in wrong:
+        notes.add("other_table", table.place, str(error).partition(": ")[2].partition(";")[0])
+    for table, _ in guessed if by_name else ():
+        notes.add("other_table", table.place, "another table names its columns")
+    return by_name or guessed
 
 
 def _sources(table: Table, mapping: Mapping | None, run: str, find: Finder) -> dict[str, Source]:

@@ -50,7 +50,7 @@ def fit_records(
     for name, asked in wishes.special.items():
         raise UsageError(f"--{name} {asked} is for one record; leave it out to fit several together")
     for k, record in enumerate(records):
-        if any(np.array_equal(record.force, one.force) for one in records[:k]):
+        if any(_same_rows(record, one) for one in records[:k]):
             raise UsageError(f"{record.source or record.name}: given twice; it would count as twice the evidence")
     names = shared_names(setup.model, shared)
     with one_blas_thread():
@@ -63,6 +63,12 @@ def fit_records(
             checks = {branch: checks_of(one) for branch, one in fits.items()}
             answers.append(FitAnswer(record, fits, checks))
     return tuple(answers)
+
+
+def _same_rows(one: Record, other: Record) -> bool:
+    """Whether two records hold the same states and forces; a force alone may be the same held load."""
+    pairs = ((r.force, r.inputs.pressure, r.inputs.contraction) for r in (one, other))
+    return all(np.array_equal(a, b) for a, b in zip(*pairs, strict=True))
 
 
 def shared_names(model: Model, shared: Sequence[str]) -> tuple[str, ...]:

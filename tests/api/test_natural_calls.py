@@ -6,6 +6,7 @@ Written down before the functions were, from the habits of lmfit (`result.params
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -128,6 +129,13 @@ def test_16b_fit_several_records_with_what_they_share(record, tmp_path):
     assert one.predict(0.3, 0.1)["force_N"].item() == pytest.approx(force)
     with pytest.raises(UsageError, match="name it by law="):
         pam.fit(halves, shared="mu")
+
+
+def test_16c_records_of_one_force_are_two_unless_their_states_are_the_same_too(record):
+    other = replace(record, inputs=replace(record.inputs, pressure=1.01 * record.inputs.pressure))
+    assert len(pam.fit([record, other], "exponential_law", shared="mu").muscles) == 2
+    with pytest.raises(UsageError, match="given twice"):
+        pam.fit([record, record], "exponential_law", shared="mu")
 
 
 def test_17_fit_from_the_path_at_once():

@@ -7,10 +7,11 @@ import numpy as np
 from ...core import Inputs
 from ...effects import AddsForce, Form
 from ...effects.base import Array, Values, slip
+from ..schedule import mean_of_each
 from .base import Extent, PatternShape, hats, knots
 
 KNOTS, PRESSURE_KNOTS = 9, 5
-APART = 0.02
+BETWEEN_LEVELS = 0.02
 """Share of their range by which pressures that are held differ."""
 
 
@@ -35,18 +36,17 @@ def _levels(inputs: Inputs) -> int:
     levels would follow, and are none."""
     if inputs.time is None or inputs.segment is None or inputs.pressure_rate is not None:
         return len(np.unique(np.round(inputs.pressure, 2)))
-    means = np.sort([inputs.pressure[inputs.segment == run].mean() for run in np.unique(inputs.segment)])
-    return 1 + int(np.count_nonzero(np.diff(means) > APART * float(np.ptp(means))))
+    means = np.unique(mean_of_each(inputs.segment, inputs.pressure))
+    return 1 + int(np.count_nonzero(np.diff(means) > BETWEEN_LEVELS * float(np.ptp(means))))
 
 
 def _forms(span: Extent) -> Sequence[Form]:
     over_pressure = AddsForce("over_pressure", "free curve over pressure", knots(PRESSURE_KNOTS - 1), _over_pressure)
-    levels = _levels(span.inputs)
     return (
         AddsForce("even", "free curve", knots(KNOTS), _even),
         AddsForce("odd", "free curve against motion", knots(KNOTS), _odd),
         AddsForce("pressed", "free curve in proportion to pressure", knots(KNOTS), _pressed),
-        *([over_pressure] if levels >= PRESSURE_KNOTS else []),
+        *([over_pressure] if _levels(span.inputs) >= PRESSURE_KNOTS else []),
     )
 
 
