@@ -5,7 +5,7 @@ import re
 from .errors import DataError
 
 _FACTORS = {
-    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
+    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0, "day": 86400.0},
     "pressure": {
         "MPa": 1.0,
         "kPa": 1e-3,
@@ -29,7 +29,25 @@ TO_INTERNAL = {
 
 ATMOSPHERE_MPA = 0.101325
 """What is taken off an absolute pressure."""
-_STRANGE = {"lb", "lbs", "ozf", "g", "gf", "kp", "ft", "inch", "ksi", "atm", "torr", "mmhg", "inhg", "mv", "hr", "us"}
+_STRANGE = {
+    "lb",
+    "lbs",
+    "ozf",
+    "g",
+    "gf",
+    "kp",
+    "ft",
+    "inch",
+    "ksi",
+    "atm",
+    "torr",
+    "mmhg",
+    "inhg",
+    "mv",
+    "hr",
+    "us",
+    "d",
+}
 """Units of other programs, as a suffix: in brackets, whatever is not known is one."""
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)\s*[\])]\s*$")
 _AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge|rel|relative)\)?\.?$", re.IGNORECASE)

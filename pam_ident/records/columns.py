@@ -13,7 +13,7 @@ from .faulty import frozen_rows, impossible_rows, spike_rows
 from .notes import Notes
 from .quantities import BRANCHES, QUANTITIES, SHAPES, Source
 from .ranges import Values, check_empty, check_ranges, place_of
-from .table import Clock, Table, TableRows, numbers_in
+from .table import Clock, Table, TableRows, days_hint, numbers_in
 
 SHUFFLED = 0.1
 """Share of the rows before which time runs backwards from which they are in no order, rather than of several runs."""
@@ -189,13 +189,16 @@ def _column(
         what = "is empty or NaN" if found.empty[bad[0]] else f"holds {str(cell)[:40]!r}"
         more = f" (and {len(bad) - 1} more rows)" if len(bad) > 1 else ""
         mark = " with a decimal comma, as elsewhere" if table.decimal == "," else ""
-        other = ", hh:mm:ss, dd.mm.yyyy hh:mm:ss or an ISO time, the same in all rows" if key == "time" else ""
+        other = ", hh:mm:ss, mm:ss.0, dd.mm.yyyy hh:mm:ss or an ISO time, the same in all rows" if key == "time" else ""
         raise DataError(
             f"{place_of(table, block, bad[0], source)}: {what}{more}; expected a number{mark}{other}. Fix or "
             "delete the row"
         )
     if source.unit_missing and not (found.done | empty).all():
-        conversion(QUANTITIES[key], None, f"{table.place}, column {source.header!r}")
+        try:
+            conversion(QUANTITIES[key], None, f"{table.place}, column {source.header!r}")
+        except DataError as error:
+            raise DataError(f"{error}{days_hint(found.values) if key == 'time' else ''}") from None
     if key == "time" and clock.midnight is not None:
         notes.add("midnight", source.header, f"{table.place}, row {block.rows[clock.midnight]}")
     return found.scaled(source.factor, source.offset), empty

@@ -22,7 +22,7 @@ WORDS = {
     "force": r"force|kraft|\w+kraft|load\w*|f|fz|fx|fuerza|forza|effort|pull|tension",
     "pressure": r"press\w*|druck|\w+druck|p|pres[ií]on\w*|pression\w*|air",
     "displacement": r"disp\w*|weg|\w+weg|stroke|hub|travel|pos\w*|way|lvdt|desplazamiento|d[ée]placement|course|x|s",
-    "length": r"length|l[äa]nge|laenge|longueur|longitud|l",
+    "length": r"length|\w*l[äa]nge|\w*laenge|longueur|longitud|l",
     "cycle": r"cycle\w*|zyklus|zyklen|loop",
     "time": r"t|time\w*|zeit\w*|uhrzeit|temps|tiempo|tempo|clock|sec|seconds?",
 }

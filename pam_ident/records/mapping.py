@@ -122,7 +122,7 @@ def read_mapping(path: str | Path) -> Mapping:
     lever = read_lever(str(path), content.get("lever"), lambda key, value: _entry(path, key, value, known=True))
     runs = read_runs(path, content.get("runs", {}))
     table, layout = content.get("columns", {}), content.get("file", {})
-    empty = not table and not runs.constants and lever is None
+    empty = not (table or runs.constants or lever or layout or kind)
     if strange or not isinstance(table, dict) or empty or not isinstance(layout, dict):
         raise DataError(
             f"{path}: expected a table [columns], such as force_N = 'Load', and perhaps [file], [runs], [lever]"
@@ -138,7 +138,7 @@ def read_mapping(path: str | Path) -> Mapping:
         raise DataError(f"{path}: [columns] gives a quantity twice; keep one")
     if len(set(quantities) & set(SHAPES)) > 1:
         raise DataError(f"{path}: [columns] gives more than one of {', '.join(SHAPES)}; keep one")
-    if not runs.constants and (columns or lever is None):
+    if columns and not runs.constants:
         made = ("force", lever.lever.shape) if lever else ()
         check_complete([*quantities, *made], f"{path}: [columns]", list(columns))
     return Mapping(str(path), columns, layout, runs, kind, lever)

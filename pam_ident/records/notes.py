@@ -31,8 +31,8 @@ TEXTS = LEFT_OUT | {
     "[runs.'FILE'] {column} = …",
     "run_lengths": "{n} runs have an initial length of their own ({where}); their contraction is by it, and ways in mm "
     "are told of the specimen's",
-    "guessed_columns": "columns are taken by word and unit, not by name: {where}. Where that is wrong, say in a "
-    "columns.toml beside the file which column it is",
+    "guessed_columns": "{where}: by word and unit; if that is wrong, say in a columns.toml beside the file which is "
+    "which",
     "other_table": "{column} is passed over, which may be the record: {where}. If it is, say so in a columns.toml: "
     "part under [file], and which column is what under [columns]",
     "no_clock": "the rows look like a log, one after another, but no column was read as its time: damping, lag, creep "

@@ -11,7 +11,7 @@ from .guess import by_name, guess_table, numbers_of, told_by
 from .joint_lever import joint_of, lever_of
 from .quantities import QUANTITIES, SHAPES, Source, quantity_of, scale_of
 from .run_constants import GRAVITY, MASSES
-from .table import Clock, Table, numbers_in
+from .table import Clock, Table, days_hint, numbers_in
 
 _CLOCK = re.compile(r"[hms:.,0fdyYMDHTZ \-]*:[hms:.,0fzTZ ]*", re.IGNORECASE)
 """What stands for a unit above clock times: `hh:mm:ss.000`, `YYYY-MM-DD hh:mm:ss`."""
@@ -72,9 +72,11 @@ def _clock_without_unit(table: Table, sources: Mapping[str, Source]) -> list[str
     time = sources.get("time")
     if time is None or time.position is None or not time.unit_missing:
         return []
-    if not np.isfinite(numbers_of(table, [time.position])[0]).any():
+    numbers = numbers_of(table, [time.position])[0]
+    if not np.isfinite(numbers).any():
         return []
-    return [f"column {time.header!r}: no unit given; expected one of {', '.join(TO_INTERNAL['time'])}"]
+    units = ", ".join(TO_INTERNAL["time"])
+    return [f"column {time.header!r}: no unit given; expected one of {units}{days_hint(numbers)}"]
 
 
 def find_states(table: Table) -> dict[str, Source]:

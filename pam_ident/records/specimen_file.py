@@ -29,6 +29,7 @@ def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
     if slips := [(key, one) for key in strange for one in get_close_matches(key, known, 1, ALIKE) if one not in table]:
         raise DataError(f"{path}: [specimen] {slips[0][0]} is no key of it; did you mean {slips[0][1]}?")
     given: dict[str, Any] = {}
+    lacking = []
     for item in fields(Specimen):
         if item.name == "name" and item.name in table:
             given["name"] = str(table["name"])
@@ -36,8 +37,9 @@ def read_specimen(path: str | Path, record: Path | None = None) -> Specimen:
             given[item.name] = _toml_number(path, "specimen", item.name, table[item.name])
         elif item.name not in ("wall_thickness_mm", "sensors"):
             beside = [key for key in strange if item.name in nearest(key, [item.name])]
-            told = f"; {' and '.join(beside)} is not it" if beside else ""
-            raise DataError(f"{path}: [specimen] lacks {item.name}; add it{told}")
+            lacking.append(f"{item.name} ({' and '.join(beside)} is not it)" if beside else item.name)
+    if lacking:
+        raise DataError(f"{path}: [specimen] lacks {', '.join(lacking)}; add {'it' if len(lacking) == 1 else 'them'}")
     try:
         return Specimen(**given, sensors=_read_sensors(path, content.get("sensors")))
     except DataError as error:

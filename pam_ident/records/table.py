@@ -19,8 +19,12 @@ if TYPE_CHECKING:
 EMPTY = {"", "-", "--", "---", "na", "n/a", "nan", "nat", "none", "null", "<na>", "#n/a"}
 """Words for a reading that is missing, in lower case."""
 DAY = 86400.0
-_CLOCK = re.compile(r"(\d{1,3}):([0-5]?\d):([0-5]?\d(?:\.\d*)?)")
+A_DAY_STEP = 1e-4
+"""Step of a clock in no unit, below which it counts days: 9 s of them, or else 10,000 rows in a second."""
+_CLOCK = re.compile(r"(?:(\d{1,3}):)?([0-5]?\d):([0-5]?\d(?:\.\d*)?)(?: ?([AP])M)?", re.IGNORECASE)
 _DAY_FIRST = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})(?=[ T])")
+_SLASHED = re.compile(r"^\d{1,2}/\d{1,2}/\d{2,4},?[ T]+")
+"""A date that may begin with its day or its month: the time of day beside it tells where a day ends."""
 _THOUSANDS = {mark: re.compile(rf"[-+]?\d{{1,3}}([{mark}]\d{{3}})+[^{mark}\d]\d+") for mark in ",."}
 
 
@@ -109,7 +113,7 @@ class Numbers:
 
 @dataclass
 class Clock:
-    """Clock times of a table as seconds since its first one: `hh:mm:ss`, which pass midnight, and ISO times."""
+    """Clock times of a table as seconds since its first one: `hh:mm:ss`, which pass midnight, `mm:ss.0`, ISO times."""
 
     first: float | datetime | None = None
     last: float = 0.0
@@ -134,6 +138,13 @@ class Clock:
             self.days, self.midnight = self.days + 1, index
         self.last = since + DAY * self.days
         return self.last
+
+
+def days_hint(clock: Array) -> str:
+    """What to say of a clock (n,) in no unit whose steps are those of days, as spreadsheets count; empty for others."""
+    steps = np.diff(clock[np.isfinite(clock)])
+    days = len(steps) and 0.0 < np.median(steps) < A_DAY_STEP
+    return "; these steps are small, as of a spreadsheet's days: Time [day]" if days else ""
 
 
 def numbers_in(cells: "pd.Series | Array", dimension: str, decimal: str, clock: Clock) -> Numbers:
@@ -179,9 +190,12 @@ def _moment(cell: object) -> float | datetime | None:
     if not isinstance(cell, str) or ":" not in cell:
         return None
     text = cell.strip()
-    if found := _CLOCK.fullmatch(text):
-        hours, minutes, seconds = found.groups()
-        return 3600.0 * float(hours) + 60.0 * float(minutes) + float(seconds)
+    if found := _CLOCK.fullmatch(_SLASHED.sub("", text)):
+        hours, minutes, seconds, half = found.groups()
+        if hours is None and "." not in seconds:  # hours and minutes, or minutes and seconds?
+            return None
+        hour = float(hours or 0) if half is None else float(hours or 0) % 12 + 12 * (half.upper() == "P")
+        return 3600.0 * hour + 60.0 * float(minutes) + float(seconds)
     try:
         return datetime.fromisoformat(_DAY_FIRST.sub(r"\3-\2-\1", text))
     except ValueError:

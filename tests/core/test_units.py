@@ -9,6 +9,8 @@ KNOWN = [
     ("time", "ms", 250.0, 0.25),
     ("time", "sec", 3.0, 3.0),
     ("time", "min", 2.0, 120.0),
+    ("time", "h", 2.0, 7200.0),
+    ("time", "day", 2.0, 172800.0),
     ("pressure", "MPa", 0.3, 0.3),
     ("pressure", "kPa", 300.0, 0.3),
     ("pressure", "Pa", 3e5, 0.3),

@@ -28,6 +28,13 @@ def read(folder, headers, mark=",", rows=ROWS):
     return read_record(written(folder, headers, mark, rows), MUSCLE)
 
 
+def test_a_muscles_length_in_german_is_a_length(tmp_path):
+    found = read(
+        tmp_path, [*NAMED[:2], "Muskellänge [mm]", "force_N"], rows=np.c_[ROWS[:, :2], 200.0 - WAY, ROWS[:, 3]]
+    )
+    np.testing.assert_allclose(found.inputs.contraction, WAY / 200.0, atol=1e-6)
+
+
 @pytest.mark.parametrize(("every", "read_too"), [(1, True), (5, False)])
 def test_a_temperature_is_taken_by_its_word_where_each_row_has_one(tmp_path, every, read_too):
     """A slow thermocouple's empty cells would cost the rows."""

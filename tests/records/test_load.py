@@ -148,7 +148,11 @@ def test_a_missing_column_is_named_with_those_that_are_there(write, column):
 
 @pytest.mark.parametrize(
     ("old", "new", "unit"),
-    [("force_N", "Force [stone]", "stone"), ("pressure_MPa", "pressure [torr]", "torr"), ("time_s", "time [h]", "h")],
+    [
+        ("force_N", "Force [stone]", "stone"),
+        ("pressure_MPa", "pressure [torr]", "torr"),
+        ("time_s", "time [weeks]", "weeks"),
+    ],
 )
 def test_an_unknown_unit_is_named_with_its_column_and_the_known_ones(write, old, new, unit):
     path = write(GOOD.replace(old, new))
@@ -161,7 +165,7 @@ def test_a_column_without_unit_is_refused(write):
     assert "column 'force'" in message and "no unit given" in message
 
 
-@pytest.mark.parametrize(("old", "new"), [("time_s", "time_h"), ("force_N", "force_stone")])
+@pytest.mark.parametrize(("old", "new"), [("time_s", "time_hr"), ("force_N", "force_stone")])
 def test_an_unknown_unit_in_a_suffix_is_never_passed_over_in_silence(write, old, new):
     message = refusal(write(GOOD.replace(old, new)))
     assert new in message
@@ -328,7 +332,8 @@ def test_the_wall_may_be_left_out_of_a_specimen(write):
     ("old", "new", "told"),
     [
         ("wall_thickness_mm", "wall_thicknes_mm", "wall_thicknes_mm is no key of it; did you mean wall_thickness_mm?"),
-        ("initial_radius_mm", "initial_diameter_mm", "lacks initial_radius_mm; add it; initial_diameter_mm is not it"),
+        ("initial_radius_mm", "initial_diameter_mm", "lacks initial_radius_mm (initial_diameter_mm is not it); add it"),
+        ("initial_", "", "lacks initial_length_mm (length_mm is not it), initial_radius_mm (radius_mm is not it); add"),
     ],
 )
 def test_a_slip_in_a_key_of_a_specimen_is_told(write, old, new, told):

@@ -42,6 +42,27 @@ def test_clock_times_are_seconds_since_the_first(put, header, cells):
     assert [note.code for note in record.notes] == (["midnight"] if cells is CLOCK else [])
 
 
+@pytest.mark.parametrize(
+    "cells",
+    [
+        [f"58:{59 + t:06.3f}" if t < 0.95 else f"59:{t - 1:06.3f}" for t in TIME],
+        [f"11:59:{59 + t:06.3f} am" if t < 0.95 else f"12:00:{t - 1:06.3f} PM" for t in TIME],
+        [f"3/31/2024 11:59:{59 + t:06.3f} PM" if t < 0.95 else f"4/1/2024 12:00:{t - 1:06.3f} AM" for t in TIME],
+        [f"31/12/24 23:59:{59 + t:06.3f}" if t < 0.95 else f"01/01/25 00:00:{t - 1:06.3f}" for t in TIME],
+    ],
+    ids=["minutes", "noon", "month first", "day first"],
+)
+def test_other_clocks_are_seconds_since_the_first(put, cells):
+    assert_right(read_record(put(column(0, "time", cells))))
+
+
+def test_a_spreadsheets_days(put):
+    cells = [f"{45623.5855 + t / 86400.0:.9f}" for t in TIME]
+    refusal(put(column(0, "time", cells)), "no unit given", "Time [day]")
+    time = read_record(put(column(0, "Time [day]", cells))).inputs.time
+    np.testing.assert_allclose(time - time[0], TIME, atol=2e-4)
+
+
 def test_a_clock_with_a_decimal_comma(put):
     cells = [cell.replace(".", ",") for cell in CLOCK]
     assert_right(read_record(put(column(0, "time", cells, sep=";", decimal=","))))
@@ -87,7 +108,7 @@ def test_a_coarse_clock_goes_on_over_the_pieces_of_a_file():
         ([*CLOCK[:8], "8", *CLOCK[9:]], ["row 10", "'8'"]),
         ([*TIME[:8], "00:00:08", *TIME[9:]], ["row 10", "'00:00:08'"]),
         (["12:30"] * ROWS, ["row 2", "'12:30'", "hh:mm:ss"]),
-        (["02/28/2024 12:00:00"] * ROWS, ["row 2", "ISO time"]),
+        (["02-28-2024 12:00:00"] * ROWS, ["row 2", "ISO time"]),
         (TIME, ["'time'", "no unit given"]),
     ],
 )
@@ -184,6 +205,11 @@ def test_what_is_beyond_reason_is_refused_in_a_sentence(put, text, words):
 def test_a_remark_longer_than_csv_takes(put):
     rows = [[*row, f'"{"x" * 140_000 if row[0] == 0.5 else "x"}"'] for row in values().tolist()]
     assert_right(read_record(put(as_text((*HEADERS, "remark"), rows))))
+
+
+@pytest.mark.parametrize("text", ["[file]\nencoding = 'latin-1'\n", "[file]\nheader_row = 1\n", "kind = 'isobaric'\n"])
+def test_a_columns_file_may_leave_the_columns_to_their_names(put, text):
+    assert_right(read_record(put(as_text(), mapping=text)))
 
 
 def test_units_above_the_header_are_read(put):
