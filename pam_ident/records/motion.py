@@ -9,24 +9,13 @@ import numpy as np
 
 from ..core import Array
 from . import turning
-from .roughness import NORMAL_MEDIAN, noise_in_steps, roughness
-from .smoothing import (
-    FEWEST,
-    LARGEST,
-    NOISE_ONLY,
-    along,
-    chebyshev_waves,
-    noise_only,
-    smooth_basis,
-    smooth_holds,
-    smooth_stroke,
-)
-from .turning import pivots, quantile, thinned_holds, with_corners, without_spikes
+from .roughness import NORMAL_MEDIAN, noise_in_steps
+from .slow_turns import without_slow_turns
+from .smoothing import LARGEST, smooth_holds, smooth_stroke
+from .turning import BAND, NEAR, evened, pivots, quantile, stepped, thinned_holds, with_corners, without_spikes
 
 Read = Callable[[int, int], tuple[Array, Array, Array, Array]]
 """Time in s, position in mm, nominal pressure in MPa and what answers, such as the force, of some rows, begin … end."""
-SLOW_ORDERS = 12
-"""Highest order of a polynomial that describes a drive's slow turn: enough for a sine, too few for a corner."""
 FEWEST_HELD, SOFT = 6, 3
 """Samples of a hold whose level is known, and of those at either end that may lie off it."""
 CLEARLY, SURELY = 4.0, 3.0
@@ -88,6 +77,8 @@ def follow(n: int, read: Read, noise: float, span: float, pause: float) -> Itera
         track = np.zeros(len(x)), direction, moving, stroke, np.zeros(len(x)), x.copy()
         found = Motion(*track, np.full(len(x), segment), np.ones(len(x)))
         count = move_piece(found, time, x, noise, span, count)
+        if not moving.any():  # as where the pressure goes to another level: it still leans the way it came
+            direction[:] = heading
         _rest_longer(found, x, answer, noise)
         turned = np.diff(direction, prepend=heading) != 0.0
         if not moved:
@@ -121,24 +112,28 @@ def pieces(n: int, read: Read, threshold: float, pause: float) -> Iterator[tuple
 
 def reversal(noise: float, span: float) -> float:
     """Way in mm against the heading from which a track has turned, for its noise and range in mm."""
-    return max(6.0 * noise, 0.004 * span)
+    return max(BAND * noise, 0.004 * span)
 
 
 def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, count: int) -> int:
     """Find the strokes and holds of a piece (n,) of a track, number them from `count` + 1, and write them into `into`,
     whose arrays (n,) are zero and x; the number of the last. `noise` and `span` in mm are those of the whole track."""
     direction, moving, stroke, speed = into.direction, into.moving, into.stroke, into.stroke_speed
-    least = reversal(noise, span)
-    turns = without_spikes(x, pivots(x, least), span) if span else [0, len(x) - 1]
+    even, calm = evened(time, x, noise)
+    least = reversal(calm, span)
+    turns = without_spikes(even, pivots(even, least), span) if span else [0, len(x) - 1]
     held = thinned_holds(time, x, turns, noise, span)
     if held.any():
-        turns, held = _without_slow_turns(time, x, turns, held, with_corners(time, x, held, noise), noise)
+        turns, held = without_slow_turns(time, x, turns, held, with_corners(time, x, held, noise), noise)
+        held = stepped(x, held, noise)
     for begin, end in pairwise(turns):
         inside = np.arange(begin, end + 1)
         inside = inside[~held[begin : end + 1] & ~moving[begin : end + 1]]
         parts = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)  # at stairs, or a rest that ends at its turn
-        strokes = [p for p in parts if len(p) > 1 and (len(parts) == 1 or abs(x[p[-1]] - x[p[0]]) >= least)]
-        strokes += _jumps(x, held, begin, end, least)
+        ways = [abs(_level(even, held, p[-1], end) - _level(even, held, p[0], begin)) if len(p) else 0.0 for p in parts]
+        enough = least if len(parts) > 1 else BAND * calm  # all of a piece moves, if it is more than noise
+        strokes = [p for p, way in zip(parts, ways, strict=True) if len(p) > 1 and way >= enough]
+        strokes += _jumps(even, held, begin, end, least)
         for part in sorted(strokes, key=lambda rows: rows[0]):
             count += 1
             rows = _square_ends(time, x, part, moving, noise)
@@ -148,12 +143,21 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
                 near = [part[0] - 1, min(part[0] + 1, end)]
                 slope = np.diff(x[near]) / np.diff(time[near])
             into.velocity[rows], moving[rows], stroke[rows] = slope, True, count
-            direction[rows] = np.sign(x[end] - x[begin])
+            direction[rows] = np.sign(even[end] - even[begin])
             speed[rows] = quantile(np.abs(slope), 0.5)
     _carry(direction, moving, stroke, speed)
     _soft_ends(into, time, x, noise)
     smooth_holds(into.position, time, x, np.flatnonzero(~moving), noise)
     return count
+
+
+def _level(x: Array, held: Array, k: int, towards: int) -> float:
+    """Position in mm from which a part of a track (n,) moves, or to which, at its sample `k`: that of the rest beside
+    it, `towards` another sample, if there is one."""
+    step = 1 if towards > k else -1
+    beside = np.arange(k + step, k + step * (min(abs(towards - k), NEAR) + 1), step)
+    rest = beside[: len(beside) if held[beside].all() else int(np.argmin(held[beside]))]
+    return float(x[rest].mean() if len(rest) else x[k])
 
 
 def _jumps(x: Array, held: Array, begin: int, end: int, least: float) -> list[Array]:
@@ -164,91 +168,6 @@ def _jumps(x: Array, held: Array, begin: int, end: int, least: float) -> list[Ar
     arrived = starts & held[k] & (np.abs(x[k] - x[k - 1]) >= least)
     between = starts & ~held[k] & held[after] & (np.abs(x[after] - x[k - 1]) >= least)
     return [k[[one]] for one in np.flatnonzero(arrived | between)]
-
-
-def _without_slow_turns(
-    time: Array, x: Array, turns: list[int], held: Array, sharp: Array, noise: float
-) -> tuple[list[int], Array]:
-    """The turning points, and a mask of the rests (n,), without those where a drive turns so slowly that the sensor
-    cannot see it: smooth strokes run from the middle of each to the next, and describe the track to the noise, and
-    better than rests and strokes between them do. All strokes together, or else those that are smooth by themselves: in
-    a test at several rates some turn slowly, and others rest."""
-    edges = np.flatnonzero(np.diff(held, prepend=False, append=False))
-    ends = []
-    for turn in turns:
-        begin, end = turn, turn
-        if held[turn]:
-            after = int(np.searchsorted(edges, turn, side="right"))
-            begin, end = int(edges[after - 1]), int(edges[after]) - 1
-        ends.append((begin, end))
-    middles = [(begin + end) // 2 for begin, end in ends]
-    middles[0], middles[-1] = ends[0][0], ends[-1][1]
-    if any(time[end] <= time[begin] for begin, end in pairwise(middles)):
-        return turns, sharp
-    strokes = [
-        _SlowStroke.of(time[begin : end + 1], x[begin : end + 1], held[begin : end + 1], sharp[begin : end + 1])
-        for begin, end in pairwise(middles)
-    ]
-    known = [one for one in strokes if one]
-    smooth = np.ones(len(strokes), bool)
-    if not _nothing_rests(known, noise):
-        smooth[:] = [one is None or (one.still.mean() < 0.5 and one.is_smooth(noise)) for one in strokes]
-        if not _nothing_rests([one for one, alone in zip(strokes, smooth, strict=True) if one and alone], noise):
-            return turns, sharp
-    beside = np.r_[True, smooth] & np.r_[smooth, True]  # turns between two smooth strokes
-    rests = sharp.copy()
-    for k in np.flatnonzero(smooth):
-        begin = middles[k] if beside[k] else ends[k][1] + 1
-        rests[begin : middles[k + 1] + 1 if beside[k + 1] else ends[k + 1][0]] = False
-    return [m if alone else turn for m, turn, alone in zip(middles, turns, beside, strict=True)], rests
-
-
-@dataclass(frozen=True)
-class _SlowStroke:
-    """What a smooth stroke misses of a track (n,), its rows that seem to rest, the roughness of the others, and the
-    squares that rests and strokes between them miss; each with what it leaves free."""
-
-    off: Array
-    still: Array
-    calm: Array
-    free: int
-    by_rests: float
-    free_of_rests: int
-
-    @classmethod
-    def of(cls, t: Array, x: Array, held: Array, sharp: Array) -> "_SlowStroke | None":
-        """None of too few rows to tell a smooth stroke by."""
-        if len(t) < FEWEST:
-            return None
-        even = np.linspace(t[0], t[-1], len(t))  # between few rows at rest a curve could do as it likes
-        way, still = np.interp(even, t, x), np.interp(even, t, held.astype(float)) > 0.0
-        waves = chebyshev_waves(even, min(SLOW_ORDERS, len(t) // 3))
-        resting, by_rests, free = np.interp(even, t, sharp.astype(float)) > 0.5, 0.0, 0
-        for part in np.split(np.arange(len(t)), np.flatnonzero(np.diff(resting)) + 1):
-            level = resting[part[0]] or len(part) < 4
-            basis = np.ones((len(part), 1)) if level else smooth_basis(even[part], len(part))
-            by_rests += float(np.sum((way[part] - along(basis, way[part])) ** 2))
-            free += len(part) - basis.shape[1]
-        calm = roughness(way)[np.convolve(still, np.ones(5), "valid") == 0.0]
-        return cls(way - along(waves, way), still, calm, len(t) - waves.shape[1], by_rests, free)
-
-    def is_smooth(self, noise: float) -> bool:
-        """Whether it misses noise alone, where it moves and where it seems to rest."""
-        whole = float(np.sqrt(np.mean(np.r_[noise, self.calm] ** 2)))
-        taken = len(self.off) - self.free
-        return noise_only(self.off, whole, taken) and noise_only(self.off[self.still], noise, 1)
-
-
-def _nothing_rests(strokes: list[_SlowStroke], noise: float) -> bool:
-    """Whether smooth strokes describe what seems to rest, all of them together."""
-    if not any(one.still.any() for one in strokes):
-        return False
-    off, still = (np.concatenate([getattr(one, name) for one in strokes]) for name in ("off", "still"))
-    # Of the moving rows, too: there a jittering clock's noise grows with the speed.
-    whole = np.sqrt(np.mean(np.concatenate([[noise], *(one.calm for one in strokes)]) ** 2))
-    smooth = np.std(off) < NOISE_ONLY * whole and np.std(off[still]) < NOISE_ONLY * noise
-    by_rests, free, rested = (sum(getattr(one, k) for one in strokes) for k in ("by_rests", "free", "free_of_rests"))
-    return bool(smooth and float(off @ off) * rested < by_rests * free)  # each over what it leaves free
 
 
 def _soft_ends(into: Motion, time: Array, x: Array, noise: float) -> None:

@@ -120,6 +120,12 @@ def _settle(time: Array, x: Array, holds: list[Array]) -> bool:
     return level > curve > 0.0 and _beyond_chance(level, curve, more, rest)
 
 
+def moves_on(level: float, line: float, lines: int, free: int) -> bool:
+    """Whether lines in what seem to be rests miss less than levels do, in squares, by more than chance; `free` samples
+    are left by the lines."""
+    return free > lines and level > line > 0.0 and _beyond_chance(level, line, lines, free)
+
+
 def _beyond_chance(before: float, after: float, more: int, rest: int, chance: float = CHANCE) -> bool:
     """Whether squares fall by more than a chance would have it, by an F test: with so many parameters `more`, where
     `rest` are left."""

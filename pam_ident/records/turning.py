@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..core import Array
+from .roughness import roughness
 
 BLOCK = 64
 """Samples that are passed over at once where none of them can be a turn."""
@@ -13,11 +14,35 @@ PIECE = 1 << 20
 """Samples of a run that are looked at together at most; a longer run is parted at a turn past its half."""
 SPIKE = 0.1
 """Share of the range below which a way of one step is no stroke."""
+STRIDE, AWAY, WIDEST = 10, 3.0, 4
+"""Samples over which a track's pace is taken, standard deviations of its noise that are no rest, and most neighbours on
+either side for a mean."""
+STEP, BAND = 8.0, 6.0
+"""Standard deviations by which two levels in a rest are apart for sure, if noise is not all white; and those of single
+samples within which a rest stays."""
+NORMAL_QUARTER = 0.3186
+"""Magnitude below which a quarter of standard normal numbers lie."""
 NEAR, FAR_STEP = 8, 8.0
 """Samples on either side of a rest's end among which it is looked for, and the step of a stroke in standard deviations
 of the noise that needs no such search."""
 FEW, FAR = 3, 20.0
 """Samples that make a hold where a stroke would have gone so many bands of noise meanwhile."""
+
+
+def evened(time: Array, x: Array, noise: float) -> tuple[Array, float]:
+    """A track (n,) as means over as many neighbours as strokes at its usual pace take to leave the noise, and what is
+    then left of that: by single samples a stroke of less than six standard deviations is none."""
+    ways = np.abs(x[STRIDE:] - x[:-STRIDE])
+    moved = ways[ways > AWAY * noise]
+    half = int(min(AWAY * noise * STRIDE / np.median(moved), WIDEST)) if len(moved) else WIDEST
+    if not half or len(x) < 4 * WIDEST:
+        return x, noise
+    width = 2 * half + 1
+    padded = np.r_[2.0 * x[0] - x[half:0:-1], x, 2.0 * x[-1] - x[-2 : -half - 2 : -1]]
+    even = np.convolve(padded, np.full(width, 1.0 / width), "valid")
+    rough = roughness(even[half::width], time[half::width])  # of noise that neighbours share a mean keeps more
+    slow = quantile(rough, 0.25) / NORMAL_QUARTER if len(rough) else noise  # many means are near a corner
+    return even, float(min(max(noise / np.sqrt(width), slow), noise))
 
 
 def pivots(x: Array, threshold: float) -> list[int]:
@@ -78,11 +103,14 @@ def thinned_holds(time: Array, x: Array, turns: list[int], noise: float, span: f
     # Where rows are logged densely a slow stroke moves by less than the noise from one to the next, and all of it
     # would be a hold.
     m = int(np.clip(4.0 * noise / max(travel, 1e-12), 1, max(1, len(x) // (60 * len(turns)))))
+    if m == 1:
+        even, calm = evened(time, x, noise)
+        return _holds(time, even, turns, max(BAND * calm, 5e-4 * span))
     starts = np.arange(0, len(x) - m + 1, m)
     counts = np.diff(np.r_[starts, len(x)])
     coarse_time, coarse_x = np.add.reduceat(time, starts) / counts, np.add.reduceat(x, starts) / counts
     coarse_turns = sorted({min(turn // m, len(starts) - 1) for turn in turns})
-    held = _holds(coarse_time, coarse_x, coarse_turns, max(6.0 * noise / np.sqrt(m), 5e-4 * span))
+    held = _holds(coarse_time, coarse_x, coarse_turns, max(BAND * noise / np.sqrt(m), 5e-4 * span))
     return np.repeat(held, counts)
 
 
@@ -115,6 +143,45 @@ def _holds(time: Array, x: Array, turns: list[int], band: float) -> Array:
         else:
             start += 1
     return held
+
+
+def stepped(x: Array, held: Array, noise: float) -> Array:
+    """The mask of rests (n,), parted where one holds two levels that are STEP standard deviations of their means apart:
+    a stroke so short that all of it lies in the noise's band."""
+    parted = held.copy()
+    edges = np.flatnonzero(np.diff(held, prepend=False, append=False)).reshape(-1, 2).tolist()
+    while edges and noise > 0.0:
+        begin, end = edges.pop()
+        n = end - begin
+        if n < 2 * NEAR:
+            continue
+        total = np.cumsum(x[begin:end] - x[begin:end].mean())
+        before = np.arange(1, n)
+        apart = total[:-1] ** 2 * n / (before * (n - before))  # squares that two means save
+        apart[: NEAR - 1] = apart[n - NEAR :] = 0.0
+        k = int(np.argmax(apart)) + 1
+        if apart[k - 1] < (STEP * noise) ** 2 or apart[k - 1] < _line(total):
+            continue
+        first, last = begin + k, begin + k
+        low, high = x[begin : begin + k].mean(), x[begin + k : end].mean()
+        if abs(x[begin + k] - x[begin + k - 1]) > max(0.5 * abs(high - low), BAND * noise):  # no sample between them
+            edges += [[begin, begin + k], [begin + k, end]]
+            continue
+        way = np.sign(high - low)
+        while first - 1 > begin and way * (x[first - 1] - low) > 2.0 * noise:
+            first -= 1
+        while last + 1 < end and way * (high - x[last]) > 2.0 * noise:
+            last += 1
+        first, last = min(first, begin + k - 1), max(last, begin + k + 1)
+        parted[first:last] = False
+        edges += [[begin, first], [last, end]]
+    return parted
+
+
+def _line(total: Array) -> float:
+    """Squares that a line saves of values whose sums beside their mean are `total` (n,)."""
+    n = len(total)
+    return float(total[:-1].sum()) ** 2 * 12.0 / (n * (n * n - 1.0))
 
 
 def with_corners(time: Array, x: Array, held: Array, noise: float) -> Array:

@@ -323,3 +323,55 @@ def test_slow_turns_beside_strokes_with_holds_are_no_rests():
     np.testing.assert_allclose(turned[turned < 38.0], np.arange(5.0, 38.0, 5.0), atol=0.1)
     assert np.mean(found.moving[: len(slow) - 200]) == 1.0
     assert np.mean(found.moving[len(slow) :] == moving) > 0.99
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_stroke_within_the_noise_from_rest_to_rest_turns_the_direction(seed):
+    """2.5 mm, where a sample is off by 0.5 mm: two levels of many samples tell, and friction turns between them."""
+    out, back = np.linspace(2.0, 32.0, 60), np.linspace(29.5, 2.0, 55)
+    once = np.r_[out, np.full(40, 32.0), np.linspace(32.0, 29.5, 6)[1:], np.full(40, 29.5), back, np.full(40, 2.0)]
+    x = np.tile(once, 4) + 0.5 * np.random.default_rng(seed).standard_normal(4 * len(once))
+    found = find_motion(0.05 * np.arange(len(x)), x, np.full(len(x), 0.3))
+    at = np.arange(len(x)) % len(once)
+    assert np.mean(found.direction[(at > 65) & (at < 95)] == 1.0) > 0.9
+    assert np.mean(found.direction[(at > 108) & (at < 140)] == -1.0) > 0.98
+    assert np.mean(found.moving[(at > 110) & (at < 138)]) < 0.02
+    assert found.moving.reshape(4, -1)[:, 98:106].any(axis=1).all()
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_record_that_begins_with_a_wait_before_loops_without_holds_rests_there(seed):
+    """A smooth first stroke would describe wait and ramp to the noise; but no turn is so slow."""
+    rng = np.random.default_rng(seed)
+    turns = np.column_stack([rng.uniform(20.0, 50.0, 8), rng.uniform(3.0, 18.0, 8)]).ravel()
+    way = [np.full(34, 2.5)]
+    for end in turns:
+        begin = way[-1][-1]
+        way.append(np.linspace(begin, end, max(int(abs(end - begin) / 0.6), 4) + 1)[1:])
+    x = np.concatenate(way)
+    x = x + 0.8 * rng.standard_normal(len(x))
+    found = find_motion(0.06 * np.arange(len(x)), x, np.full(len(x), 0.3))
+    assert not found.moving[:30].any() and found.moving[40:].mean() > 0.95
+
+
+def test_a_muscle_at_rest_while_the_pressure_goes_up_in_a_ramp_leans_the_way_it_came():
+    """A ramp is many levels of a few samples each: none of them is a stroke, whichever way their noise goes."""
+    once = np.r_[np.linspace(0.0, 30.0, 60), np.full(100, 30.0)]
+    x = np.r_[once, once[::-1], once[:1].repeat(60)] + 0.3 * np.random.default_rng(1).standard_normal(380)
+    level = np.full(len(x), 0.2)
+    level[100:150] = 0.2 + 0.002 * np.arange(50)
+    level[150:] = 0.3
+    found = find_motion(0.1 * np.arange(len(x)), x, level)
+    assert not found.moving[105:145].any() and np.all(found.direction[70:150] == 1.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_drive_of_many_sines_turns_slowly_and_rests_nowhere(seed):
+    rng, time = np.random.default_rng(seed), np.arange(0.0, 60.0, 0.01)
+    rates, phases = rng.uniform(0.15, 2.0, 6), rng.uniform(0.0, 2.0 * np.pi, 6)
+    angle, size = 2.0 * np.pi * rates * time[:, None] + phases, 20.0 / (1.0 + rates)
+    x, speed = np.sin(angle) @ size, np.cos(angle) @ (2.0 * np.pi * rates * size)
+    found = find_motion(time, x + 0.17 * rng.standard_normal(len(x)), np.full(len(x), 0.3))
+    assert found.moving.mean() > 0.99
+    fast = np.abs(speed) > 4.0
+    assert np.mean(found.direction[fast] == np.sign(speed[fast])) > 0.985
