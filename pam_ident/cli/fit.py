@@ -199,7 +199,10 @@ def _print_isobars(isobars: "IsobarTable") -> None:
         cells = [
             (
                 f"{row.pressure_MPa:g}",
-                *(f"{text.value_of(e)} {text.error_of(e)}" for e in in_order(row.estimates)),
+                *(
+                    f"{text.value_of(e)} {text.error_of(e)}" if e.identified else "not identified"
+                    for e in in_order(row.estimates)
+                ),
                 text.number(row.rmse, 3),
             )
             for row in rows

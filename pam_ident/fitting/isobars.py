@@ -89,9 +89,19 @@ def _rows(model: Model, record: Record, mask: Array, branch: str, held: Mapping[
         here = mask & (record.level == level)
         if here.sum() > len(model.params) - len(held) and np.ptp(record.inputs.contraction[here]) > 0.0:
             one: Fit = fit(model, record, here, held=held)
-            free = tuple(e for e in one.estimates if e.name not in held)
+            flat = replace(record, inputs=replace(record.inputs, pressure=np.full(len(record), float(level))))
+            seen = fit(model, flat, here, held=held).estimates
+            free = tuple(_alone(e, s) for e, s in zip(one.estimates, seen, strict=True) if e.name not in held)
             found.append(IsobarRow(float(level), branch, free, one.rmse, tuple(one.problems)))
     return found
+
+
+def _alone(e: Estimate, at_level: Estimate) -> Estimate:
+    """An estimate of one isobar, not identified where that is so `at_level`, the isobar's pressure: by the sensor's
+    noise alone a law's part that grows with pressure would be told from one that does not."""
+    if at_level.identified:
+        return e
+    return replace(e, stderr=math.nan, low=math.nan, high=math.nan, identified=False, verdict=at_level.verdict)
 
 
 def _lines(rows: list[IsobarRow], names: tuple[str, ...]) -> dict[str, tuple[float, float, float]]:

@@ -19,7 +19,8 @@ class Coefficient:
     """One coefficient of one branch: pressure in MPa, value and standard error in `unit`, (isobars,) each.
 
     `intercept` (unit) and `slope` (unit/MPa) are those of the least-squares line, `r` its correlation coefficient;
-    NaN from fewer than two isobars, and r where the values do not vary.
+    NaN from fewer than two isobars, and r where the values do not vary. What an isobar alone does not identify is left
+    out.
     """
 
     name: str
@@ -39,7 +40,7 @@ def data(table: IsobarTable) -> tuple[Coefficient, ...]:
     found: dict[tuple[str, str], list[tuple[float, float, float, bool]]] = {}
     units: dict[str, str] = {}
     for row in sorted(table.rows, key=lambda row: row.pressure_MPa):
-        for e in row.estimates:
+        for e in (e for e in row.estimates if e.identified or e.at_bound):
             units[e.name] = e.unit
             found.setdefault((e.name, row.branch), []).append((row.pressure_MPa, e.value, e.stderr, e.at_bound))
     return tuple(_coefficient(name, units[name], branch, found[name, branch]) for name, branch in sorted(found))

@@ -153,7 +153,7 @@ def _cell(estimate: Estimate | None) -> str:
     if estimate is None:
         return "–"
     if not estimate.identified:
-        return f"{number(estimate.value)} (not determined)"
+        return "not determined"
     return f"{value_of(estimate)} ± {stderr(estimate)}" + (" (at its bound)" if estimate.at_bound else "")
 
 

@@ -165,6 +165,16 @@ def test_series_compliance_is_recovered():
     assert found.rmse == pytest.approx(1.0, rel=0.12)
 
 
+def test_what_grows_with_pressure_is_not_told_from_what_does_not_on_one_isobar():
+    """The pressure sensor's noise is no other pressure."""
+    record = read_record(dataset_record("hidden_effect"))
+    rows = fit_isobars(Model.build("hildebrandt"), record, ("together",)).rows
+    assert len(rows) == 5
+    for row in rows:
+        assert [e.name for e in row.estimates if e.identified] == ["b3"]
+        assert not any(math.isfinite(e.stderr) for e in row.estimates if e.name != "b3")
+
+
 def test_two_stage_is_a_line_through_the_isobars():
     record = table(lambda p, e: (90 + 2000 * p) - (800 + 4000 * p) * e + (10 + 500 * p) * np.exp(-45 * e), sigma=1.0)
     tables = fit_isobars(Model.build("exponential_law"), record, ("together",), {"mu": 45.0})
