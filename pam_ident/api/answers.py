@@ -70,7 +70,7 @@ class ShownAnswer(Hinting, ABC):
     def _content(self) -> dict[str, Any]: ...
 
     def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
-        """The answer of the command's `--json` as a dictionary, written to `path` where one is given."""
+        """The answer of the command's `--json` as a dictionary, saved to `path` where one is given."""
         found = self._content() | law_choice_json(self.law_choice)
         found |= {"warnings": found.get("warnings", [])}
         if path is not None:

@@ -169,7 +169,7 @@ class FitResult(Predicting):
         return [axes_of(measured_against_model.draw, one) for one in self.fits.values()][-1]
 
     def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
-        """The answer of `pam-ident fit --json` as a dictionary, written to `path` where one is given."""
+        """The answer of `pam-ident fit --json` as a dictionary, saved to `path` where one is given."""
         found = fit_json(self.record.source or self.record.name, self.law, self.details) | law_choice_json(
             self.law_choice
         )

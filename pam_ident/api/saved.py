@@ -148,7 +148,7 @@ class SavedResult(Predicting):
         return export_fit(self.details.path, to, str(out)).paths
 
     def to_json(self, path: str | Path | None = None) -> dict[str, Any]:
-        """What the file holds, written to `path` where one is given."""
+        """What the file holds, saved to `path` where one is given."""
         if path is not None:
             write_json(check_target(path), self.content)
         return self.content

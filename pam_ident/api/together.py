@@ -67,7 +67,7 @@ class SharedFitResult(Hinting):
         return "".join(one._repr_html_() for one in self.muscles)
 
     def to_json(self, path: str | Path | None = None) -> list[dict[str, Any]]:
-        """The answers of `pam-ident fit --json`, one a record, written line by line to `path` where one is given."""
+        """The answers of `pam-ident fit --json`, one a record, saved line by line to `path` where one is given."""
         names = [one.record.source or one.record.name for one in self.muscles]
         found = [one.to_json() | shared_json(names, one.details) for one in self.muscles]
         if path is not None:

@@ -33,6 +33,10 @@ def unknown(what: str, name: object, known: Iterable[str], where: str = "") -> s
 def no_attribute(what: str, name: str, known: Mapping[str, str]) -> str:
     """The message of an attribute that `what` lacks: the `known` ones, by name with what is said of each, that it may
     have meant, else all of them."""
-    near = nearest(name, known) or [one for one, said in known.items() if re.search(rf"\b{re.escape(name)}", said)]
+    near = nearest(name, known)
+    if not near and len(name) < 3:
+        near = [one for one in known if one.startswith(name)]
+    if not near:
+        near = [one for one, said in known.items() if re.search(rf"\b{re.escape(name)}", said)]
     hint = f"did you mean {' or '.join(near[:3])}?" if near else f"it offers {', '.join(known)}"
     return f"{what} has no attribute {name!r}; {hint}"

@@ -283,6 +283,8 @@ def test_a_call_that_cannot_be_is_told_what_was_given_and_what_was_expected(fitt
         ("fitted", "rmse_N", "rmse"),
         ("fitted", "stderr", "params"),
         ("record", "df", "to_frame"),
+        ("record", "p", "passed or plot or pressure"),
+        ("fitted", "save", "to_json"),
         ("diagnosis", "probability", "candidates"),
         ("diagnosis", "colour", "against, candidates, "),
     ],
