@@ -138,7 +138,8 @@ def describe(found: "Diagnosis") -> list[str]:
         )
         for s in shown
     ]
-    lines += text.table(("candidate", "probability", "alone leaves [N]", "held out [N]"), rows)
+    kind = found.base.record.block_kind
+    lines += text.table(("candidate", "probability", "alone leaves [N]", f"held out, each {kind} [N]"), rows)
     alike = ", or of one that this record cannot tell from it" if found.groups else ""
     lines += [f"each probability is of the effect by itself{alike}; they need not add up to 100 %"] * bool(rows)
     others = [in_words(s.effect, found.best.model.own) for s in tried if s not in shown]

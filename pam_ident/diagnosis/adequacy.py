@@ -221,6 +221,15 @@ def _left_by(selection: Selection, fitted: FittedSet) -> Following:
     return Following(selection.record, model, fitted.values, selection.following.unsure)
 
 
+def outdoes_free(selection: Selection, fitted: FittedSet) -> bool:
+    """Whether a set is likelier than the free model and leaves no more than that does: then what the free model follows
+    beside the names is no effect in their place."""
+    if selection.record.inputs.time is None or not fitted.terms:
+        return False
+    found = Adequacy(selection, fitted, FreeModel.of(selection))
+    return found.unexplained[0] <= 0.0 and found.free.odds(selection, fitted) < -CLOSE
+
+
 def needless(selection: Selection, effect: Effect, others: FittedSet) -> bool:
     """Whether nothing speaks for an effect beside others that are complete without it, not by slow noise alone: they
     follow what it does first, or their drivers explain as much; or what they leave does not follow that."""

@@ -8,8 +8,9 @@ import numpy as np
 
 from ..core.digits import newtons, number, percent
 from ..fitting import Fit
-from .follows import Following, told
+from .follows import Following
 from .nouns import Bin, Comparison, Follows, Region
+from .sentence import told
 
 Array = np.ndarray
 CELLS = 10

@@ -16,8 +16,10 @@ from .select import best_forms
 from .selection import FORM_TOLERANCE, FittedSet, Selection
 
 Array = np.ndarray
+UNSURE = 0.1
+"""Share of the samples in motion whose velocity is not the way of their stroke, from which that is unsure."""
 NEARLY = 0.8
-"""Share of what a name explains in a locked muscle that another must explain which the slide may have made of it."""
+"""Share of what a name explains that another must explain where it is not known how the muscle slid, or which way."""
 
 
 def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ...]:
@@ -34,6 +36,7 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
             twins += [n for n in _same_when_locked(selection, rest, term.effect) if n not in twins]
         if one_speed(selection.record):
             twins += [n for n in _same_at_one_speed(selection, rest, term.effect) if n not in twins]
+        twins += [n for n in _same_by_velocity(selection, rest, term.effect) if n not in twins]
         twins = [n for n in twins if n not in fitted.names]
         if twins:
             found.append((term.effect.name, *twins[:3]))
@@ -139,6 +142,22 @@ def _same_at_one_speed(selection: Selection, rest: FittedSet, effect: Effect) ->
     levered = [e.name for e in selection.candidates if "speed" in e.levers or "speed" in effect.levers]
     close = [n for n, g in gains.items() if n != effect.name and n in levered and _as_much(g, mine)]
     return sorted(close, key=lambda n: -gains[n])
+
+
+def _same_by_velocity(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:
+    """Effects of the direction that explain nearly as much as one of the speed once each sample goes the way that its
+    velocity says: where that is often not the way of its stroke, the track has turned more often than its noise
+    shows."""
+    inputs = selection.record.inputs
+    if inputs.velocity is None or inputs.moving is None or effect.follows[:1] != ("speed",):
+        return []
+    way = np.where(inputs.moving & (inputs.velocity != 0.0), np.sign(inputs.velocity), inputs.direction)
+    if np.mean(way != inputs.direction) < UNSURE * np.mean(inputs.moving):
+        return []
+    others = [e for e in selection.candidates if e.name not in rest.names and e.follows[:1] == ("direction",)]
+    gains = _gains(selection, rest, others, replace(selection.record, inputs=replace(inputs, direction=way)))
+    mine = _gains(selection, rest, [effect]).get(effect.name, 0.0)
+    return sorted((n for n, g in gains.items() if g > NEARLY * mine), key=lambda n: -gains[n])
 
 
 def _gains(

@@ -12,6 +12,7 @@ from ..fitting import Fit, fit
 from ..fitting.carried import driven, nearer
 from ..model import Model
 from ..records import Record
+from .adequacy import outdoes_free
 from .answer import Selected, answer_of, likelier_instead, standing
 from .confirmed import allowed_by_nature
 from .experiment import after_pattern, next_experiment
@@ -120,7 +121,8 @@ def diagnosing(
     heldout = heldout_rmse(model, record, base)
 
     def instead(one: FittedSet) -> bool:
-        return not lacking and not any(following.outweighs(t.effect, known) for t in one.terms)
+        outweighed = any(following.outweighs(t.effect, known) for t in one.terms)
+        return not lacking and (not outweighed or outdoes_free(selection, one))
 
     fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, instead)
     if record.carried and not along and (static := answer.selection.best_static).terms:

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from ..core.digits import percents
 from ..effects.base import Effect
 from ..fitting import Fit
 from ..fitting.estimate import at_bound
@@ -26,18 +25,18 @@ from ..records import Record
 from ..records.roughness import position_noise
 from .dictionary import slopes
 from .drivers import DRIVERS
+from .leaps import ALONE, LEAP, Leap, farthest
 from .nouns import Follows
 from .own_noise import OwnNoise
-from .repeats import comes_back, memory_of
+from .repeats import comes_back, memory_of, step_of
 from .schedule import one_speed, way_is_time
 from .search import CLOSE, TEMPER, orthonormal
+from .sentence import REST
 from .steady import steadied, without_sensor
 from .surfaces import Surfaces
 from .track import SharedNoise, TrackError
 
 Array = np.ndarray
-REST = "the rest"
-"""What follows nothing, where nobody knows that it is noise."""
 BESIDE = 0.01
 """Share of the evidence that a driver must have to be more than what the surfaces of another leave."""
 STATIC = 500.0
@@ -48,8 +47,9 @@ class Following:
     """What a model leaves, and how much of it smooth surfaces over each set of drivers explain.
 
     `variance` is that of what the richest surfaces over all drivers leave, `rough` the size of its white part, and
-    `memory` the samples of it that count as one. `unsure` is how far the driven track may be off: what it makes of the
-    force is evened out, and where it is unread nothing is looked at.
+    `memory` the samples of it that count as one. `leap` is a jump that is none of theirs, if one stands alone. `unsure`
+    is how far the driven track may be off: what it makes of the force is evened out, and where it is unread nothing is
+    looked at.
     """
 
     def __init__(
@@ -59,41 +59,48 @@ class Following:
         self.read = ~unsure.unread if unsure else np.ones(len(record), bool)
         self.shared: SharedNoise | None = None
         self._look(model, values)
+        moment, size = self._farthest
+        if size >= LEAP**2:
+            self._look(model, values, moment)
+            left, squares = self._farthest[1], self.leap.gain if self.leap else 0.0
+            if left > size / ALONE or squares < LEAP**2 * self.variance * max(self.memory, 1.0):
+                self._look(model, values)
         if unsure is not None:
             slope = unsure.slope(slopes(model, record.inputs, values), record.specimen)
             # Once for the record: noise with and without what rows share has likelihoods that nothing compares.
             if unsure.matters(slope, self.rough):
                 self.shared = unsure.in_force(slope, math.sqrt(self.variance), every=True)
-                self._look(model, values)
+                self._look(model, values, self.leap and self.leap.moment)
             else:
                 self.unsure = replace(unsure, blocks=())
 
-    def _look(self, model: Model, values: Mapping[str, float]) -> None:
-        """Work out what is left, surfaces and noise, what rows share of it evened out."""
+    def _look(self, model: Model, values: Mapping[str, float], moment: float | None = None) -> None:
+        """What is left, less a step at a `moment` in s, surfaces and noise, what rows share of it evened out."""
         inputs, even = without_sensor(self.record), self._even
         left = even(self.record.force - model.force(self.record.inputs, values))
         free = [not at_bound(p, values[p.name]) for p in model.bounded(inputs)]  # none can follow beyond its bound
         law = orthonormal(even(jacobian(model, inputs, values, self.record.force)[:, free]))
-        self.left = left - law @ (law.T @ left)
+        self.left, self.leap = left - law @ (law.T @ left), None
+        if moment is not None and inputs.time is not None:  # smooth courses of any driver would take it in
+            later = even(np.where(inputs.time >= moment, 1.0, 0.0))
+            later -= law @ (law.T @ later)
+            self.leap = Leap.of(moment, later, self.left)
+            law = np.column_stack([law, later / np.linalg.norm(later)])
+            self.left = self.left - self.leap.size_N * later
         one = ("speed",) if one_speed(self.record) else ()  # which is then the direction
         self.surfaces = Surfaces(inputs, law, self.left, even, one)
-        richest = self._richest()
-        remainder = self.left - self.surfaces.explained(richest)
-        self.variance = float(remainder @ remainder) / max(int(self.read.sum()) - self.surfaces.of(richest)[1], 1.0)
+        self.richest = self.surfaces.richest(int(np.count_nonzero(self.read)))
+        remainder = self.left - self.surfaces.explained(self.richest)
+        freedom = int(self.read.sum()) - self.surfaces.of(self.richest)[1]
+        self.variance = float(remainder @ remainder) / max(freedom, 1.0)
         self.memory = memory_of(remainder)
         self.rough = position_noise(remainder, self.record.inputs.time)
 
-    def _richest(self) -> frozenset[int]:
-        """The richest group of each driver; of a short record, one that leaves half of its rows to the noise."""
-        groups: dict[str, list[int]] = {}
-        for k, name in enumerate(self.surfaces.names):
-            groups.setdefault(name, []).append(k)
-        while True:
-            richest = frozenset(each[-1] for each in groups.values())
-            poorer = {name: each[:-1] or each for name, each in groups.items()}
-            if 2.0 * self.surfaces.of(richest)[1] <= np.count_nonzero(self.read) or poorer == groups:
-                return richest
-            groups = poorer
+    @property
+    def _farthest(self) -> tuple[float, float]:
+        """Of what the richest surfaces leave, as `farthest` has it; nowhere in a table."""
+        time, remainder = self.record.inputs.time, self.left - self.surfaces.explained(self.richest)
+        return (0.0, 0.0) if time is None else farthest(remainder[self.read], time[self.read], step_of(self.record))
 
     def _even(self, values: Array) -> Array:
         """Values (n,) or columns (n, k) with what rows share evened out, 0 where the track is unread."""
@@ -363,9 +370,11 @@ class Following:
         moving = self.record.inputs.moving
         rests = moving is not None and not moving.all()
         words = {driver.what: driver.text if rests else driver.in_motion or driver.text for driver in DRIVERS}
-        surfaces, total = self.surfaces, float(self.left @ self.left)
+        jump = self.leap.gain if self.leap else 0.0
+        surfaces, total = self.surfaces, float(self.left @ self.left) + jump
         if not total > 0.0:
             return (Follows("noise", 1.0, "noise"),)
+        jump /= total
         shares, taken = dict[int, float](), frozenset[int]()
         while rest := self.best - taken:
             worth = self._adding(taken)
@@ -375,25 +384,16 @@ class Following:
             taken |= {k}
         whole = sum(shares.values())
         left = self.left - surfaces.explained(self.best)
-        back = (1.0 - whole) * comes_back(self.record, self.in_newtons(left), self.read)
+        back = (1.0 - jump - whole) * comes_back(self.record, self.in_newtons(left), self.read)
         found = [
             Follows(surfaces.names[k], share, words[surfaces.names[k]]) for k, share in shares.items() if share > 0.0
         ]
+        if self.leap:
+            found.append(Follows("step", jump, self.leap.text))
         if back > 0.0:
             text = "a course of its own that comes back with every repeat, every second one, or the same force"
             found.append(Follows("repeats", back, text))
         found.sort(key=lambda one: -one.share)
         # What a table leaves may be noise; nothing in it repeats, to tell.
         text = REST if self.record.inputs.time is None else "noise"
-        return (*found, Follows("noise", max(1.0 - whole - back, 0.0), text))
-
-
-def told(found: Sequence[Follows], error: str = "squared error") -> str:
-    """The largest shares of an error in one sentence."""
-    whole = dict(zip(found, percents([one.share for one in found]), strict=True))
-    shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]
-    parts = [f"{'a further ' if k else ''}{whole[one]} follows {one.text}" for k, one in enumerate(shown)]
-    noise, text = next(((text, one.text) for one, text in whole.items() if one.what == "noise"), ("0 %", "noise"))
-    if not parts:
-        return f"No smooth course over what was driven or recorded explains any of the {error} beyond chance."
-    return f"Of the {error} {', '.join(parts)}; {noise} {'follows none of these' if text == REST else 'is noise'}."
+        return (*found, Follows("noise", max(1.0 - jump - whole - back, 0.0), text))

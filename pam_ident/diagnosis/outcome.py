@@ -12,7 +12,7 @@ from ..effects import Effect
 from ..fitting import Fit, repeat_noise
 from ..fitting.carried import length_rmse
 from ..model import Term
-from .adequacy import Adequacy, FreeModel
+from .adequacy import Adequacy, FreeModel, outdoes_free
 from .answer import Selected
 from .confirmed import impossible_alone
 from .confounding import groups
@@ -80,6 +80,8 @@ class Outcome:
         else:
             whole = self.fitted if self.patterns else self.selection.refit(self.named, self.fitted.values)
             found = pattern_of(self.selection, whole)
+        if found and found.kind == "other" and (leap := self.following.leap):
+            found = Pattern("step", "time", leap.moment, "s", found.share, leap.text)
         wrong = impossible_alone(self.base, self.best, self.fitted, self.ruled_out)
         return wrong if wrong and (found is None or found.kind == wrong.kind) else found
 
@@ -139,6 +141,8 @@ class Outcome:
     def unknown_instead(self) -> dict[str, float]:
         """Chance, by name, that something unknown is there in its place."""
         terms = [t for t in self.fitted.terms if t.effect.candidate]
+        if outdoes_free(self.selection, self.fitted):
+            return dict.fromkeys((t.effect.name for t in terms), 0.0)
         return {t.effect.name: self.following.unknown_instead(t.effect, self.known) for t in terms}
 
     @cached_property

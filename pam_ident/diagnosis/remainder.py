@@ -10,6 +10,7 @@ from ..effects import AddsForce
 from ..fitting.length import weights_of
 from ..model import Term
 from ..records import Record
+from .leaps import APART, LEAP, leaps
 from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns.beat import PATTERN as BEAT_IN_TIME
@@ -56,8 +57,6 @@ times the root of their number."""
 JUMPING = 1.8
 """How many times as large as in the middle steps of what is left may be in the mean: 1.43 at most in 86 records with
 nothing hidden."""
-LEAP = 10.0
-"""Standard deviations by which a single step of it may do so: 4.8 at most in the same records."""
 FORETOLD = 0.3
 """Share of the noise's innovations that the LAGS samples before may foretell: 0.04 at most in records with nothing
 hidden, 0.24 where a load cell hummed, and 0.47 where a frame rings."""
@@ -67,10 +66,6 @@ LEAST = (WINDOW + 1) * LAGS
 """Samples that a prediction is made from at least."""
 ONE_IN_100 = 2.58
 """Standard deviations that normal numbers exceed once in a hundred times."""
-APART, NEARBY, NORMAL, GAP = (20, 10, 5), 20, 0.455, 5.0
-"""Samples on either side of a moment between which what is left jumps, and that tell how large noise is there;
-the median square over the mean square of what is normal; and the usual times between samples from which a longer one is
-a break."""
 
 
 def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
@@ -243,7 +238,7 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
     clean = ~selection.noise.outlier | comes_to_rest(selection.record.inputs)  # a level lasts
     left, time = _evened(selection, fitted)[clean], selection.record.inputs.time[clean]
     for apart in APART:
-        at, far = _leaps(left, time, step_of(selection.record), apart)
+        at, far = leaps(left, time, step_of(selection.record), apart)
         if not len(at):
             continue
         chance = math.exp(ONE_IN_100 * MEDIAN / math.sqrt(len(far) / (2.0 * apart)))  # moments that share no sample
@@ -256,37 +251,6 @@ def _jumps(selection: Selection, fitted: FittedSet) -> Pattern | None:
         share = 1.0 - 1.0 / max(float(far.mean()), 1.0)
         return Pattern("other", "time", worst, "s", share, text)
     return None
-
-
-def _leaps(left: Array, time: Array, step: float, apart: int) -> tuple[Array, Array]:
-    """Moments, and by how much the middle halves of `apart` samples before and after each differ in the mean: squared,
-    beside the usual.
-
-    `left` is in N, (n,), at a `time` in s; the force was read in steps of `step` N. How much neighbouring samples
-    differ, but for those that jump, takes it out that noise may be larger in places.
-    """
-    squares = np.diff(left) ** 2
-    if len(squares) < 2 * NEARBY:
-        return np.empty(0, int), np.empty(0)
-    usual = np.sort(sliding_window_view(squares, 2 * NEARBY), axis=1)[:, : -2 * NEARBY // 5].mean(axis=1)
-    at = np.arange(apart, len(left) - apart)
-    middle = np.sort(sliding_window_view(left, apart), axis=1)[:, apart // 4 : apart - apart // 4].mean(axis=1)
-    between = np.abs(middle[at] - middle[at - apart])
-    beside = np.maximum(usual, 0.1 * np.median(usual))[np.clip(at - NEARBY, 0, len(usual) - 1)]
-    gaps = np.diff(time, prepend=time[0])
-    piece = np.cumsum(gaps > GAP * np.median(gaps))
-    seen = (piece[at + apart - 1] == piece[at - apart]) & (beside > 0.0)
-    at, between, beside = at[seen], between[seen], beside[seen]
-    far = np.maximum(between, step / math.sqrt(apart / 2.0)) ** 2 / beside
-    pace = np.round(np.log2((time[at + apart - 1] - time[at - apart]) / apart)) if len(at) else at
-    enough = np.zeros(len(at), bool)
-    for one in np.unique(pace):  # as fast as it is read, slow noise steps on, or is another each time
-        alike = pace == one
-        enough |= alike & (np.count_nonzero(alike) >= WINDOW * apart // 2)
-        far[alike] *= NORMAL / np.median(far[alike])
-    rounded = between <= step  # of what does not move it may be all
-    far[rounded] = np.minimum(far[rounded], 1.0)
-    return at[enough], far[enough]
 
 
 def _bursts(selection: Selection, fitted: FittedSet) -> Pattern | None:

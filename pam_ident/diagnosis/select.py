@@ -344,7 +344,9 @@ def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -
 
 def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) -> float:
     search = 2.0 * float(np.log(max(scanned.tried, 2)))
-    known = sum(len(term.form.params) for term in fitted.terms)
+    named = [v for v in selection.cache.values() if v.terms and v.names == v.candidates]
+    as_good = [v for v in named if v.criterion < fitted.criterion + CLOSE]
+    known = min(sum(len(term.form.params) for term in v.terms) for v in (fitted, *as_good))
     more = scanned.regressor.free - known if not scanned.onto.terms else 1
     term = scanned.regressor.term
     fault = not isinstance(term.form, AddsForce) or catalogue_of_patterns()[term.effect.name].kind == "periodic"

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from ..core.digits import newtons, percent, probability
+from ..core.digits import newtons, number, percent, percents, probability
 from ..effects import Effect, in_words, named
 from ..fitting import Fit
 from .nouns import Diagnosis, Follows, Pattern
 
+REST = "the rest"
+"""What follows nothing, where nobody knows that it is noise."""
 WORTH_TRYING = 0.1
 """Share of the squared error that follows a driver from which effects that follow it, too, are proposed."""
 SURE = 0.9
@@ -17,6 +19,10 @@ TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
 
 
+FEW = 100
+"""Samples below which what a model leaves is no measure of the noise."""
+
+
 def missing(chance: float) -> str:
     """The word before names of which the least sure has a certain chance."""
     told = round(chance, 2)
@@ -24,8 +30,8 @@ def missing(chance: float) -> str:
 
 
 def start(base: Fit, floor: float) -> str:
-    """What a model leaves, beside the noise in N; in a table no repeats show how small that is."""
-    about = "about" if base.record.inputs.time is not None else "at most"
+    """What a model leaves, beside the noise in N; a table, or FEW samples in time, do not show how small that is."""
+    about = "about" if base.record.inputs.time is not None and len(base.record) >= FEW else "at most"
     return f"The {base.model.words} leaves {newtons(base.rmse)} rms; the noise is {about} {newtons(floor)}."
 
 
@@ -63,6 +69,9 @@ def sentence(
         parts.append(f"This record cannot tell {in_words(first, extra)} from {rivals}.")
     if pattern:
         parts.append(f"Something is left that no known effect explains: {pattern.text}.")
+        if pattern.kind == "step" and pattern.coordinate == "time":
+            after = f"--where 'time_s > {number(pattern.value)}'"
+            parts.append(f"If a sensor was zeroed or knocked then, diagnose what follows it by itself: {after}.")
     return " ".join(parts)
 
 
@@ -115,3 +124,14 @@ def as_slow_noise(found: Sequence[Follows]) -> str:
         f" {percent(first.share)} of the squared error follows {first.text}. Slow noise would, too, "
         "and this record cannot tell it from an effect."
     )
+
+
+def told(found: Sequence[Follows], error: str = "squared error") -> str:
+    """The largest shares of an error in one sentence."""
+    whole = dict(zip(found, percents([one.share for one in found]), strict=True))
+    shown = [one for one in found if one.what != "noise" and one.share >= 0.01][:4]
+    parts = [f"{'a further ' if k else ''}{whole[one]} follows {one.text}" for k, one in enumerate(shown)]
+    noise, text = next(((text, one.text) for one, text in whole.items() if one.what == "noise"), ("0 %", "noise"))
+    if not parts:
+        return f"No smooth course over what was driven or recorded explains any of the {error} beyond chance."
+    return f"Of the {error} {', '.join(parts)}; {noise} {'follows none of these' if text == REST else 'is noise'}."

@@ -55,6 +55,18 @@ class Surfaces:
         self.known: dict[frozenset[int], tuple[float, int]] = {}
         self.added: dict[frozenset[int], Array] = {}
 
+    def richest(self, rows: int) -> frozenset[int]:
+        """The richest group of each driver; of few rows, one that leaves half of them to the noise."""
+        groups: dict[str, list[int]] = {}
+        for k, name in enumerate(self.names):
+            groups.setdefault(name, []).append(k)
+        while True:
+            found = frozenset(each[-1] for each in groups.values())
+            poorer = {name: each[:-1] or each for name, each in groups.items()}
+            if 2.0 * self.of(found)[1] <= rows or poorer == groups:
+                return found
+            groups = poorer
+
     def of(self, groups: frozenset[int]) -> tuple[float, int]:
         """Gain of a set of groups, and the degrees of freedom that it takes."""
         if groups not in self.known:

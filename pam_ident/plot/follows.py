@@ -16,6 +16,7 @@ from .style import (
     GREEN,
     GREY,
     INK,
+    LILAC,
     ORANGE,
     PURPLE,
     SKY,
@@ -37,6 +38,7 @@ COLOUR = {
     "cycle": YELLOW,
     "clock": SKY,
     "temperature": BLACK,
+    "step": LILAC,
     "repeats": GREY,
     "noise": FAINT,
 }

@@ -19,7 +19,7 @@ P = ParamSpec("P")
 # Okabe & Ito 2008, readable with every common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
-INK, GREY, FAINT, BROWN = "#1f2933", "#6b7280", "#d5dae1", "#8c510a"
+INK, GREY, FAINT, BROWN, LILAC = "#1f2933", "#6b7280", "#d5dae1", "#8c510a", "#8b8bd9"
 BRANCH_COLOUR = {"contraction": BLUE, "extension": VERMILION, "static": BLUE}
 BRANCH_DASH = {"contraction": "-", "extension": (0, (5, 2)), "static": "-"}
 BRANCH_MARK = {"contraction": "o", "extension": "^", "static": "o"}

@@ -6,8 +6,8 @@ from typing import Any
 
 from .. import plot
 from ..diagnosis.against import Against, ParameterDifference
-from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
+from ..diagnosis.sentence import told
 from ..effects import in_words
 from ..live import available
 from .easel import Easel, Part, Picture, live

@@ -4,9 +4,8 @@ import math
 from textwrap import fill
 
 from .. import plot
-from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis
-from ..diagnosis.sentence import headline, start
+from ..diagnosis.sentence import headline, start, told
 from ..effects import in_words
 from .easel import Easel, Part, Picture
 from .story import Section

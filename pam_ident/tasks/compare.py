@@ -9,8 +9,9 @@ import numpy as np
 from ..core import UsageError
 from ..core.digits import millimetres, newtons, percent
 from ..diagnosis.compare import compare
-from ..diagnosis.follows import Following, told
+from ..diagnosis.follows import Following
 from ..diagnosis.nouns import Bin, Comparison, Follows
+from ..diagnosis.sentence import told
 from ..fitting import Fit, fit
 from ..fitting.carried import InLength, driven
 from ..fitting.length import by_length, weights_of

@@ -8,9 +8,9 @@ from functools import partial
 from ..core import PamError, UsageError
 from ..diagnosis import diagnose
 from ..diagnosis.diagnose import diagnosing
-from ..diagnosis.follows import told
 from ..diagnosis.nested import anew, masks_of
 from ..diagnosis.nouns import Diagnosis
+from ..diagnosis.sentence import told
 from ..fitting import Fit
 from ..parallel.executor import Executor, WorkerLost
 from ..records import Record

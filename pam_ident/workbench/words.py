@@ -9,8 +9,8 @@ from ..core import UsageError
 from ..core.progress import Stage
 from ..core.prose import capital
 from ..diagnosis import sentence
-from ..diagnosis.follows import told
 from ..diagnosis.nouns import Diagnosis, Follows
+from ..diagnosis.sentence import told
 from ..effects import in_words
 from ..fitting.estimate import impossible
 from ..notebook.pages import table

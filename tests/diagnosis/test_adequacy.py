@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pam_ident.diagnosis import diagnose
+from pam_ident.diagnosis import answer, diagnose, outcome
 from pam_ident.diagnosis.answer import Selected, likelier_instead
 from pam_ident.diagnosis.diagnose import _one_a_driver
 from pam_ident.diagnosis.drivers import DRIVERS
@@ -377,3 +377,15 @@ def test_what_lags_a_driven_pressure_may_relax_in_a_locked_muscle():
     lag, creep, damping = (_one_a_driver(catalogue()[n]) for n in ("pressure_lag", "creep", "viscous_damping"))
     assert "rest" in lag.follows and lag.follows[0] == "speed" == lag.alike == damping.alike
     assert "rest" not in damping.follows and creep.alike == "rest"
+
+
+def test_names_likelier_than_the_free_model_that_leave_no_more_have_nothing_unknown_in_their_place(
+    hidden_effect, monkeypatch
+):
+    """Surfaces over several drivers that no effect follows had outweighed a damping that explained as much."""
+    monkeypatch.setattr(Following, "unknown_instead", lambda *_: 1.0)
+    found = diagnose(Model.build("exponential_law"), hidden_effect, detail=False)
+    assert found.verdict == "missing_effect" and found.selected == ("pressure_friction",)
+    for place in (answer, outcome):
+        monkeypatch.setattr(place, "outdoes_free", lambda *_: False)
+    assert not diagnose(Model.build("exponential_law"), hidden_effect, detail=False).selected

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from pam_ident.core import Specimen
-from pam_ident.diagnosis.follows import Following, told
+from pam_ident.diagnosis.follows import Following
 from pam_ident.diagnosis.schedule import way_is_time
+from pam_ident.diagnosis.sentence import told
 from pam_ident.diagnosis.steady import steadied
 from pam_ident.fitting import fit
 from pam_ident.model import Model
@@ -54,6 +55,23 @@ PLANTED = {
 
 def shares(record):
     return {one.what: one.share for one in Following.of(fit(Model.build("exponential_law"), record)).shares()}
+
+
+@pytest.mark.parametrize("size", [20.0, -15.0])
+def test_a_single_step_is_told_as_one_and_hides_nothing_else(size):
+    """A load cell zeroed late: smooth surfaces over rest and clock would take the step, and what follows the motion."""
+    found = record_with(lambda at: PLANTED["direction"](at) + np.where(at["t"] < 100.0, -size, 0.0))
+    following = Following.of(fit(Model.build("exponential_law"), found))
+    share = {one.what: one.share for one in following.shares()}
+    assert following.leap.moment == pytest.approx(100.0, abs=1.0)
+    assert following.leap.size_N == pytest.approx(size, rel=0.25)
+    assert share["step"] > 0.3 and share["direction"] > 0.1 and share["step"] + share["direction"] > 0.85
+    assert f"follows a single step of the force, by {following.leap.size_N:.3g} N at" in told(following.shares())
+
+
+def test_no_step_is_seen_in_what_turns_with_the_motion_or_in_noise():
+    for hidden in (PLANTED["direction"], PLANTED["clock"], lambda at: 0.0 * at["t"]):
+        assert "step" not in shares(record_with(hidden))
 
 
 @pytest.mark.parametrize("seed", [50, 51])

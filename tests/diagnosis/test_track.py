@@ -1,8 +1,10 @@
 """Of which samples nobody knows whether the muscle rests, or which way it slides."""
 
 import numpy as np
+import pytest
 
 from pam_ident.core import Specimen
+from pam_ident.diagnosis import confounding, diagnose
 from pam_ident.diagnosis.steady import steadied
 from pam_ident.fitting import fit
 from pam_ident.model import Model
@@ -34,3 +36,35 @@ def test_a_hold_at_a_turn_is_known_to_rest():
     rest = ~record.inputs.moving
     assert rest.sum() > 100
     assert unknown[rest].sum() <= 12  # the first and the last of each
+
+
+def many_sines(seed, noise_mm):
+    """A record of a drive of six sines at a wavering pressure, with dry friction of 8 N, noise of 3 N, and a noisy
+    length."""
+    rng, time = np.random.default_rng(seed), np.arange(0.0, 80.0, 0.025)
+    rates, phases = rng.uniform(0.1, 0.9, 6), rng.uniform(0.0, 2.0 * np.pi, 6)
+    angle = 2.0 * np.pi * rates * time[:, None] + phases
+    x, speed = 40.0 + 8.0 * np.sin(angle).sum(axis=1), np.cos(angle) @ rates
+    pressure, e = 0.35 + 0.1 * np.sin(0.8 * time), x / 400.0
+    force = pressure * (2400.0 - 9000.0 * e) - 100.0 - 300.0 * e - 8.0 * np.sign(speed)
+    force += 3.0 * rng.standard_normal(len(x))
+    long = Specimen("m", 400.0, 10.0, 25.4, 1.5)
+    return build_record("rig", long, pressure, (x + noise_mm * rng.standard_normal(len(x))) / 400.0, force, time=time)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [1, 2, 5])
+def test_friction_in_a_drive_of_many_sines_is_no_damping_because_its_short_ways_back_are_hidden(seed):
+    found = diagnose(Model.build("exponential_law"), many_sines(seed, 0.8), detail=False)
+    assert found.verdict == "missing_effect" and found.selected == ("coulomb_friction",)
+
+
+@pytest.mark.long
+def test_where_velocities_often_go_against_their_strokes_damping_is_not_told_from_friction(monkeypatch):
+    record, model = many_sines(4, 2.0), Model.build("exponential_law")
+    wrong = np.sign(record.inputs.velocity) != record.inputs.direction
+    assert np.mean(wrong[record.inputs.moving]) > confounding.UNSURE
+    found = diagnose(model, record, detail=False)
+    assert set(found.groups[0]) >= {"viscous_damping", "coulomb_friction"}
+    monkeypatch.setattr(confounding, "UNSURE", 1.0)
+    assert not diagnose(model, record, detail=False).groups
