@@ -43,7 +43,7 @@ class Leap:
 
 
 def farthest(left: Array, time: Array, step: float) -> tuple[float, float]:
-    """Moment in s of the largest jump in what is left, and its size as `leaps` has it."""
+    """Moment in s of the largest jump in what is left, (n,) in N, and its size as `leaps` has it; 0 for none."""
     at, far = leaps(left, time, step, APART[0])
     return (float(time[at[np.argmax(far)]]), float(far.max())) if len(at) else (0.0, 0.0)
 

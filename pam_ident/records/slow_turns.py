@@ -23,8 +23,9 @@ def without_slow_turns(
 ) -> tuple[list[int], Array]:
     """The turning points, and a mask of the rests (n,), without those where a drive turns so slowly that the sensor
     cannot see it: smooth strokes run from the middle of each to the next, and describe the track to the noise, and
-    better than rests and strokes between them do. All strokes together, or else those that are smooth by themselves: in
-    a test at several rates some turn slowly, and others rest."""
+    better than rests and strokes between them do, or as well where it moves on even in these. All strokes together, or
+    else those that are smooth by themselves: in a test at several rates some turn slowly, and others rest. A record may
+    wait before its first stroke and behind its last."""
     edges = np.flatnonzero(np.diff(held, prepend=False, append=False))
     ends = []
     for turn in turns:
@@ -62,7 +63,8 @@ def without_slow_turns(
 @dataclass(frozen=True)
 class _SlowStroke:
     """What a smooth stroke misses of a track (n,), its rows that seem to rest, the roughness of the others, and the
-    squares that rests and strokes between them miss; each with what it leaves free."""
+    squares that rests and strokes between them miss; each with what it leaves free. In the middle of each rest, those
+    that its level misses and those that a line does, of so many lines."""
 
     off: Array
     still: Array

@@ -189,6 +189,6 @@ def test_the_bar_of_what_the_error_follows_fills_its_length_in_the_order_given(d
     few = follows.data([Follows("map", 0.6, "a"), Follows("way", 0.001, "b"), Follows("noise", 0.399, "c")])
     assert [piece.text for piece in few] == ["a", "c"]
     drivers = {driver.what for driver in DRIVERS}
-    assert set(follows.COLOUR) == drivers | {"repeats", "noise"}
+    assert set(follows.COLOUR) == drivers | {"step", "repeats", "noise"}
     assert len(set(follows.COLOUR.values())) == len(follows.COLOUR)
     assert follows.draw(()).axes  # an answer that nobody split

@@ -37,7 +37,7 @@ CATEGORIES = {"confusion"}
 """Figures whose axes count names."""
 PALETTE = {
     *(style.BLACK, style.ORANGE, style.SKY, style.GREEN, style.YELLOW, style.BLUE, style.VERMILION, style.PURPLE),
-    *(style.INK, style.GREY, style.FAINT, style.BROWN, "#ffffff", "#e5e8ec", "#f3f4f6"),
+    *(style.INK, style.GREY, style.FAINT, style.BROWN, style.LILAC, "#ffffff", "#e5e8ec", "#f3f4f6"),
 }
 
 RUB = Pattern("local", "contraction", 12.0, "mm", 0.2, "")
