@@ -30,7 +30,7 @@ from pam_ident.validation.score import Score, score
 Rule = tuple[str, str, Callable[..., Any]]
 RULES: dict[str, Rule] = {
     "effects that written forms find": ("diagnose", "likelier_instead", lambda answer, others: []),
-    "names that something unknown outweighs go": ("follows", "Following.outweighs", lambda self, effect, known: False),
+    "names that something unknown outweighs go": ("adequacy", "outdoes_free", lambda selection, fitted: True),
     "needless and unlikely names go": ("answer", "_likely", lambda selection, fitted: fitted),
     "names that explain nearly all stand": ("adequacy", "Adequacy.standing", lambda self: self._following(frozenset())),
     "names that what is left does not overturn": (

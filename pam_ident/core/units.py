@@ -29,25 +29,9 @@ TO_INTERNAL = {
 
 ATMOSPHERE_MPA = 0.101325
 """What is taken off an absolute pressure."""
-_STRANGE = {
-    "lb",
-    "lbs",
-    "ozf",
-    "g",
-    "gf",
-    "kp",
-    "ft",
-    "inch",
-    "ksi",
-    "atm",
-    "torr",
-    "mmhg",
-    "inhg",
-    "mv",
-    "hr",
-    "us",
-    "d",
-}
+_STRANGE = frozenset(
+    ["lb", "lbs", "ozf", "g", "gf", "kp", "ft", "inch", "ksi", "atm", "torr", "mmhg", "inhg", "mv", "hr", "us", "d"]
+)
 """Units of other programs, as a suffix: in brackets, whatever is not known is one."""
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*(?:\([^\[\]()]*\))?[^\[\]()]*)\s*[\])]\s*$")
 _AGAINST = re.compile(r"^(?P<unit>.+?)[ _]*\(?(?:(?P<air>a|abs|absolute)|g|gauge|rel|relative)\)?\.?$", re.IGNORECASE)

@@ -6,6 +6,7 @@ they leave. It has a likelihood and a penalty as a set of names has, and no name
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -25,6 +26,8 @@ from .selection import FORM_TOLERANCE, FittedSet, Selection
 EXACT = 0.001
 """Share of what is to be explained that forms may leave which follow the same, because together they can come near to
 much."""
+EVEN = 0.5
+"""Chance from which something is likelier than not."""
 MAY_LEAVE = (0.1, 0.05, 0.02)
 """Share of what is to be explained that one, two, or three names may leave, and stand beside something unknown: the
 more names, the more they imitate. Of 15 single names that left less than a tenth one was false; three were at 0.02."""
@@ -221,10 +224,19 @@ def _left_by(selection: Selection, fitted: FittedSet) -> Following:
     return Following(selection.record, model, fitted.values, selection.following.unsure)
 
 
+def unknown_instead(
+    selection: Selection, fitted: FittedSet, following: Following, known: Sequence[Effect]
+) -> dict[str, float]:
+    """Chance, by name of a set, that something unknown is there in its place, EVEN or more where that is likelier;
+    `known` are the effects that were looked at."""
+    found = {t.effect.name: following.unknown_instead(t.effect, known) for t in fitted.terms if t.effect.candidate}
+    return dict.fromkeys(found, 0.0) if any(found.values()) and outdoes_free(selection, fitted) else found
+
+
 def outdoes_free(selection: Selection, fitted: FittedSet) -> bool:
     """Whether a set is likelier than the free model and leaves no more than that does: then what the free model follows
     beside the names is no effect in their place."""
-    if selection.record.inputs.time is None or not fitted.terms:
+    if selection.record.inputs.time is None:
         return False
     found = Adequacy(selection, fitted, FreeModel.of(selection))
     return found.unexplained[0] <= 0.0 and found.free.odds(selection, fitted) < -CLOSE

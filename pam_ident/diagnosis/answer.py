@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from ..effects import Effect
 from ..fitting import Fit
-from .adequacy import MAY_LEAVE, Adequacy, FreeModel, needless, outdoes_free
+from .adequacy import EVEN, MAY_LEAVE, Adequacy, FreeModel, needless, unknown_instead
 from .confounding import groups
 from .follows import Following
 from .probability import probabilities
@@ -35,8 +35,9 @@ def answer_of(
     """The answer of the effects `tried`, complete or not."""
     selection, fitted = investigate(alone, candidates, following, tried, odds=odds)
     fitted = _likely(selection, fitted)
-    likely = [t for t in fitted.terms if not following.outweighs(t.effect, known)]
-    if len(likely) < len(fitted.terms) and not outdoes_free(selection, fitted):
+    instead = unknown_instead(selection, fitted, following, known)
+    likely = [t for t in fitted.terms if instead.get(t.effect.name, 0.0) < EVEN]
+    if len(likely) < len(fitted.terms):
         fitted = selection.refit(likely, fitted.values)
     whole = all(t.effect.candidate for t in fitted.terms)
     remains = whole and bool(fitted.terms) and remainder_of(selection, fitted) is not None

@@ -12,7 +12,7 @@ from ..fitting import Fit, fit
 from ..fitting.carried import driven, nearer
 from ..model import Model
 from ..records import Record
-from .adequacy import outdoes_free
+from .adequacy import EVEN, unknown_instead
 from .answer import Selected, answer_of, likelier_instead, standing
 from .confirmed import allowed_by_nature
 from .experiment import after_pattern, next_experiment
@@ -121,8 +121,7 @@ def diagnosing(
     heldout = heldout_rmse(model, record, base)
 
     def instead(one: FittedSet) -> bool:
-        outweighed = any(following.outweighs(t.effect, known) for t in one.terms)
-        return not lacking and (not outweighed or outdoes_free(selection, one))
+        return not lacking and max(unknown_instead(selection, one, following, known).values(), default=0.0) < EVEN
 
     fitted, (best, after, named, ruled_out) = allowed_by_nature(base, heldout, selection, fitted, instead)
     if record.carried and not along and (static := answer.selection.best_static).terms:

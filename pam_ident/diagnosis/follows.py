@@ -351,10 +351,6 @@ class Following:
             loss = self.evidence(self.likeliest(open_)) - self.evidence(self.best)
         return 0.5 - 0.5 * math.tanh(loss / (4.0 * TEMPER))
 
-    def outweighs(self, effect: Effect, known: Iterable[Effect]) -> bool:
-        """Whether that is likelier than the effect."""
-        return self.unknown_instead(effect, known) >= 0.5
-
     def supports(self, follows: Sequence[str]) -> bool:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may.
 

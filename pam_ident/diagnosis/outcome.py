@@ -12,7 +12,7 @@ from ..effects import Effect
 from ..fitting import Fit, repeat_noise
 from ..fitting.carried import length_rmse
 from ..model import Term
-from .adequacy import Adequacy, FreeModel, outdoes_free
+from .adequacy import Adequacy, FreeModel, unknown_instead
 from .answer import Selected
 from .confirmed import impossible_alone
 from .confounding import groups
@@ -140,10 +140,7 @@ class Outcome:
     @cached_property
     def unknown_instead(self) -> dict[str, float]:
         """Chance, by name, that something unknown is there in its place."""
-        terms = [t for t in self.fitted.terms if t.effect.candidate]
-        if outdoes_free(self.selection, self.fitted):
-            return dict.fromkeys((t.effect.name for t in terms), 0.0)
-        return {t.effect.name: self.following.unknown_instead(t.effect, self.known) for t in terms}
+        return unknown_instead(self.selection, self.fitted, self.following, self.known)
 
     @cached_property
     def by_form(self) -> dict[str, tuple[float, str]]:

@@ -120,9 +120,7 @@ def in_spite_of(
     noise = replace(white, sigma=over * white.sigma, whole=min(white.whole, selection.noise.whole))
     again = Selection(selection.base, candidates, noise=noise, before=selection)
     found = _answer(again)
-    named = [v for v in again.cache.values() if v.terms and v.names == v.candidates]
-    close = [v for v in named if v.criterion < found.criterion + CLOSE]
-    return again, min(close, key=lambda v: (len(v.terms), v.criterion), default=found)
+    return again, min(_as_good(again, found), key=lambda v: (len(v.terms), v.criterion), default=found)
 
 
 def _may_be_noise(selection: Selection, fitted: FittedSet) -> bool:
@@ -314,9 +312,10 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
         [] if time is None else [period for remainder in remainders for period in beats(time, remainder.view.residual)]
     )
     unsure = selection.following.unsure
+    known = min(sum(len(t.form.params) for t in v.terms) for v in (fitted, *_as_good(selection, fitted)))
     for effect in patterns(selection.record.inputs, lines, unsure.sensor_mm if unsure else 0.0):
         for scanned in scan(effect, remainders):
-            penalty = _pattern_penalty(selection, scanned, fitted)
+            penalty = _pattern_penalty(selection, scanned, known)
             scans.append((scanned.onto.criterion - scanned.gain + penalty, penalty, scanned))
     scans.sort(key=lambda item: item[0])
     best = fitted
@@ -342,11 +341,15 @@ def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -
     return saved - (fitted.squares - found.squares) > found.criterion - fitted.criterion
 
 
-def _pattern_penalty(selection: Selection, scanned: Scanned, fitted: FittedSet) -> float:
-    search = 2.0 * float(np.log(max(scanned.tried, 2)))
+def _as_good(selection: Selection, fitted: FittedSet) -> list[FittedSet]:
+    """Sets of names, looked at before, that a set is no likelier than."""
     named = [v for v in selection.cache.values() if v.terms and v.names == v.candidates]
-    as_good = [v for v in named if v.criterion < fitted.criterion + CLOSE]
-    known = min(sum(len(term.form.params) for term in v.terms) for v in (fitted, *as_good))
+    return [v for v in named if v.criterion < fitted.criterion + CLOSE]
+
+
+def _pattern_penalty(selection: Selection, scanned: Scanned, known: int) -> float:
+    """What a pattern must earn, beside names of so many parameters, `known`."""
+    search = 2.0 * float(np.log(max(scanned.tried, 2)))
     more = scanned.regressor.free - known if not scanned.onto.terms else 1
     term = scanned.regressor.term
     fault = not isinstance(term.form, AddsForce) or catalogue_of_patterns()[term.effect.name].kind == "periodic"

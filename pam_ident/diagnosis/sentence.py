@@ -17,8 +17,6 @@ MORE = 1.2
 """Error of a model with all names, over the noise, from which more than noise is left."""
 TOLD = 0.05
 """Chance of something unknown in place of a name from which it is said."""
-
-
 FEW = 100
 """Samples below which what a model leaves is no measure of the noise."""
 

@@ -8,12 +8,12 @@ from itertools import pairwise
 import numpy as np
 
 from ..core import Array, DataError
-from ..core.units import ATMOSPHERE_MPA, conversion
+from ..core.units import ATMOSPHERE_MPA
 from .faulty import frozen_rows, impossible_rows, spike_rows
 from .notes import Notes
 from .quantities import BRANCHES, QUANTITIES, SHAPES, Source
 from .ranges import Values, check_empty, check_ranges, place_of
-from .table import Clock, Table, TableRows, days_hint, numbers_in
+from .table import Clock, Table, TableRows, numbers_in, without_unit
 
 SHUFFLED = 0.1
 """Share of the rows before which time runs backwards from which they are in no order, rather than of several runs."""
@@ -195,10 +195,7 @@ def _column(
             "delete the row"
         )
     if source.unit_missing and not (found.done | empty).all():
-        try:
-            conversion(QUANTITIES[key], None, f"{table.place}, column {source.header!r}")
-        except DataError as error:
-            raise DataError(f"{error}{days_hint(found.values) if key == 'time' else ''}") from None
+        raise DataError(f"{table.place}, {without_unit(source.header, found.values)}")
     if key == "time" and clock.midnight is not None:
         notes.add("midnight", source.header, f"{table.place}, row {block.rows[clock.midnight]}")
     return found.scaled(source.factor, source.offset), empty

@@ -122,7 +122,7 @@ def move_piece(into: Motion, time: Array, x: Array, noise: float, span: float, c
     even, calm = evened(time, x, noise)
     least = reversal(calm, span)
     turns = without_spikes(even, pivots(even, least), span) if span else [0, len(x) - 1]
-    held = thinned_holds(time, x, turns, noise, span)
+    held = thinned_holds(time, x, turns, noise, span, even, calm)
     if held.any():
         turns, held = without_slow_turns(time, x, turns, held, with_corners(time, x, held, noise), noise)
         held = stepped(x, held, noise)

@@ -1,5 +1,6 @@
 """Where a drive turns so slowly that the sensor cannot see it move: no rest."""
 
+from collections import Counter
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -34,8 +35,8 @@ def without_slow_turns(
             after = int(np.searchsorted(edges, turn, side="right"))
             begin, end = int(edges[after - 1]), int(edges[after]) - 1
         ends.append((begin, end))
-    alike = [one in (before, after) for before, one, after in zip([None, *ends], ends, [*ends[1:], None], strict=False)]
-    ends = [(turn, turn) if several else one for turn, one, several in zip(turns, ends, alike, strict=True)]
+    turns_in = Counter(ends)
+    ends = [(turn, turn) if turns_in[rest] > 1 else rest for turn, rest in zip(turns, ends, strict=True)]
     middles = [(begin + end) // 2 for begin, end in ends]
     longest = LONGER * max((end - begin + 1 for begin, end in ends[1:-1]), default=len(x))
     waits = [end - begin > longest for begin, end in (ends[0], ends[-1])]  # before the first stroke, behind the last

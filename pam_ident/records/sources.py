@@ -11,7 +11,7 @@ from .guess import by_name, guess_table, numbers_of, told_by
 from .joint_lever import joint_of, lever_of
 from .quantities import QUANTITIES, SHAPES, Source, quantity_of, scale_of
 from .run_constants import GRAVITY, MASSES
-from .table import Clock, Table, days_hint, numbers_in
+from .table import Clock, Table, numbers_in, without_unit
 
 _CLOCK = re.compile(r"[hms:.,0fdyYMDHTZ \-]*:[hms:.,0fzTZ ]*", re.IGNORECASE)
 """What stands for a unit above clock times: `hh:mm:ss.000`, `YYYY-MM-DD hh:mm:ss`."""
@@ -75,8 +75,7 @@ def _clock_without_unit(table: Table, sources: Mapping[str, Source]) -> list[str
     numbers = numbers_of(table, [time.position])[0]
     if not np.isfinite(numbers).any():
         return []
-    units = ", ".join(TO_INTERNAL["time"])
-    return [f"column {time.header!r}: no unit given; expected one of {units}{days_hint(numbers)}"]
+    return [without_unit(time.header, numbers)]
 
 
 def find_states(table: Table) -> dict[str, Source]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..core import Array
+from ..core.units import TO_INTERNAL
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,11 +141,13 @@ class Clock:
         return self.last
 
 
-def days_hint(clock: Array) -> str:
-    """What to say of a clock (n,) in no unit whose steps are those of days, as spreadsheets count; empty for others."""
+def without_unit(header: str, clock: Array) -> str:
+    """What is said of a column of time (n,) that holds numbers and states no unit: spreadsheets count days."""
     steps = np.diff(clock[np.isfinite(clock)])
     days = len(steps) and 0.0 < np.median(steps) < A_DAY_STEP
-    return "; these steps are small, as of a spreadsheet's days: Time [day]" if days else ""
+    hint = "; these steps are small, as of a spreadsheet's days: Time [day]" if days else ""
+    units = ", ".join(TO_INTERNAL["time"])
+    return f"column {header!r}: no unit given; expected one of {units} for a time (as suffix or in brackets){hint}"
 
 
 def numbers_in(cells: "pd.Series | Array", dimension: str, decimal: str, clock: Clock) -> Numbers:

@@ -97,14 +97,16 @@ def without_spikes(x: Array, turns: list[int], span: float) -> list[int]:
     return kept
 
 
-def thinned_holds(time: Array, x: Array, turns: list[int], noise: float, span: float) -> Array:
-    """Mask of the samples at rest, shape of x, on means of so many samples that each moves beyond the noise."""
+def thinned_holds(
+    time: Array, x: Array, turns: list[int], noise: float, span: float, even: Array, calm: float
+) -> Array:
+    """Mask of the samples at rest, shape of x, on means of so many samples that each moves beyond the noise; where none
+    are put together, on the `even` track with what noise that has, `calm`."""
     travel = float(np.sum(np.abs(np.diff(x[turns])))) / len(x)
     # Where rows are logged densely a slow stroke moves by less than the noise from one to the next, and all of it
     # would be a hold.
     m = int(np.clip(4.0 * noise / max(travel, 1e-12), 1, max(1, len(x) // (60 * len(turns)))))
     if m == 1:
-        even, calm = evened(time, x, noise)
         return _holds(time, even, turns, max(BAND * calm, 5e-4 * span))
     starts = np.arange(0, len(x) - m + 1, m)
     counts = np.diff(np.r_[starts, len(x)])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pam_ident.diagnosis import answer, diagnose, outcome
+from pam_ident.diagnosis import adequacy, diagnose
 from pam_ident.diagnosis.answer import Selected, likelier_instead
 from pam_ident.diagnosis.diagnose import _one_a_driver
 from pam_ident.diagnosis.drivers import DRIVERS
@@ -386,6 +386,5 @@ def test_names_likelier_than_the_free_model_that_leave_no_more_have_nothing_unkn
     monkeypatch.setattr(Following, "unknown_instead", lambda *_: 1.0)
     found = diagnose(Model.build("exponential_law"), hidden_effect, detail=False)
     assert found.verdict == "missing_effect" and found.selected == ("pressure_friction",)
-    for place in (answer, outcome):
-        monkeypatch.setattr(place, "outdoes_free", lambda *_: False)
+    monkeypatch.setattr(adequacy, "outdoes_free", lambda *_: False)
     assert not diagnose(Model.build("exponential_law"), hidden_effect, detail=False).selected
