@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core import Inputs
 from ..effects import Effect
-from ..effects.base import Values
+from ..effects.base import Values, keeping_no_more
 from ..model import Term
 from ..records import Record
 from .schedule import one_speed
@@ -30,6 +30,7 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
             continue
         rest = selection.refit(fitted.without(term), fitted.values)
         twins = [*_same_form(selection, term), *_general(selection, fitted, term)]
+        twins += [n for n in _breaking_away(selection, fitted, term) if n not in twins]
         twins += [n for n in _close(selection, fitted, rest, term.effect) if n not in twins]
         twins += [n for n in _fitted(selection, fitted, term.effect) if n not in twins]
         if selection.record.inputs.locked:
@@ -62,6 +63,22 @@ def _general(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
     plain = Term(effect, replace(form, name=f"{form.name}_plain", linear=linear, columns=columns))
     fewer = selection.aside().refit([*fitted.without(term), plain], fitted.values)
     return [effect.special_case_of] if fewer.squares < fitted.squares + CLOSE else []
+
+
+def _breaking_away(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
+    """The effects that hold more at rest than in motion, where friction of one force was found to: it cannot."""
+    effect, form = term.effect, term.form
+    if effect.follows != ("direction",) or len(form.linear) != 2 or not form.linear[1].name.endswith("_hold"):
+        return []
+    moving, held = (fitted.values[f"{effect.name}.{p.name}"] for p in form.linear)
+    if held <= moving:
+        return []
+    linear = tuple(replace(p, lower=0.0) for p in form.linear)
+    kept = replace(form, name=f"{form.name}_kept", linear=linear, columns=keeping_no_more(form.columns))
+    within = selection.aside().refit([*fitted.without(term), Term(effect, kept)], fitted.values)
+    if within.squares < fitted.squares + CLOSE + selection.penalty.tolerance:
+        return []
+    return [e.name for e in selection.weighed if e.follows == ("speed", "direction") and e.name not in fitted.names]
 
 
 def _others(selection: Selection, fitted: FittedSet, effect: Effect) -> list[Effect]:

@@ -64,6 +64,8 @@ SWINGS = 0.2
 """The same of means of several samples, where they are largest at some period: 0.18 at most in 163 such records."""
 LEAST = (WINDOW + 1) * LAGS
 """Samples that a prediction is made from at least."""
+TINY = 0.1
+"""Size over the median one below which it does not matter how small it is."""
 ONE_IN_100 = 2.58
 """Standard deviations that normal numbers exceed once in a hundred times."""
 
@@ -306,7 +308,8 @@ def _by_level(size: Array, level: Array) -> Array:
 
 def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     """What is larger in slow strokes than in faster ones, where the position is less sure, is no noise: that does not
-    know the speed."""
+    know the speed. But it may know the state, and slow strokes may be those at a high pressure: sizes are compared as
+    if all were at one."""
     inputs, level = selection.record.inputs, weight_or_level(selection.record)
     if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
         return None
@@ -315,14 +318,24 @@ def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     left = _evened(selection, fitted) if selection.noise.shared else selection.view(fitted).residual
     size = _by_level(np.abs(left)[clean], level[clean])
     speed = np.round(np.log2(np.maximum(inputs.stroke_speed[clean], 1e-9)))
-    groups = [size[speed == one] for one in np.unique(speed)]
-    found = [(len(one), float(np.median(one)) ** 2) for one in groups if len(one) >= 2 * WINDOW]
+    group = np.unique(speed, return_inverse=True)[1]
+    logs = _at_one_state(np.log(np.maximum(size, TINY)), group, inputs.pressure[clean], inputs.contraction[clean])
+    found = [(n, 2.0 * one) for n, one in zip(np.bincount(group), logs, strict=True) if n >= 2 * WINDOW]
     alone = 1.0 + 2.0 * selection.noise.memory_samples(inputs.time)
     for k, (n, slow) in enumerate(found[:-1]):
         m, fast = min(found[k + 1 :], key=lambda one: one[1])
         chance = FAR * MEDIAN * math.sqrt(alone * (1.0 / n + 1.0 / m))
-        if slow > fast * max(BURSTING, math.exp(chance)):
-            times = f"{math.sqrt(slow / fast):.2g} times as large in slow strokes as in faster ones"
+        if slow - fast > max(math.log(BURSTING), chance):
+            times = f"{math.exp(0.5 * (slow - fast)):.2g} times as large in slow strokes as in faster ones"
             text = f"what is left is {times}, as where a muscle sticks and slips"
-            return Pattern("other", "speed", None, "", 1.0 - fast / slow, text)
+            return Pattern("other", "speed", None, "", 1.0 - math.exp(fast - slow), text)
     return None
+
+
+def _at_one_state(values: Array, group: Array, pressure: Array, contraction: Array) -> Array:
+    """The mean of values (n,) of each `group` (n,) of 0 … k - 1, (k,), as if all were at one state, from a line of best
+    fit in the groups and a quadratic in pressure and contraction, (n,)."""
+    p, e = ((v - v.mean()) / max(float(v.std()), 1e-12) for v in (pressure, contraction))
+    columns = np.column_stack([group[:, None] == np.arange(group.max(initial=-1) + 1), p, e, p * p, p * e, e * e])
+    gram = columns.T @ columns
+    return np.linalg.solve(gram + 1e-9 * len(values) * np.eye(len(gram)), columns.T @ values)[:-5]

@@ -16,6 +16,8 @@ LARGEST = 4.0
 """Standard deviations that a sample of noise alone is off at most."""
 NOISE_ONLY = 1.25
 """Ratio to the sensor's noise up to which what a curve misses of a stroke is noise alone."""
+ALIKE = 0.25
+"""Correlation of neighbours in it up to which it is, where there are too many samples for chance to matter."""
 SETTLING, CHANCE = 8, 1e-3
 """Samples of a hold from which it may settle along a curve, and the chance that a record's rests are taken for that, or
 its held pressures for ones that waver."""
@@ -47,9 +49,15 @@ def smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
 
 
 def noise_only(off: Array, noise: float, taken: int) -> bool:
-    """Whether what a curve of `taken` parameters misses, (n,), is noise of a standard deviation alone; nothing is."""
-    free = max(len(off) - taken, 1)
-    return bool(off @ off < max(NOISE_ONLY**2, 1.0 + 3.0 * np.sqrt(2.0 / free)) * noise**2 * free) or not len(off)
+    """Whether what a curve of `taken` parameters misses, (n,), is white noise of a standard deviation; nothing is.
+
+    A curve that cuts a kink misses little in all, but neighbours in the same sense.
+    """
+    if not len(off):
+        return True
+    free, square = max(len(off) - taken, 1), float(off @ off)
+    white = off[1:] @ off[:-1] <= max(4.0 / np.sqrt(len(off)), ALIKE) * square
+    return bool(white and square < max(NOISE_ONLY**2, 1.0 + 3.0 * np.sqrt(2.0 / free)) * noise**2 * free)
 
 
 def smooth_basis(time: Array, n: int) -> Array:

@@ -21,7 +21,7 @@ RUN, HOLD, STROKE_MM = 30, 6, 40.0
 NOISE_N, NOISE_MM, NOISE_MPA = 1.0, 0.01, 1e-4
 
 
-def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0, cell=None, warm=None):
+def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0, cell=None, warm=None, reach=None):
     """At four pressures, `times` there and back at each of the speeds in mm/s, the drive speeding up and braking over
     `soft` of a stroke. The last sample of a hold lies at the corner: there the friction is that of the stroke before or
     of the next, by chance, and in the hold before the first stroke of a pressure that of either side. `hidden` takes
@@ -36,8 +36,9 @@ def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0, cell=No
         columns.append((np.full(2 * HOLD, 0.5), *before, np.full(2 * HOLD, pressure)))
         for speed in speeds:
             for sign in (1.0, -1.0) * times:
-                x = np.r_[way if sign > 0.0 else 1.0 - way, np.full(HOLD, float(sign > 0.0))]
-                step = np.r_[np.full(RUN, STROKE_MM / speed / RUN), np.full(HOLD, 0.5)]
+                far = reach(speed) if reach else 1.0
+                x = far * np.r_[way if sign > 0.0 else 1.0 - way, np.full(HOLD, float(sign > 0.0))]
+                step = np.r_[np.full(RUN, far * STROKE_MM / speed / RUN), np.full(HOLD, 0.5)]
                 side = np.full(len(x), sign)
                 velocity = np.r_[sign * speed * np.gradient(way, u), np.zeros(HOLD)]
                 side[-1] = rng.choice([-1.0, 1.0])
@@ -316,6 +317,28 @@ def test_what_is_larger_in_slow_strokes_is_no_noise():
     found = diagnose(LAW, strokes(sticking, speeds=(3.0, 6.0, 40.0)))
     assert found.verdict == "unknown_effect" and not found.selected, found.sentence
     assert found.pattern is not None and found.pattern.coordinate == "speed"
+
+
+def test_noise_that_grows_with_the_force_is_no_larger_in_slow_strokes():
+    """Slow strokes are short ones here, where the force is large."""
+
+    def louder(time, force, temperature):
+        return force + 0.02 * force * np.random.default_rng(1).standard_normal(len(force))
+
+    found = diagnose(LAW, strokes(NOTHING, times=8, cell=louder, reach=lambda speed: 0.3 if speed < 10.0 else 1.0))
+    assert found.verdict == "adequate", found.sentence
+
+
+@pytest.mark.parametrize("power", [0.0, 1.0])
+def test_friction_that_holds_more_than_it_slides_by_may_fall_with_the_speed(power):
+    """All strokes are faster than it falls in."""
+
+    def breaking_away(p, e, side, v):
+        return -side * np.where(v != 0.0, 4.0, 9.0) * (p / 0.3) ** power
+
+    found = diagnose(LAW, strokes(breaking_away, speeds=(20.0, 40.0, 80.0)))
+    (named,) = found.selected
+    assert {named, "stribeck_friction"} <= {name for group in found.groups for name in group}, found.sentence
 
 
 @pytest.mark.parametrize("size", [4.0, 8.0, 16.0])

@@ -7,6 +7,7 @@ from pam_ident.core import Specimen
 from pam_ident.records import build_record
 from pam_ident.records.motion import find_motion
 from pam_ident.records.roughness import noise_around, position_noise
+from pam_ident.records.smoothing import noise_only
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 TRAVEL = 40.0
@@ -375,3 +376,12 @@ def test_a_drive_of_many_sines_turns_slowly_and_rests_nowhere(seed):
     assert found.moving.mean() > 0.99
     fast = np.abs(speed) > 4.0
     assert np.mean(found.direction[fast] == np.sign(speed[fast])) > 0.985
+
+
+@pytest.mark.parametrize(("cut", "noise_alone"), [(0.0, True), (0.7, False)])
+def test_what_a_curve_misses_at_a_kink_is_no_noise(cut, noise_alone):
+    """It is as small as noise, but neighbours are off in the same sense."""
+    phase = np.linspace(0.0, 6.0 * np.pi, 400)
+    off = np.random.default_rng(3).standard_normal(400) + cut * 2.0**0.5 * np.sin(phase)
+    assert noise_only(off, 1.0, 8) is noise_alone
+    assert off @ off < 1.25**2 * 392  # by its size alone it would be
