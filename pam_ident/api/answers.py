@@ -308,6 +308,11 @@ class LadderResult(RecordAnswer):
         return self.details.rungs[-1].effects
 
     @property
+    def groups(self) -> tuple[tuple[str, ...], ...]:
+        """Each effect of the last rung that this record cannot tell from others, with these."""
+        return self.details.groups
+
+    @property
     def rungs(self) -> "pd.DataFrame":
         """A row a rung, the law alone first."""
         from ..export.frames import rungs

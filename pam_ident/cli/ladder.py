@@ -29,7 +29,7 @@ def ladder(
     from ..schema.diagnosis import ladder_json
     from ..schema.prediction import law_choice_json
     from ..tasks.gate import warnings_of
-    from ..tasks.ladder import climb_ladder
+    from ..tasks.ladder import climb_ladder, why_it_ends
     from ..tasks.law_choice import settle
 
     choice = None
@@ -50,7 +50,7 @@ def ladder(
         *text.banner(doubts),
     )
     last = found.rungs[-1].fit
-    text.say(found.last.sentence, *last.at_bounds, "", *rungs(found))
+    text.say(why_it_ends(found), *last.at_bounds, "", *rungs(found))
     if last.model.params:
         text.say("", "parameters of the last step:", *text.parameters(last))
     options.stop_if_invalid(record, last.problems)

@@ -264,7 +264,10 @@ def _sentence(
     own = (*a.best.model.own, *b.best.model.own)
     told: dict[str, list[str]] = {}
     for one in effects:
-        told.setdefault(_missing_in(one, names, known), []).append(named(one.effect, own))
+        rivals = _rivals(one, a, b)
+        told.setdefault(_missing_in(one, names, known), []).append(
+            " or ".join(named(n, own) for n in (one.effect, *rivals))
+        )
     parts += [f"Missing in {who}: {', '.join(found)}" for who, found in told.items()]
     shares = [{one.what: one.share for one in each.follows} for each in (a, b)]
     words = {one.what: one.text for each in (a, b) for one in each.follows}
@@ -286,6 +289,14 @@ def _names(a: Diagnosis, b: Diagnosis) -> tuple[str, str]:
         if first != second:
             return first, second
     return "A", "B"
+
+
+def _rivals(one: EffectDifference, a: Diagnosis, b: Diagnosis) -> list[str]:
+    """Effects that none of the records in which one was found can tell from it."""
+    found = {"a": [a], "b": [b], "both": [a, b]}[one.where]
+    name = one.effect.partition(":")[0]
+    groups = [{n for group in each.groups if group[0] == name for n in group[1:]} for each in found]
+    return [n for group in found[0].groups for n in group[1:] if all(n in those for those in groups)]
 
 
 def _missing_in(one: EffectDifference, names: tuple[str, str], known: list[ParameterDifference]) -> str:

@@ -230,6 +230,16 @@ class Ladder:
         return self.last.verdict
 
     @cached_property
+    def groups(self) -> tuple[tuple[str, ...], ...]:
+        """Each effect of the last rung that the record cannot tell from others, with those that it does not hold."""
+        held = self.rungs[-1].fit.model.effect_names
+        found = {group[0]: group for rung in self.rungs if rung.found for group in rung.found.groups}
+        left = (
+            tuple(n for n in group if n == first or n not in held) for first, group in found.items() if first in held
+        )
+        return tuple(group for group in left if len(group) > 1)
+
+    @cached_property
     def elsewhere(self) -> Elsewhere:
         """What the record says of the last rung on others, its effects and forms kept."""
         return Elsewhere.of(self.rungs[-1].fit)

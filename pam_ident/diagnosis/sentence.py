@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from ..core.digits import newtons, number, percent, percents, probability
 from ..effects import Effect, in_words, named
 from ..fitting import Fit
-from .nouns import Diagnosis, Follows, Pattern
+from .nouns import Diagnosis, Follows, Ladder, Pattern
 
 REST = "the rest"
 """What follows nothing, where nobody knows that it is noise."""
@@ -62,15 +62,27 @@ def sentence(
             )
     elif pattern is None:
         parts.append("Nothing is missing that this record could show.")
-    for first, *others in classes:
-        rivals = " or ".join(named(name, extra) for name in others)
-        parts.append(f"This record cannot tell {in_words(first, extra)} from {rivals}.")
+    parts += untold(classes, extra)
     if pattern:
         parts.append(f"Something is left that no known effect explains: {pattern.text}.")
         if pattern.kind == "step" and pattern.coordinate == "time":
             after = f"--where 'time_s > {number(pattern.value)}'"
             parts.append(f"If a sensor was zeroed or knocked then, diagnose what follows it by itself: {after}.")
     return " ".join(parts)
+
+
+def untold(classes: Iterable[Sequence[str]], extra: tuple[Effect, ...]) -> list[str]:
+    """A sentence for each name and those that a record cannot tell from it; `extra` are effects beside the
+    catalogue's."""
+    return [
+        f"This record cannot tell {in_words(first, extra)} from {' or '.join(named(name, extra) for name in others)}."
+        for first, *others in classes
+    ]
+
+
+def why_it_ends(ladder: Ladder) -> str:
+    """What is missing on its last rung, and from which effects the record cannot tell those that it holds."""
+    return " ".join([ladder.last.sentence, *untold(ladder.groups, ladder.rungs[-1].fit.model.own)])
 
 
 def headline(names: Sequence[str], diagnoses: Iterable[Diagnosis], extra: tuple[Effect, ...]) -> str:

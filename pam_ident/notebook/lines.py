@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..core.digits import millimetres
 from ..core.prose import capital
+from ..diagnosis.sentence import untold
 from ..effects import named
 from ..report.words import newtons
 
@@ -49,10 +50,11 @@ def ladder(one: "Ladder") -> str:
     """Where it began and where it ended."""
     first, last = one.rungs[0].fit, one.rungs[-1]
     added = ", ".join(named(label, last.fit.model.own) for label in last.effects) or "nothing"
-    return (
+    found = (
         f"{capital(first.model.law.title)}: {newtons(first.rmse)} rms; with {added}: {newtons(last.fit.rmse)} rms; "
         f"noise {newtons(one.noise_floor)}"
     )
+    return ". ".join([found, *untold(one.groups, last.fit.model.own)])
 
 
 def track(one: "Track") -> str:

@@ -221,6 +221,7 @@ def ladder_json(record: str, ladder: "Ladder", doubts: "Sequence[Doubt]" = ()) -
         ],
         "noise_floor_N": ladder.noise_floor,
         "verdict": ladder.verdict,
+        "groups": [list(group) for group in ladder.groups],
         "heldout": "nested" if ladder.nested else "refit",
         "nested": _nested(ladder.nested),
         "warnings": warnings_json(doubts),

@@ -11,6 +11,7 @@ from ..diagnosis import climb, diagnose, heldout_rmse
 from ..diagnosis.ladder import climbing
 from ..diagnosis.nested import HERE, nested
 from ..diagnosis.nouns import Diagnosis, Ladder, Rung
+from ..diagnosis.sentence import why_it_ends
 from ..fitting import Fit, fit
 from ..model import Model, steps
 from ..parallel.executor import Executor
@@ -20,7 +21,7 @@ from .gate import check_completed, computing, may_name
 from .law_choice import settle
 from .setup import AUTO, REFIT, Setup
 
-__all__ = ["climb_ladder", "ladder_by_hand", "steps"]
+__all__ = ["climb_ladder", "ladder_by_hand", "steps", "why_it_ends"]
 
 
 def climb_ladder(record: Record, setup: Setup, executor: Executor = HERE) -> Ladder:

@@ -75,6 +75,14 @@ def test_what_one_record_cannot_tell_from_the_others_name_is_the_same(found):
     ]
 
 
+def test_what_a_record_cannot_tell_is_said_beside_the_name(found):
+    unsure = replace(found.b, groups=(("pressure_friction", "coulomb_friction"),))
+    for a, b, who in ((found.a, unsure, "hidden_effect"), (unsure, unsure, "both")):
+        told = against(a, b).sentence
+        assert f"Missing in {who}" in told and "(coulomb_friction)" in told, told
+    assert "coulomb_friction" not in against(unsure, found.b).sentence, "the other record tells"
+
+
 def test_the_force_differs_by_the_friction_and_not_on_average(found):
     force = found.force
     assert force.low < force.mean < force.high and abs(force.mean) < 1.0 < force.rms < abs(force.largest)

@@ -1,9 +1,12 @@
 """Which effects become steps of a ladder."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pam_ident.core import Specimen
 from pam_ident.diagnosis import climb
+from pam_ident.diagnosis.sentence import why_it_ends
 from pam_ident.fitting import fit
 from pam_ident.model import Model
 from pam_ident.records import build_record
@@ -30,3 +33,13 @@ def test_an_effect_is_added_though_the_law_s_own_parameters_are_loose_once_it_is
     first, *steps = climb(law, record, detail=False).rungs
     assert [step.fit.model.effect_names for step in steps] == [["pressure_friction"]]
     assert steps[-1].fit.rmse < 0.3 * first.fit.rmse and not steps[-1].fit.valid
+
+
+def test_a_ladder_says_from_which_effects_the_record_cannot_tell_its_own():
+    ladder = climb(Model.build("exponential_law"), braid_with_friction(4), detail=False)
+    below, step = ladder.rungs
+    assert ladder.groups == step.found.groups and "cannot tell" in why_it_ends(ladder), "all strokes have one speed"
+    groups = (("pressure_friction", "coulomb_friction"), ("creep", "force_drift"))
+    unsure = replace(ladder, rungs=(below, replace(step, found=replace(step.found, groups=groups))))
+    assert unsure.groups == groups[:1], "of effects that it holds"
+    assert "cannot tell friction that grows with pressure from Coulomb friction" in why_it_ends(unsure)
