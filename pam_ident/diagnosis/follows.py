@@ -355,11 +355,13 @@ class Following:
         """Whether what follows these drivers may be missing; in a table, which holds few of them, anything may.
 
         The first of them is what tells it from others: friction whose speed does not matter is no Stribeck friction. So
-        it must be possible, and where another of them is among the drivers be one itself.
+        it must be possible, and where another of them is among the drivers be one itself. But what lags what is driven
+        follows its rate, or relaxes once that has changed, by how long it lags.
         """
         drivers = self.drivers
         sought = drivers if drivers.intersection(follows) else self.possible
-        return not follows or self.record.inputs.time is None or follows[0] in sought
+        first = {*follows[:1], *(("rest",) if {"pressure_rate", "rest"}.issubset(follows) else ())}
+        return not follows or self.record.inputs.time is None or not first.isdisjoint(sought)
 
     def shares(self) -> tuple[Follows, ...]:
         """Shares of the squared error, largest first, noise last; they add to 1, and none is what chance would give."""

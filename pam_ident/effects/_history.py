@@ -38,6 +38,17 @@ def relax(inputs: Inputs, drive: Array, tau: float | Array) -> Array:
     return decaying_sum(kept, np.diff(drive) * answer)
 
 
+def integral(inputs: Inputs, values: Array, over: Array) -> Array:
+    """Of values (n,) over another quantity (n,), from the first sample on, shape (n,)."""
+    if inputs.live is not None:
+
+        def advance(total: Array, value: Array, before: Array) -> Slot:
+            return total + 0.5 * (values + value) * (over - before), values, over
+
+        return inputs.live.step((inputs.xp.zeros_like(over), values, over), advance)[0]
+    return np.r_[0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(over))]
+
+
 def relax_from_none(inputs: Inputs, drive: Array, tau: float, anew: float) -> Array:
     """As `relax`, of a drive that began at the first sample from 0, and between segments went back by the share `anew`
     of its way from there."""

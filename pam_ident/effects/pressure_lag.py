@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ..core import Inputs, Param, Range
-from ._history import relax
+from ._history import integral, relax
 from .base import Array, Effect, TransformsPressure, Values, free_form, one
 
 ATMOSPHERE_MPA, BARE_MPA = 0.101325, 0.1
@@ -95,7 +95,8 @@ def _two_ways(inputs: Inputs, values: Values, force: Array) -> Array:
 
 def _lagging(inputs: Inputs, values: Values, force: Array) -> Array:
     """Driven by ln V itself, which is known at every sample, not by its rate, which jumps between them."""
-    return -_parts(inputs, relax(inputs, _log_gas(inputs), values["tau"]))
+    tau, bare = values["tau"], BARE_MPA * relax(inputs, _log_gas(inputs), values["tau"])
+    return -inputs.xp.stack([_lost(inputs, inputs.pressure, tau), bare]).T
 
 
 def _filling(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -104,10 +105,18 @@ def _filling(inputs: Inputs, values: Values, force: Array) -> Array:
     return -_parts(inputs, rate - relax(inputs, rate, values["tau"]))
 
 
+def _lost(inputs: Inputs, pressure: Array, tau: Array | float) -> Array:
+    """What is lost of a pressure p (n,) in MPa between sensor and muscle, q̇ = p V̇/V + ṗ − q/τ, shape (n,); τ in s."""
+    log_volume = inputs.xp.log(_volume(inputs))
+    if inputs.pressure_rate is None:
+        return pressure * relax(inputs, log_volume, tau)
+    pumped = 0.0 if inputs.locked else integral(inputs, pressure, log_volume)
+    return relax(inputs, pressure + pumped, tau)
+
+
 def _through_valve(inputs: Inputs, tau: float, ways: Array | float = 1.0) -> Array:
     """A valve of fixed conductance fills a larger volume more slowly: τ grows with V."""
-    volume = _volume(inputs)
-    return one(-_absolute(inputs) * relax(inputs, _log_gas(inputs), tau * volume * ways))
+    return one(-_lost(inputs, _absolute(inputs), tau * _volume(inputs) * ways))
 
 
 def _conductance(inputs: Inputs, values: Values, force: Array) -> Array:
@@ -123,12 +132,12 @@ def _choking(inputs: Inputs, values: Values, force: Array) -> Array:
     """An orifice lets the less through per difference of pressure, the more that is: τ grows with it, and the next
     course follows from the last, from a hose's on."""
     tau, xp = values["tau"], inputs.xp
-    times, drive = tau * _volume(inputs), _log_gas(inputs)
-    lost = relax(inputs, drive, times)
+    times, pressure = tau * _volume(inputs), _absolute(inputs)
+    lost = _lost(inputs, pressure, times)
     for _ in range(2):
-        size = xp.maximum(xp.abs(lost) / (0.3 * tau), 1e-3)
-        lost = relax(inputs, drive, times * size ** (1.0 - 1.0 / values["n"]))
-    return one(-_absolute(inputs) * lost)
+        size = xp.maximum(xp.abs(lost) / (0.3 * tau * pressure), 1e-3)
+        lost = _lost(inputs, pressure, times * size ** (1.0 - 1.0 / values["n"]))
+    return one(-lost)
 
 
 def _to_the_power(inputs: Inputs, rate: Array, n: float, unit: float) -> Array:

@@ -10,8 +10,9 @@ import numpy as np
 from ..core import Array, DataError, Inputs, Specimen
 from .isobars import as_driven, between, between_lengths, lengths_of, levels_of
 from .kind import find_kind
-from .motion import Motion, find_motion
+from .motion import BAND, Motion, find_motion
 from .notes import Note
+from .roughness import noise_in_steps
 from .smoothing import calmed
 
 KPA = 1e3
@@ -219,7 +220,8 @@ def build_record(
         motion = find_motion(time, x, held, None if kind == "isotonic" else force)
         if kind == "dynamic":
             assert driven is not None
-            motion = _of_the_braid(motion, driven, _per_kpa(specimen, contraction))
+            unseen = BAND * noise_in_steps(x, time)
+            motion = _of_the_braid(motion, driven, _per_kpa(specimen, contraction), unseen)
     segment, cycle = motion.segment, motion.cycle if cycle is None else counted_anew(cycle, held)
     inputs = Inputs(
         pressure=pressure,
@@ -270,12 +272,18 @@ def _per_kpa(specimen: Specimen, contraction: Array) -> Array:
     return 1e-3 * GIVE_MM_KN / KPA * np.maximum(pull, SLIGHT * pull.max())
 
 
-def _of_the_braid(motion: Motion, driven: Motion, per_kpa: Array) -> Motion:
-    """The motion of a braid that slides with the length or, where that rests, with the pressure, by mm/kPa (n,).
+def _of_the_braid(motion: Motion, driven: Motion, per_kpa: Array, unseen: float) -> Motion:
+    """The motion of a braid that slides with the length or, where that rests, with the pressure, by mm/kPa (n,), if
+    that is farther than the length may move `unseen`, in mm.
 
     How far it slides there is too unsure to be added to the way, or to win where both drive it; strokes are the
     length's."""
-    only, rows = driven.moving & ~motion.moving, np.arange(len(per_kpa))
+    rows = np.arange(len(per_kpa))
+    begins = np.flatnonzero((np.diff(motion.moving, prepend=2) != 0) | (np.diff(driven.stroke, prepend=-1) != 0))
+    slid = per_kpa * driven.position
+    way = np.maximum.reduceat(slid, begins) - np.minimum.reduceat(slid, begins)
+    far = np.repeat(way, np.diff(np.r_[begins, len(rows)])) >= unseen
+    only = driven.moving & ~motion.moving & far
     moving = motion.moving | only
     last = np.maximum.accumulate(np.where(moving, rows, 0))  # a rest keeps the direction before it
     last = np.where(moving[last] & (motion.segment[last] == motion.segment), last, rows)

@@ -229,6 +229,24 @@ def test_pressure_lags_by_the_rate_of_volume():
     assert flow == pytest.approx(got * (radius(0.1) / radius(0.0)) ** 2 * 0.9, rel=1e-9)
 
 
+@pytest.mark.parametrize("form", ["conductance", "lagging"])
+@pytest.mark.parametrize("locked", [True, False])
+def test_a_driven_pressure_is_lost_as_gas_flows_and_comes_back(form, locked):
+    """q̇ = p V̇/V + ṗ − q/τ in steps of Euler, p absolute or, in the form that leaves that open, above atmosphere."""
+    time = np.linspace(0.0, 4.0, 40001)
+    p = 0.3 + 0.25 * np.sin(2.0 * time) ** 3
+    e = np.full(len(time), 0.1) if locked else 0.1 + 0.08 * np.sin(3.0 * time)
+    given = inputs(e, p, time=time, segment=0, pressure_rate=np.gradient(p, time), velocity=1.0, direction=1.0)
+    given = replace(given, locked=locked)
+    log_volume = 2.0 * np.log(radius(e) / radius(0.0)) + np.log1p(-e)
+    absolute, tau = (p + 0.101325, 0.3 * np.exp(log_volume)) if form == "conductance" else (p, np.full(len(p), 0.3))
+    lost = np.zeros(len(time))
+    for k, (step, rise) in enumerate(zip(np.diff(time), np.diff(p), strict=True)):
+        lost[k + 1] = lost[k] + absolute[k] * (log_volume[k + 1] - log_volume[k]) + rise - lost[k] / tau[k] * step
+    got = columns(f"pressure_lag:{form}", given, tau=0.3)[:, 0]
+    np.testing.assert_allclose(-got, lost, atol=2e-3 * np.ptp(lost))
+
+
 # --- friction and damping ----------------------------------------------------------------------------------------
 
 MOTION = {

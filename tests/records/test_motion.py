@@ -7,7 +7,7 @@ from pam_ident.core import Specimen
 from pam_ident.records import build_record
 from pam_ident.records.motion import find_motion
 from pam_ident.records.roughness import noise_around, position_noise
-from pam_ident.records.smoothing import noise_only
+from pam_ident.records.smoothing import noise_only, smooth_stroke
 
 MUSCLE = Specimen("m", 200.0, 10.0, 25.4, 1.5)
 TRAVEL = 40.0
@@ -376,6 +376,19 @@ def test_a_drive_of_many_sines_turns_slowly_and_rests_nowhere(seed):
     assert found.moving.mean() > 0.99
     fast = np.abs(speed) > 4.0
     assert np.mean(found.direction[fast] == np.sign(speed[fast])) > 0.985
+
+
+@pytest.mark.parametrize("soft", [2, 3, 4])
+def test_a_stroke_has_the_speeds_of_a_drive_that_speeds_up_and_brakes_within_samples(soft):
+    """A polynomial swings over the stroke, and slopes over many neighbours know no corner: that passed for a force
+    which follows the speed."""
+    fine = np.linspace(0.0, 28.0, 2801)
+    speed = 3.0 * np.minimum(1.0, np.minimum(fine, 28.0 - fine) / soft)
+    way = 0.07 * np.r_[0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]))] / 100.0
+    time, x = 0.07 * fine[::100], way[::100]
+    noise = 0.02 * np.random.default_rng(3).standard_normal((20, len(x)))
+    off = [smooth_stroke(time, x + one, 0.02)[1] - speed[::100] for one in noise]
+    assert np.sqrt(np.mean(np.square(off))) < 0.1 * 3.0
 
 
 @pytest.mark.parametrize(("cut", "noise_alone"), [(0.0, True), (0.7, False)])
