@@ -6,18 +6,21 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from ..core import Array
 from . import turning
 from .roughness import NORMAL_MEDIAN, noise_in_steps
 from .slow_turns import without_slow_turns
-from .smoothing import LARGEST, smooth_holds, smooth_stroke
+from .smoothing import LARGEST, chebyshev_waves, noise_only, smooth_holds, smooth_stroke
 from .turning import BAND, NEAR, evened, pivots, quantile, stepped, thinned_holds, with_corners, without_spikes
 
 Read = Callable[[int, int], tuple[Array, Array, Array, Array]]
 """Time in s, position in mm, nominal pressure in MPa and what answers, such as the force, of some rows, begin … end."""
 FEWEST_HELD, SOFT = 6, 3
 """Samples of a hold whose level is known, and of those at either end that may lie off it."""
+TURN = 6
+"""Order of the curve that describes a smooth drive around a turn, and samples of that on either side at least."""
 CLEARLY, SURELY = 4.0, 3.0
 """How many times as much corners miss what goes on from the strokes as what goes on from the rests, in squares over a
 segment, from which the muscle still rested there; and the standard deviations by which the answer must not have turned
@@ -56,6 +59,31 @@ def find_motion(time: Array, x: Array, level: Array, answer: Array | None = None
 
     parts = [part for _, part in follow(len(x), read, noise_in_steps(x, time), float(np.ptp(x)), pause)]
     return Motion(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Motion)))
+
+
+def moving_on(motion: Motion, time: Array, x: Array, noise: float) -> Motion:
+    """The motion of a track (n,), mm over s, that does not rest where one curve describes what seems to be a rest, and
+    half as much of the track before and behind, to a `noise` in mm: a smooth drive turns there, or slows down."""
+    parts = {field.name: getattr(motion, field.name).copy() for field in fields(Motion)}
+    edges = np.flatnonzero(np.diff(motion.moving, prepend=True, append=True))
+    for begin, end in edges.reshape(-1, 2):
+        wide = max((end - begin) // 2, TURN)
+        around = np.arange(max(begin - wide, 0), min(end + wide, len(x)))
+        around = around[motion.segment[around] == motion.segment[begin]]
+        if around[0] == begin or around[-1] == end - 1:  # nobody saw it come to rest, or begin
+            continue
+        waves = chebyshev_waves(time[around], TURN)
+        curve = np.linalg.lstsq(waves, x[around], rcond=None)[0]
+        if not noise_only(x[around] - waves @ curve, noise, TURN + 1):
+            continue
+        rows = slice(begin, end)
+        parts["moving"][rows], inside = True, slice(begin - around[0], end - around[0])
+        slope = (waves[:, :-1] @ chebyshev.chebder(curve) * 2.0 / np.ptp(time[around]))[inside]
+        parts["velocity"][rows], parts["position"][rows] = slope, (waves @ curve)[inside]
+        turned = np.maximum.accumulate(slope * motion.direction[end] > 0.0)
+        for name in ("direction", "stroke", "stroke_speed"):
+            parts[name][rows] = np.where(turned, parts[name][end], parts[name][begin - 1])
+    return Motion(**parts)
 
 
 def long_pause(usual: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from ..core import Array, DataError, Inputs, Specimen
 from .isobars import as_driven, between, between_lengths, lengths_of, levels_of
 from .kind import find_kind
-from .motion import BAND, Motion, find_motion
+from .motion import BAND, Motion, find_motion, moving_on
 from .notes import Note
 from .roughness import noise_in_steps
 from .smoothing import calmed
@@ -220,8 +220,9 @@ def build_record(
         motion = find_motion(time, x, held, None if kind == "isotonic" else force)
         if kind == "dynamic":
             assert driven is not None
-            unseen = BAND * noise_in_steps(x, time)
-            motion = _of_the_braid(motion, driven, _per_kpa(specimen, contraction), unseen)
+            noise = noise_in_steps(x, time)
+            motion = moving_on(motion, time, x, noise)
+            motion = _of_the_braid(motion, driven, _per_kpa(specimen, contraction), BAND * noise)
     segment, cycle = motion.segment, motion.cycle if cycle is None else counted_anew(cycle, held)
     inputs = Inputs(
         pressure=pressure,

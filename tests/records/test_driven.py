@@ -10,8 +10,8 @@ from pam_ident.effects import get_effect
 from pam_ident.fitting.floor import repeats
 from pam_ident.records import read_record
 from pam_ident.records.inspection import inspect_record
-from pam_ident.records.motion import find_motion
-from pam_ident.records.record import build_record
+from pam_ident.records.motion import Motion, find_motion
+from pam_ident.records.record import _of_the_braid, build_record
 from pam_ident.rig import Plan, make_record, write_case
 
 
@@ -130,3 +130,28 @@ def test_gas_that_a_driven_pressure_moves_flows_through_the_line_too(tmp_path):
     column = textbook.columns(record.inputs, {}, np.zeros(len(record)))[:, 0]
     rate = np.gradient(course.pressure, course.time)[course.rows]
     assert np.median(np.abs(column + rate)) < 0.02 * np.std(rate)
+
+
+@pytest.mark.parametrize(("seed", "noise_mm"), [(0, 0.02), (0, 0.05), (5, 0.02), (5, 0.05)])
+def test_a_drive_of_many_sines_never_rests(seed, noise_mm):
+    """Where it turns slowly the noise hides the motion, and the pressure, which wavers, had told the way."""
+    rng, time = np.random.default_rng(seed), np.arange(0.0, 60.0, 0.02)
+    rates = np.geomspace(0.03, 1.2, 7) * rng.uniform(0.9, 1.1, 7)
+    angle = 2.0 * np.pi * rates * time[:, None] + rng.uniform(0.0, 2.0 * np.pi, 7)
+    x, speed = np.sin(angle) @ rates**-0.8, np.cos(angle) @ rates**0.2
+    x = 70.0 * (x - x.min()) / np.ptp(x)
+    pressure = 0.35 + 0.1 * np.sin(0.3 * time)
+    force = pressure * (2400.0 - 30.0 * x) - 8.0 * np.sign(speed) + 3.0 * rng.standard_normal(len(x))
+    muscle = Specimen("m", 300.0, 10.0, 25.4, 1.5)
+    record = build_record("r", muscle, pressure, (x + noise_mm * rng.standard_normal(len(x))) / 300.0, force, time=time)
+    assert record.kind == "dynamic" and np.mean(record.inputs.moving) > 0.99
+    assert np.mean(record.inputs.direction != np.sign(speed)) < 0.04  # but at the turns, and on ways that noise hides
+
+
+@pytest.mark.parametrize(("per_kpa", "moves"), [(0.001, False), (0.1, True)])
+def test_a_pressure_drives_the_braid_of_a_muscle_at_rest_if_it_does_so_farther_than_that_may_move(per_kpa, moves):
+    still, rows = np.r_[np.zeros(10), np.ones(20), np.zeros(10)] > 0.0, np.ones(40)
+    length = Motion(10.0 * ~still, rows, ~still, rows, rows, rows, rows, rows)
+    pressure = Motion(-5.0 * rows, -rows, rows > 0.0, rows, 5.0 * rows, -np.arange(40.0), rows, rows)
+    found = _of_the_braid(length, pressure, per_kpa * rows, 0.1)
+    assert np.all(found.moving[still] == moves) and np.all(found.direction[still] == (-1.0 if moves else 1.0))
