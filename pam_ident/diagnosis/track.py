@@ -212,16 +212,13 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
 
 
 def _changing(inputs: Inputs, track_mm: Array, near_mm: Array) -> Array:
-    """Samples on either side of where a stroke begins or ends whose velocity the steady track does not tell, (n,): by
-    the track as measured, which is known within `near_mm` (n,), a drive speeds up or brakes between their neighbours.
-    """
+    """The first and the last sample of strokes whose velocity the steady track does not tell, (n,): by the track as
+    measured, which is known within `near_mm` (n,), a drive speeds up or brakes between their neighbours."""
     moving, v = inputs.moving, inputs.velocity
     found = np.zeros(len(inputs), bool)
     if v is None or inputs.stroke_speed is None or moving is None or inputs.time is None:
         return found
-    edge = np.flatnonzero(np.diff(moving))
-    at = np.unique(np.r_[edge, edge + 1])
-    at = at[(at > 0) & (at < len(found) - 1)]
+    at = np.flatnonzero(moving[1:-1] & ~(moving[:-2] & moving[2:])) + 1
     time = inputs.time[at + 1] - inputs.time[at - 1]
     off = np.abs((track_mm[at + 1] - track_mm[at - 1]) / time - v[at])
     least = np.maximum(np.sqrt(2.0) * near_mm[at] / time, (1.0 - SLOW) * inputs.stroke_speed[at])
