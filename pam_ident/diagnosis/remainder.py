@@ -315,6 +315,8 @@ def _slow(selection: Selection, fitted: FittedSet) -> Pattern | None:
     if inputs.time is None or inputs.stroke_speed is None or inputs.moving is None:
         return None
     clean = inputs.moving & ~selection.noise.outlier
+    if not clean.any():
+        return None
     # Evened by what the noise has not, fast strokes would look calm.
     left = _evened(selection, fitted) if selection.noise.shared else selection.view(fitted).residual
     size = _by_level(np.abs(left)[clean], level[clean])
@@ -337,6 +339,6 @@ def _at_one_state(values: Array, group: Array, pressure: Array, contraction: Arr
     """The mean of values (n,) of each `group` (n,) of 0 … k - 1, (k,), as if all were at one state, from a line of best
     fit in the groups and a quadratic in pressure and contraction, (n,)."""
     p, e = ((v - v.mean()) / max(float(v.std()), 1e-12) for v in (pressure, contraction))
-    columns = np.column_stack([group[:, None] == np.arange(group.max(initial=-1) + 1), p, e, p * p, p * e, e * e])
+    columns = np.column_stack([group[:, None] == np.arange(group.max() + 1), p, e, p * p, p * e, e * e])
     gram = columns.T @ columns
     return np.linalg.solve(gram + 1e-9 * len(values) * np.eye(len(gram)), columns.T @ values)[:-5]

@@ -166,7 +166,7 @@ EFFECT = Effect(
     name="pressure_lag",
     title="pressure lag of the muscle behind the sensor",
     source="energy balance of a variable volume, ṗ = κ R T q/V − κ p V̇/V, with a resistance between sensor and muscle; "
-    "V̇/V is V̇/V + ṗ/p_abs where the pressure is driven",
+    "V̇/V is V̇/V + ṗ/p_abs where the pressure is driven, and p q is q then, with q̇ = p V̇/V + ṗ − q/τ",
     forms=(
         TransformsPressure("textbook", "p → p − T_p p_abs V̇/V", (LAG,), _quasi_steady),
         TransformsPressure("mass_flow", "p → p − T_p p_abs V̇/V0", (LAG,), _mass_flow),
