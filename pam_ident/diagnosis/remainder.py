@@ -155,14 +155,13 @@ def _evened(selection: Selection, fitted: FittedSet) -> Array:
 
 
 def _at_turns(selection: Selection, fitted: FittedSet) -> Pattern | None:
-    """What is left where the muscle turns or starts, or before or after it comes to rest, in samples that are looked at
-    nowhere else: noise does not grow there."""
+    """What is left where the muscle turns or starts, or where it comes to rest, in samples that are looked at nowhere
+    else: noise does not grow there."""
     unsure = selection.following.unsure
     if unsure is None:
         return None
     residual, stops = selection.view(fitted).residual, comes_to_rest(selection.record.inputs)
-    before = np.r_[stops[1:], False]
-    parts = (residual[unsure.unread & here] for here in (~(stops | before), before, stops))
+    parts = (residual[unsure.unread & here] for here in (~stops, stops))
     found = [v for v in parts if len(v) >= WINDOW and np.median(np.abs(v)) >= AT_TURNS * selection.noise.whole]
     if not found:
         return None

@@ -153,8 +153,6 @@ class TrackError:
         alone = np.where(smoothed, 0.0, off)
         by_itself = np.maximum(alone, noise_around(calm, raw.time, run))
         unread = _unread(record.steady, None if locked else ON_LEVEL * sensor_mm)
-        if not locked:
-            unread |= _changing(record.steady, track, ON_LEVEL * off)
         return cls(tuple(blocks), alone, by_itself, locked, sensor_mm, unread)
 
     def slope(self, around: Slopes, specimen: Specimen) -> Array:
@@ -208,21 +206,6 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     if near_mm is not None:
         last = np.flatnonzero(moving[1:] & ~moving[:-1])
         found[last + (np.abs(np.diff(x)[last]) <= near_mm)] = True
-    return found
-
-
-def _changing(inputs: Inputs, track_mm: Array, near_mm: Array) -> Array:
-    """The first and the last sample of strokes whose velocity the steady track does not tell, (n,): by the track as
-    measured, which is known within `near_mm` (n,), a drive speeds up or brakes between their neighbours."""
-    moving, v = inputs.moving, inputs.velocity
-    found = np.zeros(len(inputs), bool)
-    if v is None or inputs.stroke_speed is None or moving is None or inputs.time is None:
-        return found
-    at = np.flatnonzero(moving[1:-1] & ~(moving[:-2] & moving[2:])) + 1
-    time = inputs.time[at + 1] - inputs.time[at - 1]
-    off = np.abs((track_mm[at + 1] - track_mm[at - 1]) / time - v[at])
-    least = np.maximum(np.sqrt(2.0) * near_mm[at] / time, (1.0 - SLOW) * inputs.stroke_speed[at])
-    found[at] = off > least
     return found
 
 
