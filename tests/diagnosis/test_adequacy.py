@@ -1,6 +1,7 @@
 """An answer beside the free model: what no file foresaw is unknown, whatever else the catalogue could make of it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -377,6 +378,12 @@ def test_what_lags_a_driven_pressure_may_relax_in_a_locked_muscle():
     lag, creep, damping = (_one_a_driver(catalogue()[n]) for n in ("pressure_lag", "creep", "viscous_damping"))
     assert "rest" in lag.follows and lag.follows[0] == "speed" == lag.alike == damping.alike
     assert "rest" not in damping.follows and creep.alike == "rest"
+    inputs = SimpleNamespace(time=np.arange(3.0))
+    relaxing = SimpleNamespace(drivers={"way", "rest"}, possible={"way", "rest"}, record=SimpleNamespace(inputs=inputs))
+    seen = [
+        e.name for e in (lag, creep, damping, catalogue()["pressure_lag"]) if Following.supports(relaxing, e.follows)
+    ]
+    assert seen == ["pressure_lag", "creep"], "in another muscle a lag follows the rate"
 
 
 def test_names_likelier_than_the_free_model_that_leave_no_more_have_nothing_unknown_in_their_place(
