@@ -27,9 +27,9 @@ def demo(
 
 
 def _tell(stage: "DemoPart") -> None:
-    record = stage.section.record
-    text.say(f"{stage.data_set}: {stage.about}", f"  {len(record)} samples, {len(record.levels)} pressures")
     from ..tasks.ladder import why_it_ends
 
+    record = stage.section.record
+    text.say(f"{stage.data_set}: {stage.about}", f"  {len(record)} samples, {len(record.levels)} pressures")
     text.say(*rungs(stage.ladder), f"  {why_it_ends(stage.ladder)}")
     text.say(*(f"  {one}" for one in stage.ladder.rungs[-1].fit.at_bounds), "")

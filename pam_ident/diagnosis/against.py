@@ -295,8 +295,8 @@ def _rivals(one: EffectDifference, a: Diagnosis, b: Diagnosis) -> list[str]:
     """Effects that none of the records in which one was found can tell from it."""
     found = {"a": [a], "b": [b], "both": [a, b]}[one.where]
     name = one.effect.partition(":")[0]
-    groups = [{n for group in each.groups if group[0] == name for n in group[1:]} for each in found]
-    return [n for group in found[0].groups for n in group[1:] if all(n in those for those in groups)]
+    first, *others = ({first: rest for first, *rest in each.groups}.get(name, []) for each in found)
+    return [n for n in first if all(n in rest for rest in others)]
 
 
 def _missing_in(one: EffectDifference, names: tuple[str, str], known: list[ParameterDifference]) -> str:

@@ -62,7 +62,7 @@ def sentence(
             )
     elif pattern is None:
         parts.append("Nothing is missing that this record could show.")
-    parts += untold(classes, extra)
+    parts += not_told_apart(classes, extra)
     if pattern:
         parts.append(f"Something is left that no known effect explains: {pattern.text}.")
         if pattern.kind == "step" and pattern.coordinate == "time":
@@ -71,7 +71,7 @@ def sentence(
     return " ".join(parts)
 
 
-def untold(classes: Iterable[Sequence[str]], extra: tuple[Effect, ...]) -> list[str]:
+def not_told_apart(classes: Iterable[Sequence[str]], extra: tuple[Effect, ...]) -> list[str]:
     """A sentence for each name and those that a record cannot tell from it; `extra` are effects beside the
     catalogue's."""
     return [
@@ -82,7 +82,7 @@ def untold(classes: Iterable[Sequence[str]], extra: tuple[Effect, ...]) -> list[
 
 def why_it_ends(ladder: Ladder) -> str:
     """What is missing on its last rung, and from which effects the record cannot tell those that it holds."""
-    return " ".join([ladder.last.sentence, *untold(ladder.groups, ladder.rungs[-1].fit.model.own)])
+    return " ".join([ladder.last.sentence, *not_told_apart(ladder.groups, ladder.rungs[-1].fit.model.own)])
 
 
 def headline(names: Sequence[str], diagnoses: Iterable[Diagnosis], extra: tuple[Effect, ...]) -> str:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..core.digits import millimetres
 from ..core.prose import capital
-from ..diagnosis.sentence import untold
+from ..diagnosis.sentence import not_told_apart
 from ..effects import named
 from ..report.words import newtons
 
@@ -54,7 +54,7 @@ def ladder(one: "Ladder") -> str:
         f"{capital(first.model.law.title)}: {newtons(first.rmse)} rms; with {added}: {newtons(last.fit.rmse)} rms; "
         f"noise {newtons(one.noise_floor)}"
     )
-    return ". ".join([found, *untold(one.groups, last.fit.model.own)])
+    return ". ".join([found, *not_told_apart(one.groups, last.fit.model.own)])
 
 
 def track(one: "Track") -> str:

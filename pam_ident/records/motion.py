@@ -6,13 +6,12 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from ..core import Array
 from . import turning
 from .roughness import NORMAL_MEDIAN, noise_in_steps
 from .slow_turns import without_slow_turns
-from .smoothing import LARGEST, chebyshev_waves, noise_only, smooth_holds, smooth_stroke
+from .smoothing import LARGEST, chebyshev_slopes, chebyshev_waves, noise_only, smooth_holds, smooth_stroke
 from .turning import BAND, NEAR, evened, pivots, quantile, stepped, thinned_holds, with_corners, without_spikes
 
 Read = Callable[[int, int], tuple[Array, Array, Array, Array]]
@@ -78,7 +77,7 @@ def moving_on(motion: Motion, time: Array, x: Array, noise: float) -> Motion:
             continue
         rows = slice(begin, end)
         parts["moving"][rows], inside = True, slice(begin - around[0], end - around[0])
-        slope = (waves[:, :-1] @ chebyshev.chebder(curve) * 2.0 / np.ptp(time[around]))[inside]
+        slope = chebyshev_slopes(waves, curve, float(np.ptp(time[around])))[inside]
         parts["velocity"][rows], parts["position"][rows] = slope, (waves @ curve)[inside]
         turned = np.maximum.accumulate(slope * motion.direction[end] > 0.0)
         for name in ("direction", "stroke", "stroke_speed"):

@@ -43,13 +43,13 @@ def smooth_stroke(time: Array, x: Array, noise: float) -> tuple[Array, Array]:
         # alike, which comes out as friction or creep: then the position stays as measured.
         smooth = noise_only(off, noise, waves.shape[1]) and np.all(off**2 <= (LARGEST * noise) ** 2 * spread)
         position = x - off if smooth else x
-        slopes = few[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
+        slopes = chebyshev_slopes(few, curve, width)
         if missed < 2e-4 * np.ptp(x) or noise_only(x - few @ curve, noise, len(curve)):
             return position, slopes
-        waves, slopes_of = soft_course(time)
-        curve = np.linalg.lstsq(waves, x, rcond=None)[0]
-        if noise_only(x - waves @ curve, noise, len(curve)):
-            return position, slopes_of @ curve
+        parabolas, rates = soft_course(time)
+        curve = np.linalg.lstsq(parabolas, x, rcond=None)[0]
+        if noise_only(x - parabolas @ curve, noise, len(curve)):
+            return position, rates @ curve
         if missed < 3.0 * noise:
             return position, slopes
     return position, _local_slopes(time, x, noise)
@@ -91,6 +91,12 @@ def smooth_basis(time: Array, n: int) -> Array:
 def chebyshev_waves(time: Array, orders: int) -> Array:
     """Chebyshev polynomials of 0 … `orders` over some times (m,), shape (m, orders + 1)."""
     return chebyshev.chebvander(2.0 * (time - time[0]) / float(np.ptp(time)) - 1.0, orders)
+
+
+def chebyshev_slopes(waves: Array, curve: Array, width: float) -> Array:
+    """Slopes (m,) of a curve, `waves` (m, k) of `chebyshev_waves` times its coefficients (k,), over times that span a
+    `width` in s."""
+    return waves[:, :-1] @ chebyshev.chebder(curve) * 2.0 / width
 
 
 def _local_slopes(time: Array, x: Array, noise: float) -> Array:

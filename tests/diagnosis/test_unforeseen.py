@@ -1,6 +1,5 @@
 """Forces that follow what an effect follows, by curves that no form of it has, in strokes between holds."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -549,8 +548,7 @@ def test_parts_of_a_drift_may_be_larger_than_nature_allows_the_whole():
 @pytest.mark.long
 def test_a_force_that_is_logged_late_is_said_to_be_one():
     found = diagnose(LAW, strokes(lambda p, x, side, v: 0.0 * v, cell=lambda t, f, T: np.interp(t - 0.1, t, f)))
-    told = re.search(r"It could be a force that is logged ([0-9.]+) s after the length", found.sentence)
-    assert told and float(told[1]) == pytest.approx(0.1, rel=0.05)
+    assert "It could be a force that is logged 0.098 s after the length" in found.sentence
     assert all(one.probability <= 0.5 for one in found.ranking)
 
 
