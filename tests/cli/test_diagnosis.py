@@ -136,13 +136,14 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     result, found = answer("ladder", rubbing, *LAW)
     assert result.exit_code == 0
     keys = {"schema", "record", "law", "specimen", "free_geometry", "range", "rungs", "noise_floor_N", "verdict"}
-    keys |= {"warnings", "heldout", "nested"}
+    keys |= {"warnings", "heldout", "nested", "groups"}
     assert set(found) == keys and found["heldout"] == "nested" and found["free_geometry"] is False
     assert found["schema"] == "pam-ident/ladder/1" and found["verdict"] == "adequate"
     assert found["rungs"][0]["effects"] == [] and len(found["rungs"]) == 2
     keys = {"effects", "rmse_N", "heldout_rmse_N", "refit_rmse_N", "shares_N", "parameters", "covariance"}
     assert [set(one) for one in found["rungs"]] == [keys, keys | {"reading", "simpler"}]
     assert found["rungs"][-1]["effects"][0].startswith("coulomb_friction")
+    assert found["groups"] == [["coulomb_friction", "pressure_friction"]]
     assert found["rungs"][-1]["rmse_N"] < 1.1 * found["noise_floor_N"] < 0.3 * found["rungs"][0]["rmse_N"]
     assert "step" in result.stdout and "verdict: adequate" in result.stdout
 
