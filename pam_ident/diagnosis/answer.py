@@ -5,9 +5,11 @@ from dataclasses import dataclass, replace
 
 from ..effects import Effect
 from ..fitting import Fit
+from ..model import Term
 from .adequacy import EVEN, MAY_LEAVE, Adequacy, FreeModel, needless, unknown_instead
 from .confounding import groups
 from .follows import Following
+from .patterns import catalogue as patterns
 from .probability import probabilities
 from .remainder import remainder_of
 from .search import CLOSE
@@ -56,10 +58,15 @@ def _as_followed(selection: Selection, fitted: FittedSet) -> FittedSet:
     close = [v for v in alike if v.criterion < fitted.criterion + CLOSE and v.names == v.candidates]
 
     def order(one: FittedSet) -> tuple[int, float]:
-        return -sum(not chosen.isdisjoint(t.effect.follows[:1]) for t in one.terms), one.criterion
+        return -sum(not chosen.isdisjoint(_first(t)) for t in one.terms), one.criterion
 
     better = sorted((v for v in close if order(v)[0] < order(fitted)[0]), key=order)
     return next((v for v in better if Adequacy(selection, v, free).complete), fitted)
+
+
+def _first(term: Term) -> tuple[str, ...]:
+    """What a term follows first: a pattern its coordinate."""
+    return term.effect.follows[:1] if term.effect.candidate else (patterns()[term.effect.name].along(term.form),)
 
 
 def likelier_instead(answer: Selected, others: list[Effect]) -> list[str]:

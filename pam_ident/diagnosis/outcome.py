@@ -235,7 +235,7 @@ class Outcome:
             said += (
                 f" The noise hums: it has a beat with a period of {number(period, 3)} s, smaller than the rest of it."
             )
-        if self.pattern and not self.named and self.follows[0].what == "speed":
+        if self.pattern and not self.fitted.terms and self.follows[0].what == "speed":
             said += f" {logged_late(self.selection, self.floor**2)}".rstrip()
         if self.slow:
             said += " Less sure: part of what is left passes for slow noise, but may follow what was driven as well."

@@ -8,6 +8,7 @@ from ..effects import Effect
 from ..model import Term
 from .drivers import DRIVERS
 from .late import logged_late
+from .remainder import as_good
 from .search import TEMPER
 from .selection import FittedSet, Selection
 
@@ -74,10 +75,10 @@ def by_form_alone(
     and the error rather `follows` another; where it is static beside another that is, or is not told from one that
     is (`classes`), since only forms tell static effects apart, or beside what follows the temperature, of which nobody
     knows from where it counts; where another driver explains as much as the one that it follows first, and it is
-    grouped with no effect that follows that; where a force that is logged late looks the same; where it follows a way
-    that the braid slides and nobody measured; where it follows the clock in more than one way; and in its free form,
-    where the answer is `complete`, or it is static: of statements of 0.9 or more 4 of 40 in one were false, 3 of 258 in
-    written ones.
+    grouped with no effect that follows that; where a force that is logged late looks the same, or a pattern does, whose
+    chance is counted already; where it follows a way that the braid slides and nobody measured; where it follows the
+    clock in more than one way; and in its free form, where the answer is `complete`, or it is static: of statements of
+    0.9 or more 4 of 40 in one were false, 3 of 258 in written ones.
     """
     found: dict[str, tuple[float, str]] = {}
     timed = selection.record.inputs.time is not None
@@ -106,6 +107,8 @@ def by_form_alone(
             and (why := logged_late(selection, selection.plain_square(fitted.terms, fitted.values)))
         ):
             found[name] = BY_FORM, why
+        elif timed and (other := as_good(selection, fitted, name)):
+            found[name] = 1.0, f"It could as well be {other}."
         elif selection.record.kind == "dynamic" and term.effect.follows[:1] == ("way",):
             why = "How far the braid slides while the pressure alone changes is not measured."
             found[name] = 1.0 - DOUBTFUL, why

@@ -15,6 +15,7 @@ from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns.beat import PATTERN as BEAT_IN_TIME
 from .repeats import rounding, step_of
+from .search import CLOSE
 from .selection import FittedSet, Selection
 from .track import comes_to_rest
 from .whitening import LAGS
@@ -32,6 +33,8 @@ FORMS = {
     "odd": "against the motion",
     "pressed": "in proportion to the pressure",
     "loaded": "in proportion to the force",
+    "play": "it looks like friction: move the clamp to and fro by hand, the reading must follow at once",
+    "late": "it looks like damping: see whether the logger reads all channels at one instant",
 }
 """Forms of patterns whose names say too little."""
 HUM = 1.0
@@ -75,16 +78,31 @@ def pattern_of(selection: Selection, fitted: FittedSet) -> Pattern | None:
     term = _shape_in(fitted)
     if term is None or hum(selection, fitted):
         return remainder_of(selection, fitted)
-    name = term.effect.name
     explained = selection.empty.squares - fitted.squares
     share = min(max(_gain(selection, fitted, term) / max(explained, 1e-9), 0.0), 1.0)
-    at = {p.name: fitted.values[f"{name}.{p.name}"] for p in term.form.nonlinear}
-    value, unit = next(((at[p.name], p.unit) for p in term.form.nonlinear), (None, ""))
+    name = term.effect.name
+    value, unit = next(((fitted.values[f"{name}.{p.name}"], p.unit) for p in term.form.nonlinear), (None, ""))
     shape = catalogue_of_patterns()[name]
-    along = shape.elsewhere.get(term.form.name, shape.coordinate)
-    form = FORMS.get(term.form.name, term.form.name.replace("_", " "))
-    text = f"{shape.words(at, along)} ({form}){_part(share)}"
-    return Pattern(shape.kind, along, value, unit, float(share), text)
+    text = f"{in_words(fitted, term)}{_part(share)}"
+    return Pattern(shape.kind, shape.along(term.form), value, unit, float(share), text)
+
+
+def in_words(fitted: FittedSet, term: Term) -> str:
+    """A term of a set that is no effect's, as a sentence calls it."""
+    name = term.effect.name
+    at = {p.name: fitted.values[f"{name}.{p.name}"] for p in term.form.params}
+    shape = catalogue_of_patterns()[name]
+    return f"{shape.words(at, shape.along(term.form))} ({FORMS.get(term.form.name, term.form.name.replace('_', ' '))})"
+
+
+def as_good(selection: Selection, fitted: FittedSet, name: str) -> str:
+    """What is no effect's and could take the place of a name in a set, in words: the likeliest such set without it that
+    the record does not tell from this; else nothing."""
+    others = [v for v in selection.cache.values() if v.names != v.candidates and name not in v.names]
+    near = [v for v in others if v.criterion < fitted.criterion + CLOSE]
+    best = min(near, key=lambda v: v.criterion, default=None)
+    term = _shape_in(best) if best else None
+    return in_words(best, term) if best and term else ""
 
 
 def hum(selection: Selection, fitted: FittedSet) -> float:

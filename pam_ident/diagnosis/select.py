@@ -324,8 +324,7 @@ def find_pattern(selection: Selection, fitted: FittedSet) -> FittedSet | None:
             found = _with_pattern(selection, scanned, penalty)
             if found.criterion < best.criterion:
                 best = found
-    apart = 0.0 if best.names >= fitted.names else CLOSE  # a record that does not tell it from names has no unknown
-    return best if best.criterion < fitted.criterion - apart and _outlives_tails(selection, best, fitted) else None
+    return best if best.criterion < fitted.criterion and _outlives_tails(selection, best, fitted) else None
 
 
 def _outlives_tails(selection: Selection, found: FittedSet, fitted: FittedSet) -> bool:

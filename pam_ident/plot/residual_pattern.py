@@ -42,7 +42,7 @@ def coordinate(record: Record, pattern: Pattern) -> tuple[str, Array]:
     The unit decides between contraction as a ratio and in mm. Falls back on the sample number.
     """
     inputs, name = record.inputs, pattern.coordinate.split("_")[0].lower()
-    if name in ("contraction", "displacement", "length", "place"):
+    if name in ("contraction", "displacement", "length", "place", "direction"):
         if pattern.unit in ("1", ""):
             return "contraction ratio ε (1)", inputs.contraction
         return "contraction (mm)", inputs.displacement_mm

@@ -21,13 +21,13 @@ RUN, HOLD, STROKE_MM = 30, 6, 40.0
 NOISE_N, NOISE_MM, NOISE_MPA = 1.0, 0.01, 1e-4
 
 
-def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0, cell=None, warm=None, reach=None):
+def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0, cell=None, warm=None, reach=None, read=None):
     """At four pressures, `times` there and back at each of the speeds in mm/s, the drive speeding up and braking over
     `soft` of a stroke. The last sample of a hold lies at the corner: there the friction is that of the stroke before or
     of the next, by chance, and in the hold before the first stroke of a pressure that of either side. `hidden` takes
     pressure in MPa, contraction over the largest, the side (±1, kept in holds) and velocity in mm/s (0 in holds) to
     the force in N. `cell` takes the time in s, the muscle's force and the temperature to what is read, `warm` the time
-    to the temperature in °C."""
+    to the temperature in °C, `read` the length in mm to that which is read."""
     rng, columns = np.random.default_rng(seed), []
     u = np.linspace(0.0, 1.0, RUN + 1)[1:]
     way = np.interp(u, *ramped(soft))
@@ -47,6 +47,7 @@ def strokes(hidden, speeds=(4.0, 12.0, 40.0), times=4, seed=3, soft=0.0, cell=No
     time, contraction = np.cumsum(step), STROKE_MM * x / SPECIMEN.initial_length_mm
     pull = LAW.force(build_record("made", SPECIMEN, pressure, contraction, 0.0 * x, time=time).inputs, TRUE)
     force = pull + hidden(pressure, x, side, velocity)
+    contraction = read(STROKE_MM * x) / SPECIMEN.initial_length_mm if read else contraction
     temperature = None if warm is None else warm(time)
     force = force if cell is None else cell(time, force, temperature)
     return build_record(
@@ -550,6 +551,25 @@ def test_a_force_that_is_logged_late_is_said_to_be_one():
     found = diagnose(LAW, strokes(lambda p, x, side, v: 0.0 * v, cell=lambda t, f, T: np.interp(t - 0.1, t, f)))
     assert "It could be a force that is logged 0.098 s after the length" in found.sentence
     assert all(one.probability <= 0.5 for one in found.ranking)
+
+
+def with_play(x, play=0.4):
+    """A reading that stands still until the muscle has gone through the play."""
+    at = [x[0]]
+    for one in x[1:]:
+        at.append(min(max(at[-1], one - 0.5 * play), one + 0.5 * play))
+    return np.array(at)
+
+
+def test_a_length_that_is_read_with_play_is_no_friction():
+    found = diagnose(LAW, strokes(lambda p, x, side, v: 0.0 * v, read=with_play))
+    assert found.verdict == "unknown_effect" and not found.selected, found.sentence
+    assert "a length that is read with a play of 0.40 mm (it looks like friction:" in found.sentence
+
+
+def test_friction_that_grows_with_pressure_is_no_play():
+    found = diagnose(LAW, strokes(lambda p, x, side, v: -20.0 * p * side))
+    assert found.selected == ("pressure_friction",) and "play" not in found.sentence, found.sentence
 
 
 def test_damping_is_no_force_that_is_logged_late():

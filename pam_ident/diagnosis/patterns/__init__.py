@@ -16,7 +16,6 @@ from .base import SINCE_REVERSAL, Extent, PatternShape
 
 __all__ = ["Extent", "PatternShape", "catalogue", "patterns"]
 LENGTHS = 30
-SOURCE = "a description, not a physical effect"
 
 
 @cache
@@ -38,6 +37,6 @@ def patterns(inputs: Inputs, beats: Sequence[float] = (), error_mm: float = 0.0)
     found = []
     for one in catalogue().values():
         if any(seen.get(along, many) for along in (one.coordinate, *one.elsewhere.values())):
-            forms = tuple(f for f in one.forms(span) if seen.get(one.elsewhere.get(f.name, one.coordinate), many))
-            found.append(Effect(one.name, one.title, SOURCE, forms, test="", candidate=False))
+            forms = tuple(form for form in one.forms(span) if seen.get(one.along(form), many))
+            found += [one.in_forms(forms)] if forms else []
     return tuple(found)

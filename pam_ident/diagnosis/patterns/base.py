@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...core import Inputs, Param
-from ...effects import Form
+from ...effects import Effect, Form
 from ...effects.base import Array, Values
 
 BLURRED = 6.0
@@ -81,6 +81,14 @@ class PatternShape:
     forms: Callable[[Extent], Sequence[Form]]
     words: Callable[[Mapping[str, float], str], str]
     elsewhere: Mapping[str, str] = field(default_factory=dict)
+
+    def along(self, form: Form) -> str:
+        """The coordinate of a form."""
+        return self.elsewhere.get(form.name, self.coordinate)
+
+    def in_forms(self, forms: tuple[Form, ...]) -> Effect:
+        """It in some of its forms, to be fitted like an effect."""
+        return Effect(self.name, self.title, "a description, not a physical effect", forms, test="", candidate=False)
 
 
 def steps(low: float, span: float, count: int) -> tuple[float, ...]:
