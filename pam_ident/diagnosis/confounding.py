@@ -51,10 +51,16 @@ def _same_form(selection: Selection, term: Term) -> list[str]:
 
 def _general(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
     """The effect that this one is a special case of, where the record does not need the size that makes it one."""
+    general = [e.name for e in selection.weighed if e.name == term.effect.special_case_of]
+    return general if general and _needless(selection, fitted, term) else []
+
+
+def _needless(selection: Selection, fitted: FittedSet, term: Term) -> bool:
+    """Whether a set explains as much without the size that makes a term's effect what it is, beside others it has."""
     effect, form = term.effect, term.form
     kept = [k for k, p in enumerate(form.linear) if p.name != effect.own]
-    if effect.special_case_of not in {e.name for e in selection.weighed} or len(kept) == len(form.linear):
-        return []
+    if not 0 < len(kept) < len(form.linear):
+        return False
 
     def columns(inputs: Inputs, values: Values, force: Array) -> Array:
         return form.columns(inputs, values, force)[:, kept]
@@ -62,7 +68,7 @@ def _general(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
     linear = tuple(form.linear[k] for k in kept)
     plain = Term(effect, replace(form, name=f"{form.name}_plain", linear=linear, columns=columns))
     fewer = selection.aside().refit([*fitted.without(term), plain], fitted.values)
-    return [effect.special_case_of] if fewer.squares < fitted.squares + CLOSE else []
+    return fewer.squares < fitted.squares + CLOSE
 
 
 def _breaking_away(selection: Selection, fitted: FittedSet, term: Term) -> list[str]:
@@ -103,8 +109,15 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
     for name, choice in choices:
         if name != effect.name and choice.criterion < mine + bent + near[name]:
             rival = selection.refit_choice(data, choice, rest, fitted.criterion + near[name])
-            best[name] = min(best.get(name, np.inf), rival.criterion)
+            if _is(selection, rival, name):
+                best[name] = min(best.get(name, np.inf), rival.criterion)
     return sorted((n for n in best if best[n] < fitted.criterion + near[n]), key=best.__getitem__)
+
+
+def _is(selection: Selection, fitted: FittedSet, name: str) -> bool:
+    """Whether an effect of a set is what it is called there: friction that grows with pressure grows."""
+    own = [t for t in fitted.terms if t.effect.name == name and not t.effect.special_case_of]
+    return not any(_needless(selection, fitted, t) for t in own)
 
 
 def _near(selection: Selection, effect: Effect) -> dict[str, float]:
@@ -130,10 +143,10 @@ def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str
     rest = fitted.names - {effect.name}
     rivals = [v for v in selection.cache.values() if rest < v.names and len(v.names) == len(fitted.names)]
     near, least = _near(selection, effect), fitted.criterion
-    pairs = [(v.criterion, name) for v in rivals for name in v.names - rest]
-    names = dict.fromkeys(name for criterion, name in sorted(pairs) if criterion < least + near.get(name, 0.0))
-    others = [e.name for e in _others(selection, fitted, effect)]
-    return [name for name in names if name in others and name != effect.name]
+    others = {e.name for e in _others(selection, fitted, effect)} - {effect.name}
+    pairs = [(v.criterion, name, v) for v in rivals for name in v.names - rest if name in others]
+    close = sorted((one for one in pairs if one[0] < least + near.get(one[1], 0.0)), key=lambda one: one[:2])
+    return list(dict.fromkeys(name for _, name, one in close if _is(selection, one, name)))
 
 
 def _same_when_locked(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:

@@ -80,8 +80,8 @@ class Effect(Shown):
 
     `needs` names what a record must hold (branch, motion, time, cycle, temperature); `levers` what must be
     varied on the rig to see it, in the words of the contract; `special_case_of` the effect one of whose richer
-    forms is the same physics, and whose name is preferred where both explain a record alike, and `own` the size that
-    makes it that case; `alike` a group of which a model takes one, where that is another than those.
+    forms is the same physics, and whose name is preferred where both explain a record alike; `own` the size that makes
+    it what it is, where forms have others, too; `alike` a group of which a model takes one, if that is another.
     `follows` says what its force follows, in the words of `diagnosis.follows`: it is named only where the error follows
     one of these; an effect that says nothing may follow anything.
     `candidate` False keeps an effect out of the diagnosis. `simplest` is the form that goes by the effect's name: the

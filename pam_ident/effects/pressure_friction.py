@@ -74,4 +74,5 @@ EFFECT = Effect(
     test="pressures over 4:1: the gap between the branches grows with them",
     needs=("branch",),
     levers=("pressure",),
+    own=MU.name,
 )

@@ -143,7 +143,7 @@ def test_the_ladder_falls_to_the_floor_and_stops(answer, rubbing):
     keys = {"effects", "rmse_N", "heldout_rmse_N", "refit_rmse_N", "shares_N", "parameters", "covariance"}
     assert [set(one) for one in found["rungs"]] == [keys, keys | {"reading", "simpler"}]
     assert found["rungs"][-1]["effects"][0].startswith("coulomb_friction")
-    assert found["groups"] == [["coulomb_friction", "pressure_friction"]]
+    assert found["groups"] == []
     assert found["rungs"][-1]["rmse_N"] < 1.1 * found["noise_floor_N"] < 0.3 * found["rungs"][0]["rmse_N"]
     assert "step" in result.stdout and "verdict: adequate" in result.stdout
 

@@ -567,6 +567,13 @@ def test_a_length_that_is_read_with_play_is_no_friction():
     assert "a length that is read with a play of 0.40 mm (it looks like friction:" in found.sentence
 
 
+def test_friction_that_does_not_grow_with_pressure_is_not_called_so():
+    """A form with a part that does not grow, too, can do the same, but then it is that part."""
+    found = diagnose(LAW, strokes(lambda p, x, side, v: -4.0 * side))
+    assert found.selected == ("coulomb_friction",), found.sentence
+    assert not any("pressure_friction" in group for group in found.groups)
+
+
 def test_friction_that_grows_with_pressure_is_no_play():
     found = diagnose(LAW, strokes(lambda p, x, side, v: -20.0 * p * side))
     assert found.selected == ("pressure_friction",) and "play" not in found.sentence, found.sentence
