@@ -187,7 +187,8 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     """Samples in which the muscle may rest or slide either way, (n,): at the point of a turn without a hold, which
     belongs to both strokes, or to neither, and in a short rest of a slow turn, which may be anywhere in it; in the
     rest that a segment begins with, because nobody saw how it was come to; the first of any rest, in which a drive may
-    still come back; and the last one within `near_mm` of a hold's level, where a stroke may have begun."""
+    still come back; the last one within `near_mm` of a hold's level, where a stroke may have begun; and that of a stroke
+    there, where its last step falls short of the one before: it has ended since."""
     moving, segment, x = inputs.moving, inputs.segment, inputs.displacement_mm
     assert moving is not None and segment is not None
     found = np.zeros(len(inputs), bool)
@@ -204,8 +205,13 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
         found |= np.isin(run, run[turned[softly]])
     found |= comes_to_rest(inputs)
     if near_mm is not None:
+        step = np.abs(np.diff(x))
         last = np.flatnonzero(moving[1:] & ~moving[:-1])
-        found[last + (np.abs(np.diff(x)[last]) <= near_mm)] = True
+        found[last + (step[last] <= near_mm)] = True
+        if inputs.time is not None:
+            pace = np.diff(inputs.time)
+            short = step[:-1] * pace[1:] - step[1:] * pace[:-1] > near_mm * pace[:-1]
+            found[2:-1] |= short[:-1] & moving[2:-1] & ~moving[3:] & (step[2:] <= near_mm)
     return found
 
 

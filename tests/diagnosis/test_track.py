@@ -38,6 +38,21 @@ def test_a_hold_at_a_turn_is_known_to_rest():
     assert unknown[rest].sum() <= 12  # the first and the last of each
 
 
+@pytest.mark.parametrize(("end_mm", "rests"), [(29.5, True), (30.0, False)])
+def test_a_stroke_that_ends_between_two_samples_may_rest_at_the_second(end_mm, rests):
+    """By a clock that is a tenth of its step off, now and then."""
+    rng, parts = np.random.default_rng(1), []
+    for _ in range(12):
+        way = np.minimum(3.0 * (np.arange(11) + np.r_[0.0, rng.uniform(-0.1, 0.1, 9), 0.0]), end_mm)
+        parts += [way, np.full(20, end_mm), end_mm - way, np.zeros(20)]
+    record, unknown = unread(np.concatenate(parts))
+    moving, x = record.inputs.moving, record.inputs.displacement_mm
+    ends = np.flatnonzero(moving[:-1] & ~moving[1:])
+    ends = ends[np.abs(x[ends] - x[ends + 1]) < 0.05]
+    assert len(ends) > 4
+    assert np.mean(unknown[ends]) > 0.8 if rests else np.mean(unknown[ends]) < 0.4
+
+
 def many_sines(seed, noise_mm):
     """A record of a drive of six sines at a wavering pressure, with dry friction of 8 N, noise of 3 N, and a noisy
     length."""
