@@ -44,6 +44,11 @@ def groups(selection: Selection, fitted: FittedSet) -> tuple[tuple[str, ...], ..
     return tuple(found)
 
 
+def rightly_called(selection: Selection, fitted: FittedSet) -> bool:
+    """Whether every effect of a set is what it is called there: friction that grows with pressure grows."""
+    return not any(_needless(selection, fitted, t) for t in fitted.terms if not t.effect.special_case_of)
+
+
 def _same_form(selection: Selection, term: Term) -> list[str]:
     """The other effect that the formula of the selected form holds."""
     return [e.name for e in selection.weighed if e.name == term.form.same_as]
@@ -109,15 +114,9 @@ def _close(selection: Selection, fitted: FittedSet, rest: FittedSet, effect: Eff
     for name, choice in choices:
         if name != effect.name and choice.criterion < mine + bent + near[name]:
             rival = selection.refit_choice(data, choice, rest, fitted.criterion + near[name])
-            if _is(selection, rival, name):
+            if rightly_called(selection, rival):
                 best[name] = min(best.get(name, np.inf), rival.criterion)
     return sorted((n for n in best if best[n] < fitted.criterion + near[n]), key=best.__getitem__)
-
-
-def _is(selection: Selection, fitted: FittedSet, name: str) -> bool:
-    """Whether an effect of a set is what it is called there: friction that grows with pressure grows."""
-    own = [t for t in fitted.terms if t.effect.name == name and not t.effect.special_case_of]
-    return not any(_needless(selection, fitted, t) for t in own)
 
 
 def _near(selection: Selection, effect: Effect) -> dict[str, float]:
@@ -146,7 +145,7 @@ def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str
     others = {e.name for e in _others(selection, fitted, effect)} - {effect.name}
     pairs = [(v.criterion, name, v) for v in rivals for name in v.names - rest if name in others]
     close = sorted((one for one in pairs if one[0] < least + near.get(one[1], 0.0)), key=lambda one: one[:2])
-    return list(dict.fromkeys(name for _, name, one in close if _is(selection, one, name)))
+    return list(dict.fromkeys(name for _, name, one in close if rightly_called(selection, one)))
 
 
 def _same_when_locked(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:

@@ -6,10 +6,11 @@ from itertools import chain
 
 from ..effects import Effect
 from ..model import Term
+from .confounding import rightly_called
 from .drivers import DRIVERS
 from .late import logged_late
 from .remainder import as_good
-from .search import TEMPER
+from .search import CLOSE, TEMPER
 from .selection import FittedSet, Selection
 
 LAPSE, PAIR, THREE, DOUBTFUL, LOCKED, BESIDE = 0.006, 0.015, 0.3, 0.15, 0.12, 0.5
@@ -35,12 +36,14 @@ def probabilities(
     """Chance, by candidate, that it belongs to the answer, or that one does which the record cannot tell from it.
 
     Sets that were fitted are weighed by exp(−criterion / 2·TEMPER), and the weights of those that hold the candidate,
-    or a member of its `groups`, are summed. Where the likeliest of them holds a name that the `answer` has not, because
-    it is too small to matter or held-out data are predicted better without, no set with that name counts. With
-    chance LAPSE, or that of its kind of answer, `lapse` at least, the answer is wrong all the same; with chance MISSED
-    an effect is there whatever was fitted. These and TEMPER come from simulated records: docs/diagnosis.md.
+    or a member of its `groups`, are summed; but near the best only such as are `rightly_called`. Where the likeliest of
+    them holds a name that the `answer` has not, because it is too small to matter or held-out data are predicted better
+    without, no set with that name counts. With chance LAPSE, or that of its kind of answer, `lapse` at least, the
+    answer is wrong all the same; with chance MISSED an effect is there whatever was fitted. These and TEMPER come from
+    simulated records: docs/diagnosis.md.
     """
-    fitted = list(selection.cache.values())
+    best, *others = sorted(selection.cache.values(), key=lambda v: v.criterion)
+    fitted = [best, *(v for v in others if v.criterion > best.criterion + CLOSE or rightly_called(selection, v))]
     while answer is not None:
         more = min(fitted, key=lambda v: v.criterion).candidates.difference(answer, *groups)
         if not more:

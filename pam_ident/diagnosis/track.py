@@ -187,8 +187,8 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     """Samples in which the muscle may rest or slide either way, (n,): at the point of a turn without a hold, which
     belongs to both strokes, or to neither, and in a short rest of a slow turn, which may be anywhere in it; in the
     rest that a segment begins with, because nobody saw how it was come to; the first of any rest, in which a drive may
-    still come back; the last one within `near_mm` of a hold's level, where a stroke may have begun; and that of a stroke
-    there, where its last step falls short of the one before: it has ended since."""
+    still come back; the last one within `near_mm` of a hold's level, where a stroke may have begun; and that of a
+    stroke there, where its last step falls short of the one before: it has ended since."""
     moving, segment, x = inputs.moving, inputs.segment, inputs.displacement_mm
     assert moving is not None and segment is not None
     found = np.zeros(len(inputs), bool)

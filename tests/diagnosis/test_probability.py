@@ -13,7 +13,7 @@ from pam_ident.validation.calibration import reliability
 def selection(criteria, names=("a", "b", "c", "d"), locked=False, carried=False):
     return SimpleNamespace(
         cache={
-            names: SimpleNamespace(names=frozenset(names), candidates=frozenset(names), criterion=criterion)
+            names: SimpleNamespace(names=frozenset(names), candidates=frozenset(names), criterion=criterion, terms=())
             for names, criterion in criteria.items()
         },
         candidates=[SimpleNamespace(name=name) for name in names],

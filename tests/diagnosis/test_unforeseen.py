@@ -572,6 +572,7 @@ def test_friction_that_does_not_grow_with_pressure_is_not_called_so():
     found = diagnose(LAW, strokes(lambda p, x, side, v: -4.0 * side))
     assert found.selected == ("coulomb_friction",), found.sentence
     assert not any("pressure_friction" in group for group in found.groups)
+    assert {one.effect: one.probability for one in found.ranking}["coulomb_friction"] > 0.98
 
 
 def test_friction_that_grows_with_pressure_is_no_play():
