@@ -30,10 +30,10 @@ def unknown(what: str, name: object, known: Iterable[str], where: str = "") -> s
     return f"{head}; {listed if where and len(names) > SHORT else there}"
 
 
-def no_attribute(what: str, name: str, known: Mapping[str, str]) -> str:
-    """The message of an attribute that `what` lacks: the `known` ones, by name with what is said of each, that it may
-    have meant, else all of them."""
-    near = nearest(name, known)
+def no_attribute(what: str, name: str, known: Mapping[str, str], meant: Iterable[str] = ()) -> str:
+    """The message of an attribute that `what` lacks: what is surely `meant`, else the `known` ones, by name with what
+    is said of each, that may be, else all of them."""
+    near = list(meant) or nearest(name, known)
     if not near and len(name) < 3:
         near = [one for one in known if one.startswith(name)]
     if not near:
