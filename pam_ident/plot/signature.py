@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from ..core.digits import newtons
 from ..fitting import Fit
 from ..records import Record
+from ..records.motion import long_pause
 from .style import BLUE, GREY, INK, SKY, VERMILION, WIDTH, canvas, cloud, running_mean, styled, thin, zero_line
 
 Array = np.ndarray
@@ -101,12 +102,12 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
     smooth = f"mean of {shown.window} samples" if shown.window > 1 else ""
     size = 3.2 if len(shown.x) > 300 else 6.0
     cloud(top, shown.x, shown.before, GREY, size, 0.45, marker=".")
-    top.plot(shown.x, shown.before_mean, color=SKY, linewidth=2.4, label=smooth or "error")
+    top.plot(*_in_pieces(shown.x, shown.before_mean), color=SKY, linewidth=2.4, label=smooth or "error")
     top.set_title(f"{'Before' if after else 'Error'}: {newtons(before.rmse)} rms")
     if after is not None:
-        top.plot(shown.x, shown.effect, color=VERMILION, linewidth=1.0, label="what is added")
+        top.plot(*_in_pieces(shown.x, shown.effect), color=VERMILION, linewidth=1.0, label="what is added")
         cloud(low, shown.x, shown.after, GREY, size, 0.45, marker=".")
-        low.plot(shown.x, shown.after_mean, color=BLUE, linewidth=1.1, label=smooth or "error")
+        low.plot(*_in_pieces(shown.x, shown.after_mean), color=BLUE, linewidth=1.1, label=smooth or "error")
         low.set_title(f"After{'' if width < WIDTH else _added(before, after)}: {newtons(after.rmse)} rms")
     for axes in panels:
         zero_line(axes)
@@ -117,6 +118,13 @@ def draw(before: Fit, after: Fit | None = None, limit: int = 1500, width: float 
     reach = 1.3 * float(np.quantile(np.abs(np.r_[shown.before, shown.after]), 0.995))
     top.set_ylim(-reach, reach)
     return figure
+
+
+def _in_pieces(x: Array, y: Array) -> tuple[Array, Array]:
+    """A line (n,) that ends where the record pauses, and begins anew behind that."""
+    steps = np.diff(x)
+    behind = np.flatnonzero(steps > long_pause(float(np.quantile(steps, 0.95)) if len(steps) else 0.0)) + 1
+    return np.insert(x, behind, np.nan), np.insert(y, behind, np.nan)
 
 
 def _added(before: Fit, after: Fit) -> str:

@@ -141,6 +141,14 @@ def test_signature_is_the_change_of_the_model(diagnosis):
     assert len(signature.data(diagnosis.base, diagnosis.best, limit=50).x) == 50
 
 
+def test_no_line_goes_through_a_pause():
+    x = np.r_[np.arange(0.0, 10.0, 0.1), np.arange(70.0, 80.0, 0.1)]
+    place, line = signature._in_pieces(x, 2.0 * x)
+    assert np.flatnonzero(np.isnan(place)).tolist() == np.flatnonzero(np.isnan(line)).tolist() == [100]
+    assert place[~np.isnan(place)].tolist() == x.tolist()
+    assert len(signature._in_pieces(x[:100], x[:100])[0]) == 100
+
+
 def test_signature_of_a_table_is_sorted(table):
     one = fit(Model.build("modified_chou_hannaford"), table)
     shown = signature.data(one, one)
