@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..core import DataError, Specimen, UsageError
 from ..core.digits import millimetres, newtons
 from ..core.files import check_target, write_json
@@ -52,7 +54,7 @@ class Predicting(Hinting, ABC):
     def problems(self) -> list[str]:
         """Why the fit is not to be trusted elsewhere; empty when it is."""
 
-    def predict(self, pressure: Any, contraction: Any = None, **more: Any) -> "pd.DataFrame":
+    def predict(self, pressure: Any = None, contraction: Any = None, **more: Any) -> "pd.DataFrame":
         """Force with 95 % intervals of its mean (`mean_low_N`, `mean_high_N`) and of a new reading (`reading_…`).
 
         Args:
@@ -61,12 +63,16 @@ class Predicting(Hinting, ABC):
                 which the muscle carries that.
             contraction: ratio of the length at rest, a number or an array.
             more: where effects need them `time_s`, `temperature_C`, `cycle`, `branch` ('contraction' or 'extension').
+                Without a pressure the columns of a table, such as `pressure_bar=3.0, length_mm=180.0`.
 
         A reading's interval holds the noise and what the model leaves unexplained; NaN where nothing is known of that.
         `outside` marks states that the record did not reach, of which a warning tells, as of a fit with `problems`;
         `unexplained` intervals that are wide because the model leaves more than noise: something is missing in it.
         Raises UsageError, DataError.
         """
+        if pressure is None and more:
+            more |= {} if contraction is None else {"contraction": contraction}
+            pressure, contraction, more = _columns(more), None, {}
         if contraction is not None:
             states = States(inputs_of(self.specimen, pressure, contraction, **more))
         elif more:
@@ -88,6 +94,16 @@ class Predicting(Hinting, ABC):
         for problem in self.problems:
             warnings.warn(problem, stacklevel=2)
         return found
+
+
+def _columns(given: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Columns of a table from numbers and arrays."""
+    try:
+        columns = np.broadcast_arrays(*(np.atleast_1d(values) for values in given.values()))
+    except ValueError:
+        sizes = ", ".join(f"{name} has {np.size(values)}" for name, values in given.items())
+        raise UsageError(f"predict: expected numbers, or columns of one length; {sizes}") from None
+    return dict(zip(given, columns, strict=True))
 
 
 class SavedResult(Predicting):

@@ -221,6 +221,16 @@ def test_28_predict_at_a_record_or_a_table(fitted, record, frame):
     assert fitted.predict(table)["force_N"].to_numpy() == pytest.approx(fitted.residuals["model_N"].to_numpy())
 
 
+def test_28a_predict_at_columns_of_any_unit(fitted):
+    length = fitted.specimen.initial_length_mm
+    found = fitted.predict(pressure_bar=[2.0, 3.0], length_mm=0.95 * length)["force_N"]
+    assert found.to_numpy() == pytest.approx(fitted.predict([0.2, 0.3], 0.05)["force_N"].to_numpy())
+    with pytest.raises(UsageError, match="columns of one length; pressure_bar has 2, length_mm has 3"):
+        fitted.predict(pressure_bar=[2.0, 3.0], length_mm=[1.0, 2.0, 3.0])
+    with pytest.raises(UsageError, match="give contraction beside pressure"):
+        fitted.predict()
+
+
 def test_29_predict_without_what_an_effect_needs_says_so(rubbing):
     with pytest.raises(DataError, match="coulomb_friction needs branch at each state: add branch"):
         rubbing.predict(0.3, 0.05)
