@@ -42,4 +42,5 @@ class Hinting:
             known = {one: getattr(kind, one).__doc__ or "" if hasattr(kind, one) else "" for one in public}
             usual = [one for one, names in HERE.items() if name in names.split()]
             there = [one for one in usual if one.split(".")[0] in (*known, "pam")]
-            raise AttributeError(no_attribute(f"{kind.__name__!r} object", name, known, there))
+            said = no_attribute(f"{kind.__name__!r} object", name, known, there)
+            raise AttributeError(said, name=name, obj=None)  # of an obj Python would make a guess of its own, too
