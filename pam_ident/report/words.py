@@ -6,7 +6,8 @@ import re
 from ..core import digits
 from ..core.prose import capital
 from ..diagnosis.nouns import Diagnosis, Rung
-from ..effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure, in_words
+from ..diagnosis.sentence import not_told_apart
+from ..effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
 from ..fitting.fit import Estimate
 from ..model import Model
 
@@ -125,9 +126,5 @@ def equation(model: Model) -> list[str]:
 
 
 def groups(diagnosis: Diagnosis) -> list[str]:
-    """Effects that a record cannot tell apart, a line a group of two or more."""
-    return [
-        f"This record cannot tell apart: {'; '.join(in_words(name, diagnosis.best.model.own) for name in group)}."
-        for group in diagnosis.groups
-        if len(group) > 1
-    ]
+    """Effects that a record cannot tell apart, a sentence a group."""
+    return not_told_apart(diagnosis.groups, diagnosis.best.model.own)
