@@ -6,8 +6,7 @@ import re
 from ..core import digits
 from ..core.prose import capital
 from ..diagnosis.nouns import Diagnosis, Rung
-from ..diagnosis.sentence import not_told_apart
-from ..effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure
+from ..effects import AddsForce, Form, ScalesForce, TransformsContraction, TransformsPressure, in_words
 from ..fitting.fit import Estimate
 from ..model import Model
 
@@ -126,5 +125,9 @@ def equation(model: Model) -> list[str]:
 
 
 def groups(diagnosis: Diagnosis) -> list[str]:
-    """Effects that a record cannot tell apart, a sentence a group."""
-    return not_told_apart(diagnosis.groups, diagnosis.best.model.own)
+    """Effects that a record cannot tell apart, a line a group of two or more."""
+    return [
+        f"This record cannot tell apart: {'; '.join(in_words(name, diagnosis.best.model.own) for name in group)}."
+        for group in diagnosis.groups
+        if len(group) > 1
+    ]
