@@ -79,7 +79,7 @@ class Predicting(Hinting, ABC):
             raise UsageError("predict: give pressure and contraction, or one record, table or file")
         elif isinstance(pressure, Record):
             states = States(pressure.inputs)
-        elif isinstance(pressure, str | Path) or hasattr(pressure, "columns"):
+        elif isinstance(pressure, str | Path) or (pressure is not None and hasattr(pressure, "columns")):
             states = read_states(pressure, self.specimen)
         elif isinstance(pressure, Mapping):
             import pandas as pd

@@ -145,7 +145,11 @@ def _fitted(selection: Selection, fitted: FittedSet, effect: Effect) -> list[str
     others = {e.name for e in _others(selection, fitted, effect)} - {effect.name}
     pairs = [(v.criterion, name, v) for v in rivals for name in v.names - rest if name in others]
     close = sorted((one for one in pairs if one[0] < least + near.get(one[1], 0.0)), key=lambda one: one[:2])
-    return list(dict.fromkeys(name for _, name, one in close if rightly_called(selection, one)))
+    found: list[str] = []
+    for _, name, one in close:
+        if name not in found and rightly_called(selection, one):  # which fits: once a name is enough
+            found.append(name)
+    return found
 
 
 def _same_when_locked(selection: Selection, rest: FittedSet, effect: Effect) -> list[str]:

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..fitting.solve import solve
 from ..model import Term
-from .patterns.reading import LATE, LOGGED_LATE, PATTERN, misread
+from .patterns.reading import LATE, LOGGED_LATE, ONE_INSTANT, PATTERN, misread
 from .selection import Selection
 
 FALLS_SHORT = 0.04
@@ -25,4 +25,4 @@ def logged_late(selection: Selection, left: float) -> str:
     if late - left > FALLS_SHORT * (alone - left):
         return ""
     by = found.values[f"{PATTERN.name}.{LATE.name}"]
-    return f"It could be {misread(LOGGED_LATE, by)}: see whether the logger reads all channels at one instant."
+    return f"It could be {misread(LOGGED_LATE, by)}: {ONE_INSTANT}."

@@ -14,6 +14,7 @@ from .leaps import APART, LEAP, leaps
 from .nouns import Pattern
 from .patterns import catalogue as catalogue_of_patterns
 from .patterns.beat import PATTERN as BEAT_IN_TIME
+from .patterns.reading import ONE_INSTANT
 from .repeats import rounding, step_of
 from .search import CLOSE
 from .selection import FittedSet, Selection
@@ -34,7 +35,7 @@ FORMS = {
     "pressed": "in proportion to the pressure",
     "loaded": "in proportion to the force",
     "play": "it looks like friction: move the clamp to and fro by hand, the reading must follow at once",
-    "late": "it looks like damping: see whether the logger reads all channels at one instant",
+    "late": f"it looks like damping: {ONE_INSTANT}",
 }
 """Forms of patterns whose names say too little."""
 HUM = 1.0

@@ -190,7 +190,7 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
     still come back; the last one within `near_mm` of a hold's level, where a stroke may have begun; and that of a
     stroke there, where its last step falls short of the one before: it has ended since."""
     moving, segment, x = inputs.moving, inputs.segment, inputs.displacement_mm
-    assert moving is not None and segment is not None
+    assert moving is not None and segment is not None and inputs.time is not None
     found = np.zeros(len(inputs), bool)
     turn = np.flatnonzero((np.diff(inputs.direction) != 0.0) & moving[1:] & moving[:-1])
     found[turn + (np.diff(x)[turn] * inputs.direction[turn] > 0.0)] = True
@@ -208,10 +208,9 @@ def _unread(inputs: Inputs, near_mm: float | None) -> Array:
         step = np.abs(np.diff(x))
         last = np.flatnonzero(moving[1:] & ~moving[:-1])
         found[last + (step[last] <= near_mm)] = True
-        if inputs.time is not None:
-            pace = np.diff(inputs.time)
-            short = step[:-1] * pace[1:] - step[1:] * pace[:-1] > near_mm * pace[:-1]
-            found[2:-1] |= short[:-1] & moving[2:-1] & ~moving[3:] & (step[2:] <= near_mm)
+        pace = np.diff(inputs.time)
+        short = step[:-1] * pace[1:] - step[1:] * pace[:-1] > near_mm * pace[:-1]
+        found[2:-1] |= short[:-1] & moving[2:-1] & ~moving[3:] & (step[2:] <= near_mm)
     return found
 
 

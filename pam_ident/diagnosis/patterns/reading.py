@@ -10,6 +10,7 @@ from ...effects.base import Array, Values
 from .base import Extent, PatternShape
 
 PLAY = Param("play", "mm", "play of the length's reading", 0.0, 20.0, scale=0.1)
+ONE_INSTANT = "see whether the logger reads all channels at one instant"
 LATE = Param("late", "s", "how much later than the length the force is read", -1.0, 1.0, scale=0.01)
 
 
